@@ -5,7 +5,7 @@ and returns a `Schedule`, with times in seconds from the start of its sound. The
 selects the voice.
 """
 
-from lipsync_lang.speech.speech_engines import (
+from lipsync_lang.speech.speaking.speech_engines import (
     ENGINES,
     BatchEngine,
     Engine,

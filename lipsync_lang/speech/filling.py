@@ -17,21 +17,21 @@ from lipsync_lang.errors import SpeechError, shortlist
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS, Audio, Schedule, Word
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords
-from lipsync_lang.speech.hearing import Recording, align_many
-from lipsync_lang.speech.joining import join
-from lipsync_lang.speech.sound import read_audio, with_sound
-from lipsync_lang.speech.speaking import SILENT, Speaker
+from lipsync_lang.speech.hearing.alignment import align_many
+from lipsync_lang.speech.sound import SoundSource, sound_of, with_sound
+from lipsync_lang.speech.speaking.joining import join
+from lipsync_lang.speech.speaking.speaker import NO_ENGINE, Speaker
 
-PAUSE_SECONDS = 0.2
+PHRASE_PAUSE_SECONDS = 0.2
 """Shortest gap between words that parts them into phrases, which are read one by one."""
 
-MARGIN_SECONDS = 0.05
+PHRASE_MARGIN_SECONDS = 0.05
 """Sound around a phrase that an aligner hears, as given boundaries are not exact."""
 
-MAX_SHOWN = 5
+MAX_MUTE_WORDS = 5
 """Words shown in a remark."""
 
-UNSPACED = (
+UNSPACED_BLOCKS = (
     (0x0E00, 0x109F),
     (0x1780, 0x17FF),
     (0x3005, 0x312F),
@@ -40,7 +40,7 @@ UNSPACED = (
 )
 """Blocks of Unicode whose scripts have no spaces between words, first and last code point."""
 
-Share = Schedule | SpeechError | None
+WordPhonemes = Schedule | SpeechError | None
 """Phonemes of one given word, to fill its time; None if the word must be read alone."""
 
 
@@ -48,7 +48,7 @@ def fill_words(
     timed: TimedWords,
     language: str | Path,
     *,
-    audio: Recording | None = None,
+    audio: SoundSource | None = None,
     paths: Paths = (),
 ) -> Schedule:
     """Read timed words, and fill the time of each with its phonemes.
@@ -76,21 +76,26 @@ def fill_words(
     return filled(Speaker.of(language, paths), timed, audio=audio)
 
 
-def filled(speaker: Speaker, timed: TimedWords, *, audio: Recording | None = None) -> Schedule:
+def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = None) -> Schedule:
     """Fill timed words as `fill_words` does, with a prepared language."""
-    sound = audio if audio is None or isinstance(audio, Audio) else read_audio(audio)
+    sound = None if audio is None else sound_of(audio)
     phrases = list(_phrases(timed.words))
     texts = [_joined(phrase) for phrase in phrases]
     whole: list[Schedule | SpeechError]
-    whole = list(speaker.speak_many(texts, engine=SILENT))
+    whole = list(speaker.speak_many(texts, engine=NO_ENGINE))
     heard = [] if sound is None else _heard(speaker, phrases, texts, sound)
     for number, schedule in heard:
         whole[number] = schedule
     shares = [one for pair in zip(phrases, whole, strict=True) for one in _shares(*pair)]
     alone = [word.text for word, one in zip(timed.words, shares, strict=True) if one is None]
-    singly = speaker.speak_many(alone, engine=SILENT)
+    singly = speaker.speak_many(alone, engine=NO_ENGINE)
     found = [next(singly) if one is None else one for one in shares]
-    made = _laid(timed, found, _told(timed, len(phrases), len(heard)))
+    told = f"{timed.source} has times of words, but not of phonemes; the phonemes are "
+    told += f"{'aligned with the recording' if heard else 'estimated'} within each word"
+    if 0 < len(heard) < len(phrases):
+        unfit = len(phrases) - len(heard)
+        told += f" ({unfit} of {len(phrases)} phrases did not fit it and are estimated)"
+    made = _filled_schedule(timed, found, told)
     return made if sound is None else with_sound(made, sound)
 
 
@@ -98,7 +103,7 @@ def _phrases(words: Sequence[TimedWord]) -> Iterator[list[TimedWord]]:
     """Yield the words between pauses."""
     phrase: list[TimedWord] = []
     for word in words:
-        if phrase and word.start - phrase[-1].end >= PAUSE_SECONDS:
+        if phrase and word.start - phrase[-1].end >= PHRASE_PAUSE_SECONDS:
             yield phrase
             phrase = []
         phrase.append(word)
@@ -115,37 +120,34 @@ def _joined(words: Sequence[TimedWord]) -> str:
 
 
 def _is_unspaced(character: str) -> bool:
-    return any(first <= ord(character) <= last for first, last in UNSPACED)
+    return any(first <= ord(character) <= last for first, last in UNSPACED_BLOCKS)
 
 
 def _heard(
     speaker: Speaker, phrases: Sequence[Sequence[TimedWord]], texts: Sequence[str], sound: Audio
 ) -> list[tuple[int, Schedule]]:
     """Align each phrase with its part of the sound, and return the results by number."""
-    cuts = ((_cut(sound, phrase), text) for phrase, text in zip(phrases, texts, strict=True))
-    found = [
-        (number, one)
-        for number, one in enumerate(align_many(speaker, cuts))
-        if isinstance(one, Schedule) and (one.confidence is None or one.confidence >= DOUBTFUL)
-    ]
-    return [(number, _in_notation(speaker, texts[number], one)) for number, one in found]
-
-
-def _in_notation(speaker: Speaker, text: str, heard: Schedule) -> Schedule:
-    """Return an alignment in the notation that the language's texts are read in."""
+    cuts = []
+    for words, text in zip(phrases, texts, strict=True):
+        low = max(words[0].start - PHRASE_MARGIN_SECONDS, 0.0) * sound.rate
+        high = (words[-1].end + PHRASE_MARGIN_SECONDS) * sound.rate
+        cuts.append((replace(sound, samples=sound.samples[round(low) : round(high)]), text))
+    found: list[tuple[int, Schedule]] = []
     manner = speaker.manner
-    if heard.notation == manner.notation:
-        return heard
-    return join(next(speaker.transcribe([text])), heard, manner, speaker.notations)
+    for number, one in enumerate(align_many(speaker, cuts)):
+        if isinstance(one, SpeechError) or (
+            one.confidence is not None and one.confidence < DOUBTFUL
+        ):
+            continue
+        if one.notation != manner.notation:
+            # An aligner may have labels of its own; the words of a phrase have one notation.
+            (read,) = speaker.transcribe([texts[number]])
+            one = join(read, one, manner, speaker.notations)  # noqa: PLW2901
+        found.append((number, one))
+    return found
 
 
-def _cut(sound: Audio, words: Sequence[TimedWord]) -> Audio:
-    low = max(words[0].start - MARGIN_SECONDS, 0.0) * sound.rate
-    high = (words[-1].end + MARGIN_SECONDS) * sound.rate
-    return replace(sound, samples=sound.samples[round(low) : round(high)])
-
-
-def _shares(words: Sequence[TimedWord], read: Schedule | SpeechError) -> list[Share]:
+def _shares(words: Sequence[TimedWord], read: Schedule | SpeechError) -> list[WordPhonemes]:
     """Return the part of each word in a phrase's schedule; None if the two have other words.
 
     Words are matched by the count of letters before and after them.
@@ -160,7 +162,7 @@ def _shares(words: Sequence[TimedWord], read: Schedule | SpeechError) -> list[Sh
     starts: dict[int, int] = {}
     for number, end in enumerate(ends):
         starts.setdefault(end, number)
-    shares: list[Share] = []
+    shares: list[WordPhonemes] = []
     for at, letters in zip(accumulate(map(len, given), initial=0), given, strict=False):
         first, stop = starts.get(at), starts.get(at + len(letters))
         if not letters or first is None or stop is None:
@@ -234,8 +236,8 @@ class _Layout:
         self.unread += share.unread
 
 
-def _laid(
-    timed: TimedWords, shares: Iterable[Schedule | SpeechError], told: Sequence[str]
+def _filled_schedule(
+    timed: TimedWords, shares: Iterable[Schedule | SpeechError], told: str
 ) -> Schedule:
     """Place the phonemes of all words in their times; a word without phonemes is silence."""
     layout, mute = _Layout(), []
@@ -249,6 +251,10 @@ def _laid(
         layout.rest(word.end)
     if not layout.words:
         raise error or SpeechError(f"{timed.source}: no word can be read")
+    remarks = [*timed.remarks, told]
+    if mute:
+        shown = shortlist(map(repr, mute), MAX_MUTE_WORDS)
+        remarks.append(f"{timed.source}: the mouth rests during words that cannot be read: {shown}")
     return Schedule(
         tuple(layout.labels),
         np.array(layout.times),
@@ -257,24 +263,6 @@ def _laid(
         language=layout.language,
         source=timed.source,
         unread=tuple(dict.fromkeys(layout.unread)),
-        remarks=(*timed.remarks, *told, *_mute(timed, mute)),
+        remarks=tuple(remarks),
         stress=tuple(layout.stress) if any(s is not None for s in layout.stress) else (),
     )
-
-
-def _told(timed: TimedWords, phrases: int, aligned: int) -> list[str]:
-    """Return a remark on the origin of the phonemes."""
-    how = "aligned with the recording" if aligned else "estimated"
-    told = f"{timed.source} has times of words, but not of phonemes; the phonemes are {how} "
-    told += "within each word"
-    if 0 < aligned < phrases:
-        told += f" ({phrases - aligned} of {phrases} phrases did not fit it and are estimated)"
-    return [told]
-
-
-def _mute(timed: TimedWords, mute: Sequence[str]) -> list[str]:
-    """Return a remark on words without phonemes, if there are any."""
-    if not mute:
-        return []
-    shown = shortlist(map(repr, mute), MAX_SHOWN)
-    return [f"{timed.source}: the mouth rests during words that cannot be read: {shown}"]

@@ -11,16 +11,19 @@ import numpy.typing as npt
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
 from lipsync_lang.schedules.schedule import Audio, Schedule
-from lipsync_lang.speech.sound_forms import OPEN_BYTES, surplus_seconds, unread
+from lipsync_lang.speech.sound_forms import PLACEHOLDER_BYTES, surplus_seconds, unread
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import ModuleType
 
+SPEECH_RATE = 16_000
+"""Samples per second at which models and aligners hear speech."""
+
 SLOWEST, FASTEST = 8_000, 192_000
 """Permitted sample rates in hertz, lowest and highest."""
 
-LONGEST = 7_200.0
+MAX_SOUND_SECONDS = 7_200.0
 """Maximum duration in seconds: two hours."""
 
 MAX_SAMPLES = 7_200 * 48_000
@@ -38,20 +41,29 @@ MAX_CHANNELS = 64
 MP3, MP3_SLACK = "MP3", 2 * 1152
 """Format whose header may count the padding of its frames as samples."""
 
-BLOCK = 1 << 20
+BLOCK_SAMPLES = 1 << 20
 """Block size of reading, in samples over all channels."""
 
-CANCELLED = 0.05
+MIN_MIX_POWER = 0.05
 """Minimum power of a mix, as a share of that of its channels; reversed channels cancel out."""
 
-LOUDEST = 2.0**16
+MAX_AMPLITUDE = 2.0**16
 """Amplitude limit of a sample; damaged files hold floats with infinite sums."""
 
-FULL = 32_768
+INT16_FULL_SCALE = 32_768
 """Magnitude of int16 full scale."""
 
 LATE_SECONDS = 0.1
 """Tolerated excess of a schedule over its sound, without a remark."""
+
+
+SoundSource = str | Path | Audio
+"""A sound, or a file of it."""
+
+
+def sound_of(source: SoundSource) -> Audio:
+    """Return a sound; read it, if it is a file."""
+    return source if isinstance(source, Audio) else read_audio(source)
 
 
 def read_audio(path: str | Path, channel: int | None = None) -> Audio:
@@ -102,10 +114,10 @@ def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
         raise SpeechError(
             f"{path}: {rate} samples per second; speech needs {SLOWEST} to {FASTEST}: resample it"
         )
-    if sound.frames > LONGEST * rate:
+    if sound.frames > MAX_SOUND_SECONDS * rate:
         raise SpeechError(
             f"{path}: lasts {sound.frames / rate / 60:.0f} minutes, more than the maximum of "
-            f"{LONGEST / 60:.0f}; cut it into lines"
+            f"{MAX_SOUND_SECONDS / 60:.0f}; cut it into lines"
         )
     stated, size = sound.frames, Path(path).stat().st_size
     if stated > SAMPLES_PER_BYTE.get(sound.format, FLAC_SAMPLES_PER_BYTE) * size:
@@ -144,16 +156,18 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
 def _blocks(path: str | Path, sound: Any) -> "Iterator[npt.NDArray[np.float32]]":
     """Yield the samples in the file, (N, C), whatever its header states."""
     count = 0
-    while len(block := sound.read(BLOCK // sound.channels, dtype="float32", always_2d=True)):
+    while len(
+        block := sound.read(BLOCK_SAMPLES // sound.channels, dtype="float32", always_2d=True)
+    ):
         count += len(block)
         if count > MAX_SAMPLES:
             raise SpeechError(f"{path}: has more than {MAX_SAMPLES:,} samples; cut it into lines")
-        yield np.clip(np.nan_to_num(block), -LOUDEST, LOUDEST)
+        yield np.clip(np.nan_to_num(block), -MAX_AMPLITUDE, MAX_AMPLITUDE)
 
 
 def _taken(path: str | Path, sound: Any, channel: int) -> "list[npt.NDArray[np.int16]]":
     """Read one channel."""
-    return [_whole(block[:, channel] * FULL) for block in _blocks(path, sound)]
+    return [_whole(block[:, channel] * INT16_FULL_SCALE) for block in _blocks(path, sound)]
 
 
 def _mixed(path: str | Path, sound: Any) -> "list[npt.NDArray[np.int16]]":
@@ -162,10 +176,11 @@ def _mixed(path: str | Path, sound: Any) -> "list[npt.NDArray[np.int16]]":
     powers, left = np.zeros(sound.channels), 0.0
     for block in _blocks(path, sound):
         mean = block.mean(axis=1)
+        # In float64: the sum of an hour of squares has more digits than a float32 keeps.
         powers += np.square(block, dtype=np.float64).sum(axis=0)
         left += float(np.square(mean, dtype=np.float64).sum())
-        blocks.append(_whole(mean * FULL))
-    if left >= CANCELLED * powers.mean():
+        blocks.append(_whole(mean * INT16_FULL_SCALE))
+    if left >= MIN_MIX_POWER * powers.mean():
         return blocks
     sound.seek(0)
     return _taken(path, sound, int(powers.argmax()))
@@ -173,7 +188,9 @@ def _mixed(path: str | Path, sound: Any) -> "list[npt.NDArray[np.int16]]":
 
 def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
     """Round to int16, clipped at full scale."""
-    whole: npt.NDArray[np.int16] = np.clip(np.rint(samples), -FULL, FULL - 1).astype(np.int16)
+    whole: npt.NDArray[np.int16] = np.clip(
+        np.rint(samples), -INT16_FULL_SCALE, INT16_FULL_SCALE - 1
+    ).astype(np.int16)
     return whole
 
 
@@ -186,7 +203,7 @@ def _cut_short(sound: Any) -> bool:
         chunk, _, sizes = line.partition(":")
         stated, corrected, there = sizes.partition("(should be")
         if chunk.strip() in ("data", "SSND") and corrected:
-            return int(there.strip(" )")) < int(stated) < OPEN_BYTES
+            return int(there.strip(" )")) < int(stated) < PLACEHOLDER_BYTES
     return False
 
 

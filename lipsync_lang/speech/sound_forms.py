@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lipsync_lang.files.quoting import shell_command
 
-FOREIGN = (
+FOREIGN_MARKS = (
     (4, b"ftyp", "MPEG-4 sound or video (m4a, mp4, mov)"),
     (0, b"\x1aE\xdf\xa3", "Matroska or WebM"),
     (0, b"0&\xb2u\x8ef\xcf\x11", "Windows Media (wma)"),
@@ -19,7 +19,7 @@ FOREIGN = (
 )
 """Formats that other programs read: offset and bytes of their marks, and their names."""
 
-HEAD_BYTES = 512
+SOUND_HEAD_BYTES = 512
 MAX_CHUNKS = 1000
 """Chunks of a WAV file to skip."""
 
@@ -29,7 +29,7 @@ FORM_BYTES = 16
 SURPLUS_SECONDS = 0.1
 """Tolerated sound after the stated end, where some programs write tags."""
 
-OPEN_BYTES = 0x7FFF_0000
+PLACEHOLDER_BYTES = 0x7FFF_0000
 """Minimum placeholder size, written by streaming programs in place of the unknown size."""
 
 
@@ -41,8 +41,8 @@ def unread(path: Path, reason: str) -> str:
     reason : libsndfile's own
     """
     with path.open("rb") as stream:
-        head = stream.read(HEAD_BYTES)
-    title = next((one for at, sign, one in FOREIGN if head[at:].startswith(sign)), None)
+        head = stream.read(SOUND_HEAD_BYTES)
+    title = next((one for at, sign, one in FOREIGN_MARKS if head[at:].startswith(sign)), None)
     if title is not None:
         stem = path.stem if path.suffix.lower() != ".wav" else f"{path.stem}-converted"
         command = shell_command(["ffmpeg", "-i", str(path), f"{stem}.wav"])
@@ -56,8 +56,8 @@ def unread(path: Path, reason: str) -> str:
 
 def _is_text(head: bytes) -> bool:
     try:
-        text = head[: HEAD_BYTES - 4].decode(
-            "utf-8", "strict" if len(head) < HEAD_BYTES else "ignore"
+        text = head[: SOUND_HEAD_BYTES - 4].decode(
+            "utf-8", "strict" if len(head) < SOUND_HEAD_BYTES else "ignore"
         )
     except UnicodeDecodeError:
         return False
@@ -80,7 +80,7 @@ def surplus_seconds(stream: RawIOBase) -> float:
         if sounding and not (inside and _is_name(name)):
             rest = (size - at) / bytes_per_second if bytes_per_second else 0.0
             return rest if at < size and rest > SURPLUS_SECONDS else 0.0
-        if not inside or (name == b"data" and length >= OPEN_BYTES):
+        if not inside or (name == b"data" and length >= PLACEHOLDER_BYTES):
             return 0.0
         if name == b"fmt " and length >= FORM_BYTES:
             bytes_per_second = struct.unpack("<I", _bytes(stream, at + 16, 4))[0]

@@ -1,0 +1,1 @@
+"""Forced alignment by the Montreal Forced Aligner, a program of its own."""

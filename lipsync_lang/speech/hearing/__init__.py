@@ -1,0 +1,1 @@
+"""Recordings to timed phonemes: alignment with a text, and recognition without one."""

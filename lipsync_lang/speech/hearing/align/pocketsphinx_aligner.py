@@ -1,0 +1,217 @@
+"""Forced alignment by a pocketsphinx acoustic model and dictionary.
+
+Each word has pronunciation variants from the dictionary and from the language's G2P. The `sphinx`
+package selects the most likely variant and its times.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.packs.finding import IPA
+from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.phonology.labels import Notation
+from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.hearing.align.aligners import BatchAligner, aligner
+from lipsync_lang.speech.hearing.sphinx.features import features
+from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
+from lipsync_lang.speech.hearing.sphinx.forced import lay
+from lipsync_lang.speech.hearing.sphinx.scheduling import (
+    Saying,
+    confidence,
+    doubts,
+    line_confidence,
+    prepared,
+    timed_labels,
+)
+from lipsync_lang.speech.results import batches
+from lipsync_lang.speech.speaking.joining import stress_read
+from lipsync_lang.speech.speaking.speaker import BATCH_TEXTS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lipsync_lang.phonology.g2p.g2p_engines import Said
+    from lipsync_lang.phonology.labels import Value
+    from lipsync_lang.speech.speaking.speaker import Speaker
+    from lipsync_lang.speech.speaking.transcripts import Transcript
+
+MIN_AGREEMENT = 0.12
+"""Share of phonemes borne out by the sound that chance alone reaches."""
+
+
+@aligner("pocketsphinx")
+class PocketsphinxAligner(BatchAligner):
+    """Aligner for languages with a pocketsphinx model.
+
+    `model` is the name of a pocketsphinx model.
+    """
+
+    def align_many(
+        self,
+        recordings: Iterable[tuple[Callable[[], Audio], str]],
+        speaker: "Speaker",
+        model: str | None = None,
+    ) -> Iterator[Schedule | SpeechError]:
+        """Align as `align` does, with many texts read at once."""
+        try:
+            models = find_models(model or _every_language())
+        except SpeechError as error:
+            yield from (error for _ in recordings)
+            return
+        for batch in batches(recordings, BATCH_TEXTS):
+            # All texts of a batch are read before the first sound: G2P engines start slowly.
+            reader = WordReader(models, speaker.remembering())
+            read = list(reader.speaker.transcribe_many(text for _, text in batch))
+            reader.read_apart(one for one in read if not isinstance(one, SpeechError))
+            for (sound, _), transcript in zip(batch, read, strict=True):
+                if isinstance(transcript, SpeechError):
+                    yield transcript
+                    continue
+                try:
+                    yield self._aligned(sound(), transcript, reader)
+                except SpeechError as error:
+                    yield error
+
+    def _aligned(self, audio: Audio, transcript: "Transcript", reader: "WordReader") -> Schedule:
+        """Align a text that is read."""
+        models, speaker, text = reader.models, reader.speaker, transcript.text
+        sayings = reader.sayings(transcript.words)
+        if not sayings:
+            raise SpeechError(f"'{text[:60]}' has no words to align; give the spoken text")
+        heard = lay(models.model, features(prepared(audio)), [saying.ways for saying in sayings])
+        if heard is None:
+            phonemes = sum(len(word.labels) for word in transcript.words)
+            raise SpeechError(
+                f"the text has {phonemes} phonemes, more than can be said in {audio.seconds:.2f} "
+                "s; check that the text is right and that the recording is complete"
+            )
+        agreeing = confidence(models, heard)
+        if agreeing < MIN_AGREEMENT:
+            raise SpeechError(
+                f"the text does not fit the recording ({agreeing:.0%} of its phonemes); check "
+                "the text, the language and the loudness of the voice, or try another aligner "
+                "(`aligner`)"
+            )
+        found = timed_labels(models, heard, sayings, audio.seconds)
+        manner = speaker.manner
+        notation = manner.audio.notation or manner.notation
+        return Schedule(
+            *found,
+            notation=notation,
+            language=manner.language,
+            audio=audio,
+            source="recording",
+            unread=transcript.unread,
+            stress=stress_read(transcript, found.labels, notation, manner, speaker.notations),
+            remarks=tuple(doubts(heard, sayings)),
+            confidence=line_confidence(heard),
+        )
+
+
+class WordReader:
+    """Pronunciation lookup for words of a language."""
+
+    def __init__(self, models: Models, speaker: "Speaker") -> None:
+        self.models = models
+        self.speaker = speaker
+        manner = speaker.manner
+        self.own = bool(manner.audio.notation)
+        self.labels = speaker.notations.get(manner.notation, Notation({}))
+        ipa = speaker.notations.get(IPA)
+        self.typical = {
+            value: name for name, value in reversed([*ipa.table.items()] if ipa else [])
+        }
+        self.stated = Notation(
+            {
+                label: tuple((name, 1 / len(names)) for name in names)
+                for label, names in manner.audio.phones.items()
+            }
+        )
+
+    def read_apart(self, transcripts: "Iterable[Transcript]") -> None:
+        """Read the parts of all words that the G2P joined, at once."""
+        words = [said for one in transcripts for said in one.words]
+        parts = sorted(_parts(_joined(words)))
+        if parts:  # the speaker remembers what it read
+            deque(self.speaker.transcribe_many(parts), maxlen=0)
+
+    def sayings(self, words: "Sequence[Said]") -> list[Saying]:
+        """Return words with their pronunciation variants, split where the G2P joined them."""
+        together = _joined(words)
+        parts = sorted(_parts(together))
+        read = dict(zip(parts, self.speaker.transcribe(parts), strict=True)) if parts else {}
+        apart = [
+            one
+            for said in words
+            for one in (
+                (word for part in said.text.split() for word in read[part].words)
+                if said.text in together
+                else [said]
+            )
+        ]
+        sayings = (self.saying(said) for said in apart)
+        return [saying for saying in sayings if saying.ways]
+
+    def saying(self, said: "Said") -> Saying:
+        """Return a word with its pronunciations.
+
+        In the model's own language the dictionary comes first; elsewhere the G2P alone counts.
+        """
+        numbers = [self.numbers(label) for label in said.labels]
+        read = tuple(number for some in numbers for number in some)
+        if not read:
+            return Saying(said.text, ())
+        if self.own:
+            ways = tuple(dict.fromkeys([*self.models.ways(plain(said.text)), read]))
+            return Saying(said.text, ways)
+        spelled = tuple(
+            (label, len(some)) for label, some in zip(said.labels, numbers, strict=True) if some
+        )
+        return Saying(said.text, (read,), spelled)
+
+    def numbers(self, label: str) -> list[int]:
+        """Map a G2P label to phoneme numbers of the model.
+
+        Without an entry in the pack: the phones that sound most like the label, or, where that is
+        not in IPA, like the IPA of its common phonemes.
+        """
+        found = self.stated.find(label)
+        if found is None:
+            said = [label] if self.speaker.manner.notation == IPA else self._typical(label)
+            found = tuple(one for ipa in said for one in self.by_ear(ipa))
+        return [self.models.numbers[name] for name, _ in found if name in self.models.numbers]
+
+    def _typical(self, label: str) -> list[str]:
+        """Return the IPA of the common phonemes of a label."""
+        common = self.labels.find(label) or ()
+        return [self.typical.get(((name, 1.0),), "") for name, _ in common]
+
+    @cached_property
+    def by_ear(self) -> "Callable[[str], Value]":
+        """The model's phones for a label of the IPA."""
+        from lipsync_lang.resolver.nearest_phonemes import model_phones
+
+        known = model_phones()
+        if known is None or known.model != self.models.folder.name:
+            return lambda _: ()
+        return lambda label: known.nearest.nearest(label).value  # signs that are no IPA are mute
+
+
+def _every_language() -> str | None:
+    """Return the model that hears languages without one of their own, by name."""
+    from lipsync_lang.resolver.nearest_phonemes import model_phones
+
+    known = model_phones()
+    return known.model if known else None
+
+
+def _joined(words: "Iterable[Said]") -> set[str]:
+    """Return the texts of words that the G2P joined."""
+    return {said.text for said in words if said.labels and len(said.text.split()) > 1}
+
+
+def _parts(joined: Iterable[str]) -> set[str]:
+    return {part for text in joined for part in text.split()}

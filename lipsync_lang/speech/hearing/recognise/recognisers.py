@@ -1,0 +1,70 @@
+"""Registry and interface of recognisers."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Protocol, TypeVar
+
+from lipsync_lang.extensions import Extensions
+from lipsync_lang.speech.hearing.sphinx.scheduling import listed
+
+if TYPE_CHECKING:
+    from lipsync_lang.schedules.schedule import Audio, Schedule
+    from lipsync_lang.speech.speaking.speaker import Speaker
+
+SHOWN_CHARS = 200
+"""Maximum length of recognised text in a remark."""
+
+PUNCTUATION = ' .,;:!?…"-'
+"""Signs around words, which remarks leave out."""
+
+
+class Recogniser(Protocol):
+    """Interface of a recogniser; register implementations with `recogniser`."""
+
+    def recognise(self, audio: "Audio", speaker: "Speaker", model: str | None = None) -> "Schedule":
+        """Return the recognised phonemes, from 0 s to the end of the sound, with any words.
+
+        The schedule has the sound and a confidence, and is marked as recognised. Threads may call
+        this at once; what is slow to load is to be kept for the next recording.
+        """
+        ...
+
+
+RECOGNISERS: Extensions[Recogniser] = Extensions(
+    "recognisers",
+    "recogniser",
+    modules={
+        "pocketsphinx": f"{__package__}.pocketsphinx_recogniser",
+        "phones": f"{__package__}.phones_recogniser",
+        "whisper": f"{__package__}.whisper_recogniser",
+    },
+)
+"""Recognisers by name."""
+
+R = TypeVar("R", bound=Recogniser)
+
+
+def recogniser(name: str) -> Callable[[type[R]], type[R]]:
+    """Register a class with a constructor without arguments as a recogniser."""
+
+    def register(made: type[R]) -> type[R]:
+        RECOGNISERS.add(name, made(), made.__module__)
+        return made
+
+    return register
+
+
+def heard_remark(text: str) -> str:
+    """Return a remark that repeats recognised words, or says that no word was recognised."""
+    if not text:
+        return "no words were heard"
+    return f"heard: {text[:SHOWN_CHARS]}{' ...' if len(text) > SHOWN_CHARS else ''}"
+
+
+def doubt_remarks(words: Sequence[tuple[str, float]]) -> list[str]:
+    """Return a remark that names doubtful words with their seconds; none without such words."""
+    return [f"words in doubt: {listed([placed(*word) for word in words])}"] if words else []
+
+
+def placed(text: str, seconds: float) -> str:
+    """Return a word with its time, for remarks."""
+    return f"'{text.strip(PUNCTUATION)}' at {seconds:.1f} s"

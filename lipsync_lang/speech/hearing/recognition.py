@@ -1,0 +1,109 @@
+"""Recognition of recordings: their words and the times of these, by the pack's recogniser."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import overload
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.packs.finding import Paths
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.speech.hearing.engine_names import engine_and_model
+from lipsync_lang.speech.hearing.recognise.recognisers import RECOGNISERS, Recogniser
+from lipsync_lang.speech.results import raised
+from lipsync_lang.speech.sound import SoundSource, sound_of
+from lipsync_lang.speech.speaking.speaker import Speaker
+
+
+@overload
+def recognise(  # type: ignore[overload-overlap]  # a path comes first
+    audio: SoundSource,
+    language: str | Path,
+    *,
+    recogniser: str | None = None,
+    paths: Paths = (),
+) -> Schedule: ...
+@overload
+def recognise(
+    audio: Iterable[SoundSource],
+    language: str | Path,
+    *,
+    recogniser: str | None = None,
+    paths: Paths = (),
+) -> Iterator[Schedule]: ...
+def recognise(
+    audio: SoundSource | Iterable[SoundSource],
+    language: str | Path,
+    *,
+    recogniser: str | None = None,
+    paths: Paths = (),
+) -> Schedule | Iterator[Schedule]:
+    """Find the words of a recording and their times.
+
+    Parameters
+    ----------
+    audio : the recording, or a file of it; or several
+    language : a language pack's name, tag or file
+    recogniser : another recogniser than the pack's; `NAME:MODEL` names its model as well
+    paths : a folder to search for packs before all others, or several
+
+    Returns
+    -------
+    A schedule; of several recordings an iterator, which reads one at a time
+
+    Raises
+    ------
+    SpeechError
+        The recording cannot be read, or the language has no recogniser.
+
+    Examples
+    --------
+    >>> spoken = ll.speak("Please buy five maps", "english")
+    >>> ll.recognise(spoken.audio, "english").recognised
+    True
+    """
+    speaker = Speaker.of(language, paths)
+    if isinstance(audio, SoundSource):
+        return recognised(speaker, audio, recogniser=recogniser)
+    return map(raised, recognise_many(speaker, audio, recogniser=recogniser))
+
+
+def recognised(speaker: Speaker, audio: SoundSource, *, recogniser: str | None = None) -> Schedule:
+    """Recognise as `recognise` does, with a prepared language."""
+    (found,) = recognise_many(speaker, [audio], recogniser=recogniser)
+    return raised(found)
+
+
+def recognise_many(
+    speaker: Speaker, recordings: Iterable[SoundSource], *, recogniser: str | None = None
+) -> Iterator[Schedule | SpeechError]:
+    """Recognise each recording, as `recognise` does, with a prepared language.
+
+    Models load once in a thread. Sound is read when its turn comes.
+
+    Yields
+    ------
+    For each recording, in order, its schedule, or the error that `recognise` raises
+    """
+    try:
+        chosen, model = _recogniser(speaker, recogniser)
+    except SpeechError as error:
+        yield from (error for _ in recordings)
+        return
+    for audio in recordings:
+        try:
+            yield chosen.recognise(sound_of(audio), speaker, model)
+        except SpeechError as error:
+            yield error
+
+
+def _recogniser(speaker: Speaker, name: str | None) -> tuple[Recogniser, str | None]:
+    """Return the language's recogniser, or another by name, and its model."""
+    stated = speaker.manner.audio
+    name, model = engine_and_model(name, stated.recognise, stated.model)
+    if name is None:
+        raise SpeechError(
+            f"{speaker.manner.language} has no recogniser: give the spoken text as well, or "
+            "name a recogniser in its pack (`audio: {recognise: ...}`), such as `whisper:FOLDER`, "
+            "or `phones`, which recognises single sounds"
+        )
+    return RECOGNISERS.find(name, SpeechError), model

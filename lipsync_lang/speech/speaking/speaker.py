@@ -1,0 +1,435 @@
+"""A language that is prepared for reading and speaking, by the engines of its pack.
+
+A text is *transcribed* by the pack's G2P engine and *spoken* by its voice. If both are the same
+engine, the spoken phonemes are the transcript. Otherwise the voice supplies times and the G2P
+phonemes, joined by alignment. Without a voice, times are estimated from durations by phoneme
+class.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import tee, zip_longest
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.json_object import Json
+from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
+from lipsync_lang.packs.finding import Paths, located
+from lipsync_lang.phonology.emphasis import emphasised
+from lipsync_lang.phonology.g2p import Said, engine
+from lipsync_lang.phonology.g2p.g2p_engines import G2PEngine
+from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.phonology.g2p.utterances import Utterances
+from lipsync_lang.phonology.labels import Notation
+from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.speech.results import batches, each, exhaust, next_result, raised
+from lipsync_lang.speech.speaking.transcripts import Transcript
+from lipsync_lang.speech.speaking.written_text import WrittenText, as_written, silent
+
+if TYPE_CHECKING:
+    from lipsync_lang.phonology.nearest import NearestPhonemes
+
+NO_ENGINE = "none"
+"""Engine name for estimated times without sound."""
+
+BATCH_TEXTS = 500
+"""Maximum number of texts that a G2P engine reads at once."""
+
+
+class Speaker:
+    """A language prepared for reading and speaking texts.
+
+    Parameters
+    ----------
+    manner : reading and speaking settings
+    notations : its notations, by name
+    near : lookup of the nearest known label, in automatic languages
+    read : words of texts that were read before with the same settings; it grows
+    cleaning : values of placeholders, and what a project's scripts do not speak
+    """
+
+    def __init__(
+        self,
+        manner: Manner,
+        notations: Mapping[str, Notation],
+        near: "NearestPhonemes | None" = None,
+        read: "MutableMapping[str, tuple[Said, ...]] | None" = None,
+        cleaning: Cleaning = AS_WRITTEN,
+    ) -> None:
+        self.manner = manner
+        self.notations = notations
+        self.near = near
+        self.read = read
+        self.cleaning = replace(cleaning, asides=manner.asides)
+
+    @classmethod
+    def of(
+        cls, language: str | Path, paths: Paths = (), cleaning: Cleaning = AS_WRITTEN
+    ) -> "Speaker":
+        """Prepare a language by name, tag or file, with `paths` searched first."""
+        from lipsync_lang.packs.library import Library
+        from lipsync_lang.resolver.language_tables import manner_of, notations_of
+        from lipsync_lang.resolver.nearest_phonemes import among
+
+        (name,), folders = located(paths, language=language)
+        library: Library = Library(folders)
+        pack, common = library.language(name), library.common().model
+        near = among(library, pack) if pack.model.automatic else None
+        manner = manner_of(pack, common)
+        return cls(manner, notations_of(library, pack), near, cleaning=cleaning)
+
+    def remembering(self) -> "Speaker":
+        """Return a copy that reads no text twice."""
+        made = Speaker(self.manner, self.notations, self.near, {}, self.cleaning)
+        made.__dict__.update({k: v for k, v in self.__dict__.items() if k == "_engine"})
+        return made
+
+    def written(self, text: str) -> WrittenText:
+        """Return the part of a text that is read, with its emphasis."""
+        said = spoken(text, self.cleaning)
+        clear = emphasised(said.text)
+        for letter, instead in self.manner.letters.items():
+            if letter in clear.text:
+                clear = emphasised(said.text.replace(letter, instead))
+        return WrittenText(*clear, said.dropped, said.remarks)
+
+    def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
+        """Convert texts to phonemes, one after the other; markup and emphasis are left out.
+
+        Raises
+        ------
+        SpeechError
+            The pack has no G2P settings, or its engine failed.
+        """
+        return map(raised, self.transcribe_many(texts))
+
+    def transcribe_many(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
+        """Yield for each text its transcript, or the error of its reading."""
+        for batch in batches(texts, BATCH_TEXTS):
+            written = [self.written(text) for text in batch]
+            words = self._read([one.text for one in written])
+            for one, found in zip(written, words, strict=True):
+                yield found if isinstance(found, SpeechError) else self._transcript(one, found)
+
+    def _read(self, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
+        """Return the words of texts, all read at once, and a repeated one once."""
+        known = {} if self.read is None else self.read
+        new = [text for text in dict.fromkeys(texts) if text not in known]
+        if not new:
+            return [known[text] for text in texts]
+        if self.manner.engine is None:
+            words = self._read_plainly(new)
+        else:
+            words = self._utterances.read(new, self._read_plainly)
+        found = dict(zip(new, words, strict=True))
+        if self.read is not None:
+            # An error is not kept: the engine may be there the next time.
+            self.read.update({t: w for t, w in found.items() if not isinstance(w, SpeechError)})
+        return [found[text] if text in found else known[text] for text in texts]
+
+    @cached_property
+    def _utterances(self) -> Utterances:
+        """Reader of interjections, stutters and similar sounds, created once."""
+
+        def is_vowel(label: str) -> bool:
+            value = self.notations[self.manner.notation].find(label) or ()
+            return any(self.manner.kinds.get(name) == "vowel" for name, _ in value)
+
+        return Utterances(self.manner.forms, self.manner.words, is_vowel)
+
+    def _read_plainly(self, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
+        """Return the words of texts as the engine reads them.
+
+        Words that it joins may hide a word of the pack: the voice separates those.
+        """
+        try:
+            read = self._engine
+        except SpeechError as error:
+            return [error] * len(texts)
+        found = _each_read(read, texts)
+        hidden = [text for text, words in zip(texts, found, strict=True) if self._hides(words)]
+        if not hidden:
+            return found
+        from lipsync_lang.speech import speak_many
+
+        voice, name = self.manner.settings.voice or "", self.manner.engine or ""
+        heard = each(speak_many(hidden, voice, engine=name), _separate_words)
+        return [next(heard) if self._hides(words) else words for words in found]
+
+    @cached_property
+    def _engine(self) -> G2PEngine:
+        """The language's G2P engine, made once.
+
+        Raises
+        ------
+        SpeechError
+            The pack has no G2P settings, or its engine is missing.
+        """
+        manner = self.manner
+        if manner.engine is None:
+            raise SpeechError(
+                f"{manner.language} does not read text: add a `g2p` to its pack, "
+                "or give timed phonemes (`schedule`)"
+            )
+        if manner.notation not in self.notations:
+            raise SpeechError(
+                f"{manner.language} has no notation '{manner.notation}' for what its `g2p` writes"
+            )
+        return engine(manner.engine, manner.settings)
+
+    def _hides(self, words: Sequence[Said] | SpeechError) -> bool:
+        """Return True if a custom word of the pack may be inside words joined by the engine."""
+        if isinstance(words, SpeechError) or not self.manner.words:
+            return False
+        return any(
+            plain(part.strip(".,;:!?…\"'()")) in self.manner.words
+            for word in words
+            if any(map(str.isspace, word.text))
+            for part in word.text.split()
+        )
+
+    def _transcript(self, written: WrittenText, words: Sequence[Said]) -> Transcript:
+        notation = self.notations[self.manner.notation]
+        while words and not words[-1].labels and not words[-1].unread:
+            words = words[:-1]
+        phonemes: list[str] = []
+        unmapped: list[str] = []
+        gaps: list[int] = []
+        for word in words:
+            own = self.manner.words.get(plain(word.text)) if word.labels else (SILENCE,)
+            start = len(phonemes)
+            if own is not None and (word.labels or not word.unread):
+                phonemes += own
+                continue
+            for label in word.labels:
+                value = notation.find(label)
+                gaps += [len(phonemes)] if value is None else []
+                phonemes += [name for name, _ in value or ()]
+                unmapped += [label] if value is None else []
+            gaps += range(start, len(phonemes) + 1) if word.unread else ()
+        return Transcript(
+            written.text,
+            self.manner.language,
+            self.manner.notation,
+            tuple(words),
+            tuple(phonemes),
+            tuple(dict.fromkeys(unmapped)),
+            tuple(dict.fromkeys(c for word in words for c in word.unread)),
+            tuple(sorted(set(gaps))),
+            written.dropped,
+            written.remarks,
+        )
+
+    def to_json(self, transcript: Transcript) -> Json:
+        """Convert a transcript to JSON data, with the common phonemes of each label."""
+        notation = self.notations[self.manner.notation]
+        words: list[Json] = []
+        for word in transcript.words:
+            labels = [
+                {"label": label, "common": [name for name, _ in notation.find(label) or ()]}
+                | ({} if mark is None else {"stress": mark})
+                for label, mark in zip_longest(word.labels, word.stress)
+            ]
+            own = self.manner.words.get(plain(word.text))
+            words.append(
+                {"text": word.text, "labels": labels}
+                | ({"pronounced": list(own)} if own and labels else {})
+                | ({"unread": word.unread} if word.unread else {})
+            )
+        return {
+            "text": transcript.text,
+            "language": transcript.language,
+            "notation": transcript.notation,
+            "words": words,
+            "phonemes": list(transcript.phonemes),
+            "automatic": self._automatic(transcript),
+            "unmapped": list(transcript.unmapped),
+            "unread": list(transcript.unread),
+            "dropped": list(transcript.dropped),
+        }
+
+    def _automatic(self, transcript: Transcript) -> dict[str, Json]:
+        """Return labels mapped by features alone, and the features lost in each."""
+        notation = self.notations[self.manner.notation]
+        if self.near is None or notation.nearest is None:
+            return {}
+        found = {
+            label: self.near.nearest(label)
+            for label in dict.fromkeys(transcript.labels)
+            if notation.stated(label) is None
+        }
+        return {
+            label: {
+                "common": [name for name, _ in near.value],
+                "distance": near.distance,
+                "loses": list(near.losses),
+            }
+            for label, near in found.items()
+        }
+
+    def speak(
+        self, text: str, *, engine: str | None = None, words_per_minute: int | None = None
+    ) -> Schedule:
+        """Speak a text, or estimate its times without a voice.
+
+        Parameters
+        ----------
+        text : text to speak; ``*word*`` emphasises a word, and markup is left out
+        engine : overrides the pack's speech engine; `none` for estimated times
+        words_per_minute : speech rate; None for the engine's default
+
+        Raises
+        ------
+        SpeechError
+            The text is empty or unreadable in the language, or the engine failed.
+        """
+        (result,) = self.speak_many([text], engine=engine, words_per_minute=words_per_minute)
+        return raised(result)
+
+    def speak_many(
+        self,
+        texts: Iterable[str],
+        *,
+        engine: str | None = None,
+        words_per_minute: int | None = None,
+    ) -> Iterator[Schedule | SpeechError]:
+        """Speak texts as `speak` does, at a fraction of the cost.
+
+        The engine starts once, and texts that are read apart from the voice are read at most
+        `BATCH_TEXTS` at once; so many texts are taken ahead.
+
+        Yields
+        ------
+        For each text, in order, its schedule, or the error that `speak` raises
+        """
+        ours, engines = tee(map(self.written, texts))
+        sounding = (one.text for one in engines if not one.silent)
+        spoken = self._spoken(sounding, engine, words_per_minute)
+        for written in ours:
+            if written.silent:
+                yield silent(written, self.manner)
+                continue
+            try:
+                yield as_written(written, raised(next_result(spoken)))
+            except SpeechError as error:
+                yield error
+        exhaust(spoken)
+
+    def _spoken(
+        self, texts: Iterable[str], engine: str | None, words_per_minute: int | None
+    ) -> Iterator[Schedule | SpeechError]:
+        """Speak texts with a voice; join what the G2P engine reads, if that is another."""
+        from lipsync_lang.speech import speak_many
+        from lipsync_lang.speech.speaking.joining import join
+
+        manner = self.manner
+        if engine == NO_ENGINE or (engine is None and manner.voice is None):
+            yield from self._estimated(texts)
+            return
+        try:
+            name, voice = self._voice(engine)
+        except SpeechError as error:
+            yield from (error for _ in texts)
+            return
+        direct = manner.direct or manner.voice is None or name != manner.voice[0]
+        read = self._for_direct_voice(texts) if direct else self.transcribe_many(texts)
+        ours, engines = tee(read)
+        spellings = (_spelling(one) for one in engines if isinstance(one, Transcript))
+        said = iter(speak_many(spellings, voice, engine=name, words_per_minute=words_per_minute))
+        for transcript in ours:
+            if isinstance(transcript, SpeechError):
+                yield transcript
+                continue
+            try:
+                spoken = raised(next_result(said))
+                # The voice's own phonemes are the transcript where nothing else reads the text.
+                if transcript.words:
+                    yield join(transcript, spoken, manner, self.notations)
+                else:
+                    yield replace(spoken, language=manner.language)
+            except SpeechError as error:
+                yield error
+        exhaust(said)
+
+    def _for_direct_voice(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
+        """Yield transcripts of texts that the pack reads; of others, for the voice, no words."""
+        for batch in batches(texts, BATCH_TEXTS):
+            whole = self.manner.engine is None
+            odd = [text for text in batch if not (whole or self._utterances.ordinary(text))]
+            read = dict(zip(odd, self.transcribe_many(odd), strict=True))
+            for text in batch:
+                yield read.get(text) or Transcript(text, self.manner.language, "", ())
+
+    def _voice(self, engine: str | None) -> tuple[str, str]:
+        """Return engine and voice: the pack's default, or its voice for the given engine."""
+        manner = self.manner
+        if manner.voice is not None and engine in (None, manner.voice[0]):
+            return manner.voice
+        name = engine or ""
+        reads = manner.settings.voice if name == manner.engine else None
+        voice = manner.others.get(name, reads)
+        if voice is None:
+            from lipsync_lang.speech import ENGINES
+
+            ENGINES.find(name, SpeechError)
+            raise SpeechError(
+                f"{manner.language} names no voice of {name}; add to its pack "
+                f"`tts: {{others: {{{name}: VOICE}}}}` (lipsync-lang voices {name} lists them)"
+            )
+        return name, voice
+
+    def _estimated(self, texts: Iterable[str]) -> Iterator[Schedule | SpeechError]:
+        """Read texts, and estimate their times."""
+        from lipsync_lang.speech.speaking.joining import estimate
+
+        manner = self.manner
+        if manner.engine is None:
+            error = SpeechError(
+                f"{manner.language} names no voice: add a `tts` to its pack, or a `g2p` to "
+                "estimate times, or give timed phonemes (`schedule`)"
+            )
+            return (error for _ in texts)
+        return each(
+            self.transcribe_many(texts),
+            lambda read: estimate(read, manner, self.notations[manner.notation]),
+        )
+
+
+def _each_read(read: G2PEngine, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
+    """Read texts at once; the error of a failed text takes its place.
+
+    An engine that fails at two different texts in the same words fails at all.
+    """
+    found: list[tuple[Said, ...] | SpeechError] = []
+    while len(found) < len(texts):
+        rest = texts[len(found) :]
+        try:
+            for _, words in zip(rest, read(rest), strict=True):
+                found.append(tuple(words))
+        except SpeechError as error:
+            again = found and isinstance(found[-1], SpeechError) and str(found[-1]) == str(error)
+            found += [error] * (len(texts) - len(found) if again else 1)
+    return found
+
+
+def _separate_words(schedule: Schedule) -> tuple[Said, ...]:
+    """Return the words and pauses of a schedule, each word by itself."""
+    words: list[Said] = []
+    at = 0
+    for word in schedule.words:
+        if words and SILENCE in schedule.labels[at : word.first]:
+            words.append(Said(",", ()))
+        span = slice(word.first, word.stop)
+        words.append(Said(word.text, schedule.labels[span], stress=schedule.stress[span]))
+        at = word.stop
+    return tuple(words)
+
+
+def _spelling(transcript: Transcript) -> str:
+    """Return the text for a voice to read, in the engine's spelling if it has one."""
+    if not any(word.respelled for word in transcript.words):
+        return transcript.text
+    return " ".join(word.respelled or word.text for word in transcript.words)

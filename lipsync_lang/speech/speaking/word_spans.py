@@ -1,0 +1,131 @@
+"""Assignment of an engine's phonemes to words in the original spelling.
+
+Engines mark words by text position, with irregularities: "10,000" has several marks, "of the" a
+single one, and a mark may be on the space or dash before its word. The text is split into
+tokens, and each mark is assigned to a token.
+"""
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from itertools import pairwise
+
+from lipsync_lang.schedules import SILENCE, Word
+
+_WORD_TOKEN = re.compile(
+    r"""(?: [^\s!?;"…()\[\]{}<>«»“”„‹›–—―、。，！？；：・¿¡।፡።.,:-]   # what a token is made of,
+        | (?<![.]) [.] (?![.]) | (?<!-) - (?!-)                     # alone: 3.5, U.S.A., well-known
+        | (?<=\d) [,:] (?=\d) )+                                    # between digits: 1,000 or 12:30
+    """,
+    re.VERBOSE,
+)
+_SPOKEN_MARKS = "%&@#§‰"
+_UNSPACED_CATEGORIES = {"Lo", "Lm", "Mn", "Mc"}
+_MOST_SKIPPED = 3
+"""Maximum extra tokens per mark; beyond it, unmarked tokens count as silent."""
+
+
+def find_words(
+    text: str, marks: Sequence[tuple[int, int]], labels: Sequence[str]
+) -> tuple[Word, ...]:
+    """Return the words of a text with the phonemes of each.
+
+    Parameters
+    ----------
+    text : the spoken text
+    marks : (character position from 0, index of the first phoneme from there on), by phoneme
+    labels : the phonemes, `SILENCE` among them
+
+    Returns
+    -------
+    Words in order, without the silence around them; a word without phonemes is left out
+    """
+    starts = _starts(text, [position for position, _ in marks])
+    tokens = _tokens(text)
+    words: list[Word] = []
+    groups = [n for n, start in enumerate(starts) if n == 0 or start != starts[n - 1]]
+    for this, following in pairwise([*groups, len(marks)]):
+        stop = marks[following][1] if following < len(marks) else len(labels)
+        until = starts[following] if following < len(marks) else len(text)
+        first = marks[this][1]
+        while first < stop and labels[first] == SILENCE:
+            first += 1
+        while stop > first and labels[stop - 1] == SILENCE:
+            stop -= 1
+        if first < stop:
+            words.append(Word(_spelling(text, tokens, starts[this], until), first, stop))
+    return tuple(words)
+
+
+def _tokens(text: str) -> list[tuple[int, int]]:
+    return [match.span() for match in _WORD_TOKEN.finditer(text)]
+
+
+def _says(text: str) -> bool:
+    """Return True for tokens with a letter, a digit or a named symbol."""
+    return any(c.isalnum() or c in _SPOKEN_MARKS or unicodedata.category(c)[0] == "S" for c in text)
+
+
+def _starts(text: str, positions: Sequence[int]) -> list[int]:
+    """Return the word start of each mark, in non-decreasing order."""
+    tokens = _tokens(text)
+    inside = [-1] * (len(text) + 1)
+    following = [len(tokens)] * (len(text) + 1)
+    for number, (start, end) in enumerate(tokens):
+        inside[start:end] = [number] * (end - start)
+    # Backwards, so that each position knows the next token from the one after it.
+    for at in range(len(text) - 1, -1, -1):
+        begins = inside[at] >= 0 and tokens[inside[at]][0] == at
+        following[at] = inside[at] if begins else following[at + 1]
+    at_most = len(text)
+    positions = [min(max(p, 0), at_most) for p in positions]
+    claimed = {inside[p] for p in positions}
+    starts: list[int] = []
+    for position in positions:
+        token = inside[position]
+        if token < 0 or not _says(text[slice(*tokens[token])]):
+            ahead = following[min(position + 1, at_most)] if token >= 0 else following[position]
+            if ahead < len(tokens) and ahead not in claimed:
+                token = ahead
+                claimed.add(ahead)
+            elif token < 0 and starts:
+                starts.append(starts[-1])
+                continue
+        start = tokens[token][0] if token >= 0 else position
+        if token >= 0 and _begins_word(text, start, position):
+            start = position
+        starts.append(max([start, *starts[-1:]]))
+    return starts
+
+
+def _begins_word(text: str, start: int, position: int) -> bool:
+    """Return True if a mark inside a token starts a word, in scripts without spaces.
+
+    Restricted to caseless letters: scripts with case separate words by spaces.
+    """
+    around = text[position - 1 : position + 1] if position > start else ""
+    return bool(around) and all(unicodedata.category(c) in _UNSPACED_CATEGORIES for c in around)
+
+
+def _spelling(text: str, tokens: Sequence[tuple[int, int]], start: int, until: int) -> str:
+    """Return the text of the word at `start`, with following unmarked tokens."""
+    inside = [(max(a, start), min(b, until)) for a, b in tokens if b > start and a < until]
+    if not inside:
+        return "".join(text[start:until].split(maxsplit=1)[:1]) or text.strip()
+    rest = [span for span in inside[1:] if any(c.isalnum() for c in text[slice(*span)])]
+    spans = inside[:1] + (rest if len(rest) <= _MOST_SKIPPED else [])
+    return " ".join(filter(None, (_bare(text[a:b]) for a, b in spans)))
+
+
+def _bare(token: str) -> str:
+    """Strip surrounding punctuation; a token of only punctuation is unchanged."""
+    first, stop = 0, len(token)
+    while first < stop and _strips(token[first]):
+        first += 1
+    while stop > first and _strips(token[stop - 1]):
+        stop -= 1
+    return token[first:stop] or token
+
+
+def _strips(character: str) -> bool:
+    return unicodedata.category(character)[0] == "P" and character not in _SPOKEN_MARKS

@@ -1,0 +1,60 @@
+"""Texts as they are read: the spoken part of what was written, and what was left out of it."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.phonology.emphasis import touched
+from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
+
+
+class WrittenText(NamedTuple):
+    """A text as it is read: the spoken part of what was written.
+
+    Parameters
+    ----------
+    text : without markup, in the letters that the language's engine knows
+    spans : offsets of the passages with emphasis
+    dropped : markup that is not spoken, in order
+    remarks : doubts about the markup
+    """
+
+    text: str
+    spans: tuple[tuple[int, int], ...] = ()
+    dropped: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def silent(self) -> bool:
+        """True for a text of markup alone, so that there is nothing to say."""
+        return bool(self.dropped) and not self.text
+
+
+def as_written(text: WrittenText, schedule: Schedule) -> Schedule:
+    """Return a schedule with the emphasis of its text, and what was left out of that."""
+    words = schedule.words
+    if text.spans:
+        marked = touched((word.text for word in words), text.text, text.spans)
+        words = tuple(
+            replace(word, emphasis=float(one)) for word, one in zip(words, marked, strict=True)
+        )
+    elif not (text.dropped or text.remarks):
+        return schedule
+    remarks = (*schedule.remarks, *text.remarks)
+    return replace(schedule, words=words, dropped=text.dropped, remarks=remarks)
+
+
+def silent(text: WrittenText, manner: Manner, audio: Audio | None = None) -> Schedule:
+    """Return a schedule of silence, as long as the sound if there is one."""
+    seconds = manner.durations["silence"] if audio is None else audio.seconds
+    rest = Schedule(
+        (SILENCE,),
+        np.array([0.0, seconds]),
+        notation=manner.notation or None,
+        language=manner.language,
+        estimated=audio is None,
+        audio=audio,
+    )
+    return as_written(text, rest)
