@@ -10,14 +10,14 @@ from lipsync_lang.errors import PackError
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.phonology.language_names import folded_language
 
-_TAG = re.compile(rb"^tag:[ \t]*[\"']?([A-Za-z0-9-]+)", re.MULTILINE)
+_TAG_FIELD = re.compile(rb"^tag:[ \t]*[\"']?([A-Za-z0-9-]+)", re.MULTILINE)
 _ALIASES = re.compile(
     rb"^aliases:[ \t]*(?P<listed>\[[^\]]*\]|(?:(?:[ \t]*#[^\n]*|[ \t\r]*)\n[ \t]*-[ \t][^\n]*)+)",
     re.MULTILINE,
 )
-_PARTING = re.compile(r"[\[\],]|^[ \t]*-[ \t]", re.MULTILINE)
-_TITLE = re.compile(rb"^title:[ \t]*[\"']?([^\"'#\r\n]+)", re.MULTILINE)
-_COMMENT = re.compile(rb"#[^\n]*")
+_LIST_SIGNS = re.compile(r"[\[\],]|^[ \t]*-[ \t]", re.MULTILINE)
+_TITLE_FIELD = re.compile(rb"^title:[ \t]*[\"']?([^\"'#\r\n]+)", re.MULTILINE)
+_YAML_COMMENT = re.compile(rb"#[^\n]*")
 
 
 def answers_of(path: Path) -> list[str]:
@@ -29,9 +29,9 @@ def answers_of(path: Path) -> list[str]:
         content = read_bytes(path)
     except PackError:
         return []
-    tag, aliases = _TAG.search(content), _ALIASES.search(content)
-    listed = _COMMENT.sub(b"", aliases["listed"]).decode("utf-8", "ignore") if aliases else ""
-    stated = [item.strip(" \t\r\n\"'") for item in _PARTING.split(listed)]
+    tag, aliases = _TAG_FIELD.search(content), _ALIASES.search(content)
+    listed = _YAML_COMMENT.sub(b"", aliases["listed"]).decode("utf-8", "ignore") if aliases else ""
+    stated = [item.strip(" \t\r\n\"'") for item in _LIST_SIGNS.split(listed)]
     found = [*([tag[1].decode("ascii")] if tag else []), *filter(None, stated)]
     return list(dict.fromkeys(map(folded_language, found)))
 
@@ -39,7 +39,7 @@ def answers_of(path: Path) -> list[str]:
 def column_names(path: Path) -> list[str]:
     """Return what the column of a language may be called: name, title, tag and aliases, folded."""
     try:
-        title = _TITLE.search(read_bytes(path))
+        title = _TITLE_FIELD.search(read_bytes(path))
     except PackError:
         title = None
     stated = title[1].decode("utf-8", "ignore").strip() if title else ""

@@ -76,7 +76,11 @@ def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
     for name, gains in model.measures.items():
         lines.append(f"measure {name}: {_sum(gains)}")
     lines += _checks(model.checks)
-    lines += _parts(library, model.name)
+    for word, paths in (
+        ("bank", library.banks_of(model.name)),
+        ("rig", library.rigs_of(model.name)),
+    ):
+        lines += [f"{word} {path.stem}: {shown(path)}" for path in paths]
     lines += _model(pack, model.model)
     return Description("\n".join(lines), model.model_dump(mode="json", by_alias=True))
 
@@ -102,12 +106,6 @@ def _checks(checks: "models.Checks") -> "Iterator[str]":
         yield f"rule {name} for {' '.join(rule.phonemes)}: {rule.measure} {told}{missed}"
     limits = checks.model_dump(exclude_none=True, exclude={"rules"})
     yield from (f"limit {name}: {value:g}" for name, value in limits.items())
-
-
-def _parts(library: "Library", poseset: str) -> "Iterator[str]":
-    """List the banks and rigs of a pose set, a line each."""
-    for word, paths in (("bank", library.banks_of(poseset)), ("rig", library.rigs_of(poseset))):
-        yield from (f"{word} {path.stem}: {shown(path)}" for path in paths)
 
 
 def _model(pack: "Pack[Any]", file: str | None) -> "Iterator[str]":

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from lipsync_lang.errors import PackError, did_you_mean
+from lipsync_lang.errors import PackError
 from lipsync_lang.packs.automatic import automatic
 
 if TYPE_CHECKING:
@@ -75,8 +75,8 @@ def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
             made = automatic(library, parent)
             if made is not None:
                 return [*line, made]
-            hint = did_you_mean(parent, {found.name for found in library.names("language")})
-            fault = pack.fault(("extends",), "P210", f"unknown language '{parent}'", hint)
+            known = {found.name for found in library.names("language")}
+            fault = pack.unknown(("extends",), "P210", "language", parent, known)
             raise library.failing(fault) from None
         if path.stem == pack.path.stem:
             # A language that extends its own name extends the pack that it shadows.

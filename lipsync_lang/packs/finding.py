@@ -53,13 +53,13 @@ POSESET = "poseset.yaml"
 BENEATH = "beneath"
 """The kind of look-up for the pack that a file shadows."""
 
-SUFFIXES = (".yaml", ".yml")
+PACK_SUFFIXES = (".yaml", ".yml")
 """Endings of text that names a pack's file."""
 
 MODEL_SUFFIXES = (".glb", ".gltf")
 """Endings of text that names a model."""
 
-PARTS = {"banks": "bank", "rigs": "rig"}
+PART_FOLDERS = {"banks": "bank", "rigs": "rig"}
 """The folders within a pose set, with their kinds of pack."""
 
 KIND_WORDS: dict[Kind, str] = {
@@ -72,8 +72,8 @@ KIND_WORDS: dict[Kind, str] = {
 NONE_UNSAVED: Mapping[Path, bytes] = MappingProxyType({})
 """No contents in place of files."""
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
-_KIND = re.compile(rb"^kind:[ \t]*[\"']?([a-z]+)", re.MULTILINE)
+_PACK_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+_KIND_FIELD = re.compile(rb"^kind:[ \t]*[\"']?([a-z]+)", re.MULTILINE)
 
 
 class Root(NamedTuple):
@@ -166,7 +166,7 @@ class Finder:
             return tuple(str(path) for path in shared if path.is_file())[:1]
         if kind == BENEATH:
             return tuple(map(str, self._beneath(Path(name))))[:1]
-        if kind in PARTS:
+        if kind in PART_FOLDERS:
             return tuple(map(str, self._parts(kind, name)))
         if kind not in KIND_WORDS:
             raise ValueError(f"packs of kind {kind!r} cannot be looked up")
@@ -288,7 +288,7 @@ def located(paths: Paths, **packs: str | Path) -> tuple[list[str], tuple[Path, .
     files: list[Path] = []
     homes: list[Path] = []
     for kind, pack in packs.items():
-        if isinstance(pack, str) and not pack.endswith(SUFFIXES):
+        if isinstance(pack, str) and not pack.endswith(PACK_SUFFIXES):
             names.append(pack)
             continue
         path = Path(pack).absolute()
@@ -309,7 +309,7 @@ def is_model(character: str | Path) -> bool:
 def _refuse_other(path: Path, kind: str) -> None:
     if not path.is_file():
         raise PackError(f"{path}: no such file; name a {kind}, or a YAML file")
-    stated = _stated(_KIND, path)
+    stated = _stated(_KIND_FIELD, path)
     if stated not in ("", kind) and (kind, stated) != ("character", "poseset"):
         raise PackError(f"{path}: holds a pack of kind {stated}, not a {kind}")
     if stated == "poseset" and path.name != POSESET:
@@ -367,24 +367,30 @@ def yaml_files(folder: Path, unsaved: Collection[Path] = ()) -> dict[str, Path]:
     """Map names to the YAML files of a folder, in order of name."""
     files = (path for path in entries(folder, unsaved) if path.suffix == ".yaml")
     found = (path for path in files if path in unsaved or path.is_file())
-    return {path.stem: path for path in found if _NAME.fullmatch(path.stem)}
+    return {path.stem: path for path in found if _PACK_NAME.fullmatch(path.stem)}
 
 
 def _packs(folder: Path, kind: Kind, unsaved: Mapping[Path, bytes]) -> dict[str, Path]:
     if kind == "poseset":
-        named = {p.name: p / POSESET for p in entries(folder, unsaved) if _NAME.fullmatch(p.name)}
+        named = {
+            p.name: p / POSESET for p in entries(folder, unsaved) if _PACK_NAME.fullmatch(p.name)
+        }
         return {name: path for name, path in named.items() if path in unsaved or path.is_file()}
     found = yaml_files(folder, unsaved)
     if kind == "language":
         return {name: path for name, path in found.items() if name not in SHARED}
     # A character's banks lie beside it and are not characters.
-    return {n: path for n, path in found.items() if _stated(_KIND, path, unsaved) != "bank"}
+    return {n: path for n, path in found.items() if _stated(_KIND_FIELD, path, unsaved) != "bank"}
 
 
 def _alone(path: Path, kind: Kind) -> dict[str, Path]:
     """Map the name of a file's pack to the file, if it is of a kind."""
     name = path.parent.name if path.name == POSESET else path.stem
-    return {name: path} if _stated(_KIND, path) in (kind, "") and _NAME.fullmatch(name) else {}
+    return (
+        {name: path}
+        if _stated(_KIND_FIELD, path) in (kind, "") and _PACK_NAME.fullmatch(name)
+        else {}
+    )
 
 
 def _stated(

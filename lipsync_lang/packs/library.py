@@ -5,13 +5,13 @@ as long as both are unchanged.
 """
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar, cast
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.errors import PackError, did_you_mean
 from lipsync_lang.extensions import distribution
 from lipsync_lang.packs.finding import (
     BENEATH,
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_Asked = tuple[Path, str | None, str | None]
+_FileRequest = tuple[Path, str | None, str | None]
 """A file with the kind and the name that it must have."""
 
 M = TypeVar("M", bound="models.PackModel")
@@ -96,6 +96,13 @@ class Pack(Generic[M]):
         """Return a warning at the place of the value at `loc`."""
         return replace(self.fault(loc, code, what, hint, key=key), severity="warning")
 
+    def unknown(  # noqa: PLR0913 the name, its place and what is known
+        self, loc: Loc, code: str, noun: str, name: str, known: Iterable[str], *, key: bool = False
+    ) -> Fault:
+        """Return the fault of a name that is not known, with the nearest known one as a hint."""
+        hint = did_you_mean(name, known)
+        return self.fault(loc, code, f"unknown {noun} '{name}'", hint, key=key)
+
 
 class Library:
     """The packs in all folders searched.
@@ -128,7 +135,7 @@ class Library:
         self.lookups: dict[tuple[str, str], tuple[str, ...]] = {}
         self.files: dict[str, str] = {}
         self.faults: list[Fault] = [_missing(e) for e in self.finder.missing]
-        self._loaded: dict[_Asked, _Inspected] = {}
+        self._loaded: dict[_FileRequest, _Inspected] = {}
         self._earlier = {} if earlier is None else earlier.by_content()
 
     @property
@@ -284,7 +291,7 @@ class Library:
         model, faults = validated(source, kind=kind, name=name)
         return _Inspected(model, source, faults)
 
-    def by_content(self) -> "dict[tuple[_Asked, str], _Inspected]":
+    def by_content(self) -> "dict[tuple[_FileRequest, str], _Inspected]":
         """Return the files loaded so far, by what was asked for and the digest of the content."""
         return {(key, self.files[str(key[0])]): found for key, found in self._loaded.items()}
 

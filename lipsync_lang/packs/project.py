@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 FILE = "lipsync.yaml"
 """The name of the file."""
 
-KIND = "project"
+PROJECT = "project"
 
 NARRATOR = "narrator"
 """Value of `{speaker}` in paths where a line has no speaker."""
@@ -46,4 +46,4 @@ def load_project(path: Path) -> "Pack[Project]":
     """
     from lipsync_lang.packs.library import Library
 
-    return cast("Pack[Project]", Library(project=None).load(path, KIND))
+    return cast("Pack[Project]", Library(project=None).load(path, PROJECT))

@@ -8,6 +8,7 @@ others.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -46,7 +47,7 @@ Change = tuple[Loc, Any]
 INDEPENDENT = "bigrams"
 """The long mapping of packs; the model of a pack checks its entries one by one."""
 
-_ALIAS = re.compile(r"(?:^|[\s\[{,:-])\*\S|[\x85\u2028\u2029]|\r(?!\n)")
+_ALIAS_OR_LINE_END = re.compile(r"(?:^|[\s\[{,:-])\*\S|[\x85\u2028\u2029]|\r(?!\n)")
 """Aliases, whose values are stated elsewhere, and unusual line ends: such a text is not cut."""
 
 
@@ -62,7 +63,7 @@ class TextPart(NamedTuple):
     value: Data = None
 
 
-HEAD: Final[Loc] = ("", "")
+HEAD_LOC: Final[Loc] = ("", "")
 """Location of the lines before the first key."""
 
 
@@ -123,7 +124,7 @@ class SplicedText:
         for loc, _, value in self.parts:
             if not loc:
                 return value
-            if loc is HEAD:
+            if loc is HEAD_LOC:
                 continue
             if len(loc) == 1:
                 data[str(loc[0])] = {} if value is _ENTRIES else value
@@ -220,7 +221,7 @@ class SplicedText:
     def _without(self, first: int, stop: int) -> Self:
         """Delete parts; the comments behind the last of them stay."""
         rest = _behind_content(self.parts[stop - 1].text)
-        before = self.parts[first - 1] if first else TextPart(HEAD, "")
+        before = self.parts[first - 1] if first else TextPart(HEAD_LOC, "")
         return self._with(max(first - 1, 0), stop, [before._replace(text=before.text + rest)])
 
     def _with(self, first: int, stop: int, made: Iterable[TextPart]) -> Self:
@@ -323,20 +324,16 @@ def pack_name(path: Path) -> str:
 def _rewritten(path: Path, text: str, old: Data, loc: Loc, value: Data) -> tuple[YamlSource, str]:
     """Return a text with data `old` with one value changed, as data too.
 
-    A form of YAML that is not rewritten in place is dumped again.
-
     Raises
     ------
     PackError
         The value is stated in a way that allows no change.
     """
     new = put(old, loc, value)
-    for way in (_in_place, _dumped):
-        try:
-            made = way(text, old, loc, value)
-        except RewriteError:
-            continue
+    with suppress(RewriteError):
+        made = rewritten(text, old, new)
         source = scan(path, made.encode())
+        # The text is checked rather than trusted: an alias, say, would change in two places.
         if not source.faults and same(source.data, new) and _margin(made) == _margin(text):
             return source, made
     where = "/".join(map(str, loc))
@@ -344,34 +341,6 @@ def _rewritten(path: Path, text: str, old: Data, loc: Loc, value: Data) -> tuple
         f"{shown(path)}: `{where}` cannot be changed here, perhaps because of an alias (`*name`); "
         "change it in the file"
     )
-
-
-def _in_place(text: str, old: Data, loc: Loc, value: Data) -> str:
-    return rewritten(text, old, put(old, loc, value))
-
-
-def _dumped(text: str, _old: Data, loc: Loc, value: Data) -> str:
-    """Change a value by a dump of the whole text."""
-    from lipsync_lang.packs.editing import flow, redumped
-
-    def change(document: Any) -> None:
-        *way, last = loc
-        for step in way:
-            if isinstance(document, dict) and document.get(step) is None:
-                document[step] = flow({})
-            document = document[step]
-        if value is ABSENT:
-            del document[last]
-        elif isinstance(document, list) and last == len(document):
-            document.append(flow(value))
-        else:
-            document[last] = flow(value)
-
-    margin = _margin(text)
-    lines = redumped(re.sub(rf"(?m)^ {{0,{len(margin)}}}", "", text), change).splitlines(
-        keepends=True
-    )
-    return "".join(margin + line if line.strip() else line for line in lines)
 
 
 def _margin(text: str) -> str:
@@ -383,11 +352,11 @@ def _parts(source: YamlSource, text: str) -> Iterator[TextPart]:
     """Yield the parts of a whole text."""
     lines = text.splitlines(keepends=True)
     starts = _starts(source.root, lines)
-    if not starts or _ALIAS.search(text):
+    if not starts or _ALIAS_OR_LINE_END.search(text):
         yield TextPart((), text, source.data)
         return
     if starts[0][1]:
-        yield TextPart(HEAD, "".join(lines[: starts[0][1]]))
+        yield TextPart(HEAD_LOC, "".join(lines[: starts[0][1]]))
     yield from _cut(source, text, ())
 
 

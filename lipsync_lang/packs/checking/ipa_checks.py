@@ -4,7 +4,6 @@ from collections.abc import Collection, Iterable, Iterator
 from typing import TYPE_CHECKING
 from unicodedata import normalize
 
-from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
 
@@ -28,7 +27,13 @@ def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
         for side, phrases in (("first", join.first), ("second", join.second)):
             for number, phrase in enumerate(phrases):
                 yield from _words(ipa, ("joins", index, side, number), phrase)
-    yield from _marks(ipa)
+    for mark, cases in model.marks.items():
+        for index, case in enumerate(cases):
+            loc: Loc = ("marks", mark, index)
+            for number, phrase in enumerate(case.on):
+                yield from _words(ipa, (*loc, "on", number), phrase)
+            yield from _features(ipa, (*loc, "set"), case.set)
+            yield from _features(ipa, (*loc, "add"), case.add)
     yield from _letters(ipa)
     if model.hearing is not None:
         yield from _features(ipa, ("hearing", "weights"), model.hearing.weights)
@@ -40,24 +45,16 @@ def _phonemes(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
     model = ipa.model
     for phoneme in model.aside:
         if phoneme not in common.phonemes:
-            what, hint = f"unknown phoneme '{phoneme}'", did_you_mean(phoneme, common.phonemes)
-            yield ipa.fault(("aside", phoneme), "P202", what, hint, key=True)
+            yield ipa.unknown(
+                ("aside", phoneme), "P202", "phoneme", phoneme, common.phonemes, key=True
+            )
     known = (*common.phonemes, *common.shades)
     for index, decision in enumerate(model.decided):
         for number, phoneme in enumerate(decision.to):
             if phoneme not in known:
-                what, hint = f"unknown phoneme '{phoneme}'", did_you_mean(phoneme, known)
-                yield ipa.fault(("decided", index, "to", number), "P202", what, hint)
-
-
-def _marks(ipa: "Pack[Ipa]") -> Iterator[Fault]:
-    for mark, cases in ipa.model.marks.items():
-        for index, case in enumerate(cases):
-            loc: Loc = ("marks", mark, index)
-            for number, phrase in enumerate(case.on):
-                yield from _words(ipa, (*loc, "on", number), phrase)
-            yield from _features(ipa, (*loc, "set"), case.set)
-            yield from _features(ipa, (*loc, "add"), case.add)
+                yield ipa.unknown(
+                    ("decided", index, "to", number), "P202", "phoneme", phoneme, known
+                )
 
 
 def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
@@ -74,7 +71,10 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
             for index, case in enumerate(cases)
             if case.then is not None
         ),
-        *((("hearing", "voiceless"), letter) for letter in _voiceless(model)),
+        *(
+            (("hearing", "voiceless"), letter)
+            for letter in (model.hearing.voiceless.split() if model.hearing else [])
+        ),
     ]
     for loc, letter in named:
         if _plain(letter) not in letters:
@@ -110,10 +110,6 @@ def _spelled(ipa: "Pack[Ipa]", known: Collection[str]) -> Iterator[Fault]:
             yield ipa.fault(loc, "P223", what, "put it under `letters` or `marks`")
 
 
-def _voiceless(model: "Ipa") -> list[str]:
-    return model.hearing.voiceless.split() if model.hearing else []
-
-
 def _unread(text: str, known: Collection[str]) -> str:
     """Return the rest of a text from its first unknown character on; empty if all are known."""
     while text:
@@ -127,15 +123,13 @@ def _unread(text: str, known: Collection[str]) -> str:
 def _words(ipa: "Pack[Ipa]", loc: Loc, phrase: str) -> Iterator[Fault]:
     for word in phrase.split():
         if word not in ipa.model.terms:
-            what, hint = f"unknown word '{word}'", did_you_mean(word, ipa.model.terms)
-            yield ipa.fault(loc, "P222", what, hint)
+            yield ipa.unknown(loc, "P222", "word", word, ipa.model.terms)
 
 
 def _features(ipa: "Pack[Ipa]", loc: Loc, named: Iterable[str]) -> Iterator[Fault]:
     for name in named:
         if name not in ipa.model.features:
-            what, hint = f"unknown feature '{name}'", did_you_mean(name, ipa.model.features)
-            yield ipa.fault((*loc, name), "P222", what, hint, key=True)
+            yield ipa.unknown((*loc, name), "P222", "feature", name, ipa.model.features, key=True)
 
 
 def _plain(text: str) -> str:

@@ -117,9 +117,7 @@ def _hearing(language: "Pack[Language]") -> Iterator[Fault]:
     if audio is None or audio.notation is None:
         return
     if audio.notation not in notations:
-        hint = did_you_mean(audio.notation, notations)
-        what = f"unknown notation '{audio.notation}'"
-        yield language.fault(("audio", "notation"), "P217", what, hint)
+        yield language.unknown(("audio", "notation"), "P217", "notation", audio.notation, notations)
         return
     notation = notation_of(language.model, audio.notation)
     for label, phones in audio.phones.items():
@@ -135,9 +133,7 @@ def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
     if g2p is None:
         return
     if g2p.notation is not None and g2p.notation not in notations:
-        hint = did_you_mean(g2p.notation, notations)
-        what = f"unknown notation '{g2p.notation}'"
-        yield language.fault(("g2p", "notation"), "P217", what, hint)
+        yield language.unknown(("g2p", "notation"), "P217", "notation", g2p.notation, notations)
     place = language.where(("g2p", "file")).file
     if g2p.file is not None and beside(place, g2p.file) is None:
         what, hint = f"there is no file '{g2p.file}'", f"it belongs in {place.parent.name}/"
@@ -152,7 +148,7 @@ def check_poseset(
     `banks` are the pose set's banks; None if one cannot be loaded.
     """
     model = poseset.model
-    yield from _priority(poseset)
+    yield from _twice(poseset, ("priority",), model.priority)
     yield from _claims(poseset)
     for loc, pose in _poses_named(model):
         yield from check_pose(poseset, loc, pose, model.poses)
@@ -204,10 +200,6 @@ def _poses_targeted(model: PoseSet | Character) -> Iterator[tuple[Loc, str]]:
             yield from (((*at, "dominance", pose), pose) for pose in target.dominance)
 
 
-def _priority(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    yield from _twice(poseset, ("priority",), poseset.model.priority)
-
-
 def _claims(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     """Check that each spelling belongs to one pose, and that none is the face at rest."""
     model = poseset.model
@@ -248,9 +240,9 @@ def check_bank(
     `phonemes` is None if those of the bank's language are unknown.
     """
     yield from check_home(bank, bank.model.poseset, poseset)
-    if bank.model.language is not None and bank.model.language not in languages:
-        hint = did_you_mean(bank.model.language, languages)
-        yield bank.fault(("language",), "P210", f"unknown language '{bank.model.language}'", hint)
+    language = bank.model.language
+    if language is not None and language not in languages:
+        yield bank.unknown(("language",), "P210", "language", language, languages)
     yield from check_bigrams(bank, bank.model.bigrams, poseset, phonemes)
     yield from check_bigrams(bank, bank.model.trigrams, poseset, phonemes, field="trigrams")
 
@@ -289,8 +281,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
             yield character.fault(("banks", number), "P213", what, hint)
     yield from _model(character)
     if model.rig is not None and model.rig not in rigs:
-        what, hint = f"unknown rig '{model.rig}'", did_you_mean(model.rig, rigs)
-        yield character.fault(("rig",), "P212", what, hint)
+        yield character.unknown(("rig",), "P212", "rig", model.rig, rigs)
 
 
 def _own_drafts(
@@ -350,8 +341,7 @@ def _region(
 ) -> Iterator[Fault]:
     regions = sorted({pose.region for pose in poseset.poses.values() if pose.region})
     if region not in regions:
-        what, hint = f"unknown region '{region}'", did_you_mean(region, regions)
-        yield pack.fault(loc, "P230", what, hint, key=key)
+        yield pack.unknown(loc, "P230", "region", region, regions, key=key)
 
 
 def _delivery(
@@ -378,8 +368,7 @@ def _pronunciations(
     for language, words in character.model.pronunciations.items():
         said: Loc = ("pronunciations", language)
         if language not in languages:
-            what, hint = f"unknown language '{language}'", did_you_mean(language, languages)
-            yield character.fault(said, "P210", what, hint, key=True)
+            yield character.unknown(said, "P210", "language", language, languages, key=True)
         for word, sounds in words.items():
             for number, sound in enumerate(sounds):
                 yield from _phoneme(character, (*said, word, number), sound, phonemes)
@@ -433,8 +422,7 @@ def _twice(pack: "Pack[Any]", loc: Loc, items: Iterable[str]) -> Iterator[Fault]
 def check_pose(pack: "Pack[Any]", loc: Loc, pose: str, known: Collection[str]) -> Iterator[Fault]:
     """Check that a place names a known pose."""
     if pose not in known:
-        what, hint = f"unknown pose '{pose}'", did_you_mean(pose, known)
-        yield pack.fault(loc, "P201", what, hint, key=pose == loc[-1])
+        yield pack.unknown(loc, "P201", "pose", pose, known, key=pose == loc[-1])
 
 
 def _phoneme(  # noqa: PLR0913 the phoneme, its place and options

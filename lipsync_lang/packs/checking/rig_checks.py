@@ -31,8 +31,7 @@ def check_rig(
     model = rig.model
     yield from check_home(rig, model.poseset, poseset)
     if model.to is not None and model.to not in posesets:
-        what, hint = f"unknown pose set '{model.to}'", did_you_mean(model.to, posesets)
-        yield rig.fault(("to",), "P203", what, hint)
+        yield rig.unknown(("to",), "P203", "pose set", model.to, posesets)
     for key, channel in model.channels.items():
         for pose in channel.gains:
             yield from check_pose(rig, ("channels", key, "gains", pose), pose, poseset.poses)
@@ -96,8 +95,7 @@ def _names(rig: "Pack[RigPack]") -> Iterator[Fault]:
         meant = expanded(key)
         for name in dict.fromkeys(meant):
             if name not in channels:
-                what, hint = f"unknown channel '{name}'", did_you_mean(name, channels)
-                yield rig.fault(("names", key), "P214", what, hint, key=True)
+                yield rig.unknown(("names", key), "P214", "channel", name, channels, key=True)
         for index, spelling in enumerate(spellings):
             if paired(spelling, len(meant)) is None:
                 what = f"'{spelling}' stands for {len(expanded(spelling))} names, but '{key}' for"
@@ -111,8 +109,7 @@ def _driven(rig: "Pack[RigPack]", to: PoseSet) -> Iterator[Fault]:
     for key, ones in _by_key(rig.model).items():
         for name in dict.fromkeys(one.name for one in ones if one.channel.node is None):
             if name not in to.poses:
-                what, hint = f"unknown pose '{name}'", did_you_mean(name, to.poses)
-                yield rig.fault(("channels", key), "P201", what, hint, key=True)
+                yield rig.unknown(("channels", key), "P201", "pose", name, to.poses, key=True)
 
 
 def _unseen(rig: "Pack[RigPack]", poseset: PoseSet) -> Iterator[Fault]:

@@ -5,20 +5,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
-from lipsync_lang.errors import PackError, did_you_mean
+from pydantic import ValidationError
+
+from lipsync_lang.errors import PackError
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.checking.language_checks import check_claims
 from lipsync_lang.packs.checking.rig_checks import check_rig
-from lipsync_lang.packs.checking.salvage import salvaged
 from lipsync_lang.packs.checking.voices import check_voices
 from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import (
     COMMON,
     FOLDERS,
     IPA,
-    PARTS,
+    PART_FOLDERS,
     POSESET,
     SHARED,
     FoundPack,
@@ -29,10 +30,9 @@ from lipsync_lang.packs.finding import (
 )
 from lipsync_lang.packs.known import added_by, known
 from lipsync_lang.packs.library import Library, Pack
-from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.models import MODELS, Language, PackModel
 from lipsync_lang.packs.project import FILE as PROJECT_FILE
-from lipsync_lang.packs.project import KIND as PROJECT
-from lipsync_lang.packs.project import find_project
+from lipsync_lang.packs.project import PROJECT, find_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
 from lipsync_lang.phonology.language_names import folded_language
@@ -45,9 +45,14 @@ T = TypeVar("T")
 YAML = (".yaml", ".yml")
 """Suffixes of YAML files; packs must have the first."""
 
-
 READOUT = "readout"
-"""The kind of a read-out, which names no other pack."""
+"""The kind of a read-out."""
+
+DEFINING = {"poses", "phonemes", "base", "adds", "channels", "features", "terms", "letters"}
+"""Fields with names that other entries use: dropping one of theirs would cause false faults."""
+
+MAX_SALVAGE_ROUNDS = 5
+"""Attempts: dropping one entry may make another faulty."""
 
 
 class File(NamedTuple):
@@ -116,7 +121,7 @@ class _Validation:
                 self._warn(path, "W303", "is not read, because packs end in `.yaml`", "rename it")
         if folder.name == FOLDERS["poseset"]:
             for entry in entries(folder):
-                parts = [POSESET, *PARTS]
+                parts = [POSESET, *PART_FOLDERS]
                 if entry.is_dir() and not any((entry / part).exists() for part in parts):
                     self._warn(entry, "W303", f"has no {POSESET}", "write one, or delete it")
 
@@ -135,7 +140,7 @@ class _Validation:
 
     def _rest(self, source: YamlSource, kind: str | None) -> None:
         """Check the sound entries of a faulty file, so that one run reports all faults."""
-        model = salvaged(source, kind)
+        model = _salvaged(source, kind)
         if model is None:
             return
         before = set(self.faults)
@@ -158,9 +163,9 @@ class _Validation:
             "rig": self._rig,
             "character": self._character,
             PROJECT: self._project,
-            READOUT: _alone,
         }
-        act[pack.model.kind](pack)
+        if pack.model.kind != READOUT:  # it names no other pack
+            act[pack.model.kind](pack)
 
     def _ipa(self, pack: "Pack[models.Ipa]") -> None:
         if self.common is not None:
@@ -170,7 +175,7 @@ class _Validation:
         whole = self._try(lambda: extended(self.library, pack.path))
         if whole is not None and self.common is not None:
             self.faults.update(checks.check_language(whole, self.common.model))
-            self.faults.update(check_claims(whole, self.common.model if self.common else None))
+            self.faults.update(check_claims(whole, self.common.model))
             self.spoken.append(whole)
 
     def _poseset(self, pack: "Pack[models.PoseSet]") -> None:
@@ -198,7 +203,9 @@ class _Validation:
         if poseset is None or phonemes is None:
             return
         rigs = {path.stem for path in self.library.rigs_of(pack.model.poseset)}
-        styles = self._styles(pack)
+        shared = _quietly(lambda: self.library.banks(pack.model.poseset)) or []
+        own = _quietly(lambda: self.library.character_banks(pack)) or []
+        styles = {bank.model.style for bank in (*shared, *own)}
         self.faults.update(
             checks.check_character(
                 pack, poseset, phonemes, rigs=rigs, languages=self.languages, styles=styles
@@ -224,15 +231,13 @@ class _Validation:
     def _project_language(self, pack: "Pack[models.Project]", loc: Loc, language: str) -> None:
         if ":" not in language and not self.library.finder.lookup("language", language):
             known = {found.name for found in self.library.names("language")}
-            what, hint = f"unknown language '{language}'", did_you_mean(language, known)
-            self._note(pack.fault(loc, "P210", what, hint))
+            self._note(pack.unknown(loc, "P210", "language", language, known))
 
     def _project_character(self, pack: "Pack[models.Project]", loc: Loc, face: str) -> None:
         kinds: tuple[Kind, ...] = ("character", "poseset")
         if not any(self.library.finder.lookup(kind, face) for kind in kinds):
             known = {found.name for kind in kinds for found in self.library.names(kind)}
-            what, hint = f"unknown character '{face}'", did_you_mean(face, known)
-            self._note(pack.fault(loc, "P203", what, hint))
+            self._note(pack.unknown(loc, "P203", "character", face, known))
 
     def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""
@@ -243,16 +248,10 @@ class _Validation:
             found += [bank.model for bank in joined] if joined is not None else [None]
         return None if None in found else cast("list[models.BankPack]", found)
 
-    def _styles(self, character: "Pack[models.Character]") -> set[str]:
-        """Return the styles of a character's banks and of those of its pose set."""
-        shared = _quietly(lambda: self.library.banks(character.model.poseset)) or []
-        own = _quietly(lambda: self.library.character_banks(character)) or []
-        return {bank.model.style for bank in (*shared, *own)}
-
     def _poseset_of(self, pack: "Pack[Any]") -> "models.PoseSet | None":
         """Return the pose set that a pack lies in or names; None if it is missing or faulty."""
         beside = pack.path.parent.parent / POSESET
-        if pack.path.parent.name in PARTS and beside.is_file():
+        if pack.path.parent.name in PART_FOLDERS and beside.is_file():
             model, _, _ = self.library.inspect(beside, "poseset", beside.parent.name)
             return cast("models.PoseSet | None", model)
         name = pack.model.poseset
@@ -262,8 +261,7 @@ class _Validation:
             return None
         except PackError:
             known = {found.name for found in self.library.names("poseset")}
-            what, hint = f"unknown pose set '{name}'", did_you_mean(name, known)
-            self._note(pack.fault(("poseset",), "P203", what, hint))
+            self._note(pack.unknown(("poseset",), "P203", "pose set", name, known))
             return None
 
     def _phonemes(self, language: str | None = None) -> Collection[str] | None:
@@ -316,11 +314,6 @@ class _Validation:
         return None
 
 
-def _alone(pack: "Pack[Any]") -> None:
-    """Check nothing more of a pack that names no other."""
-    del pack
-
-
 def _quietly(load: Callable[[], T]) -> T | None:
     """Load a pack, or return None for a faulty one, which another check reports."""
     try:
@@ -336,7 +329,47 @@ def _placed(path: Path) -> File:
         return File(path, PROJECT, None)
     if path.name == POSESET:
         return File(path, "poseset", folder)
-    kind = PARTS.get(folder)
+    kind = PART_FOLDERS.get(folder)
     if folder == FOLDERS["language"]:
         kind = SHARED.get(path.stem, "language")
     return File(path, kind, path.stem)
+
+
+def _salvaged(source: YamlSource, kind: str | None) -> PackModel | None:
+    """Return a file's pack without its faulty entries; None if too little is left."""
+    data = source.data
+    stated = data.get("kind") if isinstance(data, dict) else None
+    if not isinstance(stated, str) or stated not in MODELS or kind not in (None, stated):
+        return None
+    for _ in range(MAX_SALVAGE_ROUNDS):
+        try:
+            return MODELS[stated].model_validate(data)
+        except ValidationError as error:
+            reports = error.errors(include_url=False)
+            faulty = {_entry(data, report["loc"]) for report in reports}
+            if any(not entry or entry[0] in DEFINING for entry in faulty):
+                return None
+            for entry in faulty:
+                data = _without(data, entry)
+    return None
+
+
+def _entry(data: Any, loc: Loc) -> tuple[Any, ...]:
+    """Return the path of the innermost named entry that contains `loc`."""
+    path: list[Any] = []
+    for step in loc:
+        if not isinstance(data, dict) or step not in data:
+            break
+        path.append(step)
+        data = data[step]
+    return tuple(path)
+
+
+def _without(data: Any, entry: tuple[Any, ...]) -> Any:
+    """Return a copy without an entry; the data itself if the entry is missing."""
+    first, *rest = entry
+    if not isinstance(data, dict) or first not in data:
+        return data
+    if rest:
+        return {**data, first: _without(data[first], tuple(rest))}
+    return {key: value for key, value in data.items() if key != first}

@@ -20,12 +20,10 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError
 
 from lipsync_lang.packs.models.attribute_docs import describe
+from lipsync_lang.packs.yaml.source import Data
 
 PACK_FORMAT = 1
 """The newest format of packs that this program reads, and the one it writes."""
-
-Data = Any
-"""A value from a YAML file."""
 
 
 class Strict(BaseModel):
@@ -54,26 +52,26 @@ def _plain(text: str) -> str:
     return text
 
 
-_COMMON = r"^([a-z]+|_)$"
-_SOUND = r"^[a-z]+$"
-_BIGRAM = r"([a-z]+|_)-([a-z]+|_)"
-_TRIGRAM = r"([a-z]+|_)-([a-z]+)-([a-z]+|_)"
-_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
-_PARENT = r"^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$"
+_COMMON_PATTERN = r"^([a-z]+|_)$"
+_SOUND_PATTERN = r"^[a-z]+$"
+_BIGRAM_PATTERN = r"([a-z]+|_)-([a-z]+|_)"
+_TRIGRAM_PATTERN = r"([a-z]+|_)-([a-z]+)-([a-z]+|_)"
+_NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
+_PARENT_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$"
 
-Name = Annotated[str, Field(pattern=_NAME, max_length=80)]
+Name = Annotated[str, Field(pattern=_NAME_PATTERN, max_length=80)]
 """The name of a pack: letters, digits, `-` and `_`."""
 
-Parent = Annotated[str, Field(pattern=_PARENT, max_length=80)]
+Parent = Annotated[str, Field(pattern=_PARENT_PATTERN, max_length=80)]
 """The name of a language, or ENGINE:CODE for one without a pack."""
 
 Text = Annotated[str, Field(min_length=1)]
 """Text that is not empty."""
 
-Common = Annotated[str, Field(pattern=_COMMON)]
+Common = Annotated[str, Field(pattern=_COMMON_PATTERN)]
 """The label of a common phoneme: small letters, or `_` for silence."""
 
-Sound = Annotated[str, Field(pattern=_SOUND)]
+Sound = Annotated[str, Field(pattern=_SOUND_PATTERN)]
 """The label of a common phoneme that is not silence."""
 
 Label = Annotated[str, Field(min_length=1, max_length=80)]
@@ -91,14 +89,14 @@ Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 """A number that is 0 or more."""
 
-Format = Literal[1]
+FormatNumber = Literal[1]
 """The format of the pack."""
 
 
 def _bigram(key: str) -> str:
-    if re.fullmatch(_BIGRAM, key):
+    if re.fullmatch(_BIGRAM_PATTERN, key):
         return key
-    if re.fullmatch(_TRIGRAM, key):
+    if re.fullmatch(_TRIGRAM_PATTERN, key):
         what, hint = "'{key}' is a trigram, not a bigram", "put it under `trigrams`"
         raise PydanticCustomError("P112", what, {"key": key, "hint": hint})
     if key.count("-") > 1:
@@ -113,7 +111,7 @@ BigramKey = Annotated[str, AfterValidator(_bigram)]
 
 
 def _trigram(key: str) -> str:
-    if re.fullmatch(_TRIGRAM, key):
+    if re.fullmatch(_TRIGRAM_PATTERN, key):
         return key
     what = "'{key}' is not a trigram"
     hint = "write three common phonemes joined by '-', such as 's-d-r'"
@@ -201,7 +199,7 @@ OrNames = Short(_names, forms=lambda full: [full, {"type": "array", "items": {"t
 class PackModel(Strict):
     """The fields of every pack."""
 
-    format: Format
+    format: FormatNumber
     """The format of the file."""
     name: Name
     """The pack's name: that of its file or folder."""

@@ -9,7 +9,6 @@ from pydantic import Field
 
 from lipsync_lang.packs.models.fields import (
     Common,
-    Data,
     Label,
     NotNegative,
     OrOne,
@@ -20,8 +19,9 @@ from lipsync_lang.packs.models.fields import (
     Text,
     Unit,
 )
+from lipsync_lang.packs.yaml.source import Data
 
-Change = Annotated[float, Field(ge=-1, le=1)]
+FeatureChange = Annotated[float, Field(ge=-1, le=1)]
 """A number from -1 to 1."""
 
 Phrases = Annotated[tuple[Text, ...], OrOne]
@@ -91,7 +91,7 @@ class MarkFields(Strict):
     """Descriptions of the letters that the mark fits; any letter unless stated."""
     set: dict[Text, Unit] = Field(default={})
     """New values of features that the letter has."""
-    add: dict[Text, Change] = Field(default={})
+    add: dict[Text, FeatureChange] = Field(default={})
     """Changes of features that the letter has."""
     then: Label | None = None
     """A letter that follows in the same label."""

@@ -12,7 +12,6 @@ from pydantic_core import PydanticCustomError
 
 from lipsync_lang.packs.models.fields import (
     Common,
-    Data,
     Label,
     OrEmpty,
     OrNames,
@@ -25,6 +24,7 @@ from lipsync_lang.packs.models.fields import (
     Text,
 )
 from lipsync_lang.packs.models.text_models import LanguageText, SharedText
+from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
 
 SoundClass = Literal[

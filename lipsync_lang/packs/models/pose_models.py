@@ -18,7 +18,6 @@ from lipsync_lang.packs.models.fields import (
     BigramKey,
     Common,
     Curves,
-    Data,
     Name,
     NotNegative,
     OrEmpty,
@@ -32,6 +31,7 @@ from lipsync_lang.packs.models.fields import (
     TrigramKey,
     Unit,
 )
+from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 SPEED_ITEM = "motion.speed_limit"
@@ -200,7 +200,7 @@ class PhonemeTarget(Strict):
     """`fitted` on the first target of a phoneme that a fit wrote; a person wrote all others."""
 
 
-_RESERVED = ("dominance", "status")
+_STEP_FIELDS = ("dominance", "status")
 """Keys of the flat form of a target that are not poses."""
 
 
@@ -208,8 +208,8 @@ def _target(value: Data) -> Data:
     """Expand the flat form of a target: poses beside the reserved keys."""
     if not isinstance(value, dict) or "weights" in value:
         return value
-    full = {"weights": {pose: one for pose, one in value.items() if pose not in _RESERVED}}
-    full |= {key: value[key] for key in _RESERVED if key in value}
+    full = {"weights": {pose: one for pose, one in value.items() if pose not in _STEP_FIELDS}}
+    full |= {key: value[key] for key in _STEP_FIELDS if key in value}
     stated = full.get("dominance", {})
     if isinstance(stated, bool) or not isinstance(stated, (int, float)):
         return full
@@ -392,7 +392,7 @@ class Edit(Strict):
     """A curve for each pose that moves."""
 
 
-Level = Annotated[float, Field(ge=0, le=2)]
+LevelNumber = Annotated[float, Field(ge=0, le=2)]
 Share = Unit
 
 
@@ -416,7 +416,7 @@ OrNumber = Short(_points, forms=lambda full: [full, full["items"]["prefixItems"]
 """Accepts one number as a constant level."""
 
 Levels = Annotated[
-    tuple[tuple[NotNegative, Level], ...],
+    tuple[tuple[NotNegative, LevelNumber], ...],
     Field(min_length=1),
     AfterValidator(_forwards),
     OrNumber,

@@ -9,7 +9,6 @@ from pydantic_core import PydanticCustomError
 
 from lipsync_lang.files.names import fault_of_name
 from lipsync_lang.packs.models.fields import (
-    Data,
     Name,
     NotNegative,
     OrNames,
@@ -21,8 +20,9 @@ from lipsync_lang.packs.models.fields import (
     Text,
 )
 from lipsync_lang.packs.models.pose_models import MotionFields
+from lipsync_lang.packs.yaml.source import Data
 
-_RATE = r"^\d+(\.\d+)?(/\d+)?$"
+_RATE_PATTERN = r"^\d+(\.\d+)?(/\d+)?$"
 
 
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
@@ -89,13 +89,15 @@ def _or(form: dict[str, Any]) -> Any:
 Output = Annotated[Text, AfterValidator(_within), _holding(*PLACEHOLDERS)]
 """A file, or FORMAT:FILE."""
 
-Script = Annotated[Text, AfterValidator(_inside), _holding("language")]
+ScriptPath = Annotated[Text, AfterValidator(_inside), _holding("language")]
 """A file with the lines of a game, or a folder of them."""
 
-Recording = Annotated[Text, AfterValidator(_inside), _holding("id", "line", "language", "speaker")]
+RecordingPath = Annotated[
+    Text, AfterValidator(_inside), _holding("id", "line", "language", "speaker")
+]
 """The file of a line's recording, or of its timings."""
 
-Word = Annotated[Text, AfterValidator(_word)]
+SingleWord = Annotated[Text, AfterValidator(_word)]
 """Part of the name of a file."""
 
 ReportFile = Annotated[Text, AfterValidator(_within), _holding()]
@@ -126,7 +128,9 @@ class Project(PackModel):
     """The face that speaks: a character or a pose set."""
     fps: (
         Annotated[
-            str, Field(pattern=_RATE), Short(_rate, forms=_or({"type": "number", "minimum": 1}))
+            str,
+            Field(pattern=_RATE_PATTERN),
+            Short(_rate, forms=_or({"type": "number", "minimum": 1})),
         ]
         | None
     ) = None
@@ -146,9 +150,9 @@ class Project(PackModel):
     """
     paths: Annotated[tuple[Text, ...], OrOne] = ()
     """Folders of packs to search first, from this folder."""
-    lines: Annotated[tuple[Script, ...], OrOne] = ()
+    lines: Annotated[tuple[ScriptPath, ...], OrOne] = ()
     """The script that `build` makes, from this folder; `{language}` stands for the language."""
-    languages: Annotated[dict[Parent, Word | None], OrNames] = Field(default_factory=dict)
+    languages: Annotated[dict[Parent, SingleWord | None], OrNames] = Field(default_factory=dict)
     """The languages that `build` makes, each with what `{language}` stands for: a list of names,
     or a mapping from names. By default `language`."""
     columns: ScriptColumns = ScriptColumns()
@@ -156,9 +160,9 @@ class Project(PackModel):
     encoding: Text | None = None
     """Encoding of the script's files, such as cp1252. By default UTF-8, or the one
     that a file states."""
-    audio: Recording | None = None
+    audio: RecordingPath | None = None
     """The recording of a line, such as `vo/{language}/{id}.wav`; lines without one are spoken."""
-    timings: Recording | None = None
+    timings: RecordingPath | None = None
     """The timed phonemes of a line. By default the file beside the recording."""
     cast: dict[Text, Annotated[tuple[Name, ...], OrOne, Field(min_length=1)]] = Field(
         default_factory=dict

@@ -5,7 +5,8 @@ from typing import Annotated
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.packs.models.fields import Data, Label, OrOne, Short, Strict, Text
+from lipsync_lang.packs.models.fields import Label, OrOne, Short, Strict, Text
+from lipsync_lang.packs.yaml.source import Data
 
 
 class InterjectionSounds(Strict):

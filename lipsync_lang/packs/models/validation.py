@@ -14,14 +14,11 @@ from lipsync_lang.packs.models import MODELS, PackModel
 from lipsync_lang.packs.models.attribute_docs import descriptions
 from lipsync_lang.packs.models.fields import PACK_FORMAT
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.packs.yaml.source import Loc, YamlSource
+from lipsync_lang.packs.yaml.source import Data, Loc, YamlSource
 
-Data = Any
-"""A value from a YAML file, or a type annotation."""
+AnyModel = TypeVar("AnyModel", bound=BaseModel)
 
-Model = TypeVar("Model", bound=BaseModel)
-
-Report = Mapping[str, Any]
+PydanticError = Mapping[str, Any]
 """An entry of `ValidationError.errors()`."""
 
 KEY_STEP = "[key]"
@@ -41,7 +38,7 @@ _MUST = {
     "model_type": "a mapping",
     "model_attributes_type": "a mapping",
 }
-_RANGE = {
+_RANGE_ERRORS = {
     "greater_than": ("gt", "above"),
     "greater_than_equal": ("ge", "at least"),
     "less_than": ("lt", "below"),
@@ -73,12 +70,17 @@ def validated(
             pack = model.model_validate(source.data)
         except ValidationError as error:
             faults += _translate(source, model, error)
-        faults += _name(source, name)
+        stated = source.data.get("name")
+        if name is not None and isinstance(stated, str) and stated != name:
+            what = f"the pack is named '{stated}', but its file or folder is named '{name}'"
+            faults.append(source.fault(("name",), "P111", what, "rename one of the two"))
     faults = sorted({*source.faults, *faults})
     return (None if faults else pack), tuple(faults)
 
 
-def validated_as(source: YamlSource, model: type[Model]) -> tuple[Model | None, tuple[Fault, ...]]:
+def validated_as(
+    source: YamlSource, model: type[AnyModel]
+) -> tuple[AnyModel | None, tuple[Fault, ...]]:
     """Return the contents of a file that is not a pack (None if faulty), and every fault of it."""
     try:
         return model.model_validate(source.data), ()
@@ -111,14 +113,6 @@ def _kind(source: YamlSource, kind: str | None) -> tuple[type[PackModel] | None,
     return MODELS[stated], []
 
 
-def _name(source: YamlSource, name: str | None) -> list[Fault]:
-    stated = source.data.get("name")
-    if name is None or not isinstance(stated, str) or stated == name:
-        return []
-    what = f"the pack is named '{stated}', but its file or folder is named '{name}'"
-    return [source.fault(("name",), "P111", what, "rename one of the two")]
-
-
 def _translate(source: YamlSource, model: type[BaseModel], error: ValidationError) -> list[Fault]:
     """Turn pydantic's errors into faults."""
     return [
@@ -128,7 +122,7 @@ def _translate(source: YamlSource, model: type[BaseModel], error: ValidationErro
     ]
 
 
-def _echo(report: Report) -> bool:
+def _echo(report: PydanticError) -> bool:
     """Return True for a list that is too short only because pydantic dropped faulty items."""
     value = report["input"]
     return (
@@ -138,7 +132,7 @@ def _echo(report: Report) -> bool:
     )
 
 
-def _fault(source: YamlSource, model: type[BaseModel], report: Report) -> Fault:
+def _fault(source: YamlSource, model: type[BaseModel], report: PydanticError) -> Fault:
     loc: Loc = tuple(report["loc"])
     key = bool(loc) and loc[-1] == KEY_STEP
     loc = loc[:-1] if key else loc
@@ -149,7 +143,7 @@ def _fault(source: YamlSource, model: type[BaseModel], report: Report) -> Fault:
 
 
 def _say(  # noqa: C901, PLR0911 one return for each family of errors
-    source: YamlSource, model: type[BaseModel], loc: Loc, report: Report
+    source: YamlSource, model: type[BaseModel], loc: Loc, report: PydanticError
 ) -> tuple[str, str, str]:
     """Return the code, message and hint for one error."""
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
@@ -162,8 +156,8 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
         return _length(source, loc, report)
     if sort in _MUST:
         return "P103", f"{subject} must be {_MUST[sort]}, got {_got(value)}", _mend(sort, value)
-    if sort in _RANGE:
-        bound, word = _RANGE[sort]
+    if sort in _RANGE_ERRORS:
+        bound, word = _RANGE_ERRORS[sort]
         hint = f"write a number that is {word} {context[bound]:g}"
         return "P104", f"{subject} must be {word} {context[bound]:g}, got {value:g}", hint
     if sort == "finite_number":
@@ -193,7 +187,7 @@ def _literal(subject: str, value: Data, expected: str) -> tuple[str, str, str]:
     return "P107", what, hint if hint.startswith("did") else ""
 
 
-def _length(source: YamlSource, loc: Loc, report: Report) -> tuple[str, str, str]:
+def _length(source: YamlSource, loc: Loc, report: PydanticError) -> tuple[str, str, str]:
     """Return the fault of a list or mapping with too few or too many items."""
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
     if sort == "missing":

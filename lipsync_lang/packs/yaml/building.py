@@ -27,6 +27,9 @@ from lipsync_lang.packs.yaml.source import (
 MAX_NESTING_LEVELS = 40
 """Levels of nesting; packs use about eight."""
 
+TOO_DEEP = f"nests deeper than {MAX_NESTING_LEVELS} levels"
+CLOSE_BRACKET = "check for an open bracket; packs nest about eight levels deep"
+
 MAX_INTEGER_DIGITS = 64
 """Digits of an integer; a longer one becomes a float, as `int` refuses thousands of digits."""
 
@@ -34,7 +37,7 @@ TAG_FAULT = "P014"
 """The fault code of a tag."""
 
 _INT = re.compile(r"[-+]?[0-9]+")
-_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_FLOAT_FORM = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _BASED = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
 _SPECIAL: Final = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
@@ -123,7 +126,7 @@ def _scalar(text: str) -> Data:
         return text
     if _INT.fullmatch(text):
         return int(text) if len(text) <= MAX_INTEGER_DIGITS else float(text)
-    if _FLOAT.fullmatch(text):
+    if _FLOAT_FORM.fullmatch(text):
         return float(text)
     if _BASED.fullmatch(text):
         number = int(text[2:], 8 if text[1] == "o" else 16)
@@ -142,6 +145,8 @@ def _syntax(path: Path, text: str, error: YamlError) -> Fault:
     problem = error.problem or "not valid YAML"
     if "undefined alias" in problem:
         return Fault(shown(path), line, column, "P012", problem)
+    if "nesting depth" in problem:  # newer libyaml stops scanning before its first event
+        return Fault(shown(path), line, column, "P010", TOO_DEEP, CLOSE_BRACKET)
     hint = error.context or "check quotes, brackets and indentation here and in the line above"
     if error.context and error.started is not None:
         hint = f"{error.context} that starts in line {error.started}"
@@ -248,22 +253,19 @@ class _Builder:
             bad = f"U+{ord(control.group()):04X}"
             self._note(line, column, "P005", f"control character {bad} in quotes", "delete it")
             text = _NOT_TEXT.sub("?", text)
+        value: Data = text
         frame = self.frames[-1] if self.frames else None
         if frame is not None and frame.key is None and frame.data.__class__ is dict:
             self._key(frame, text, line, column, plain=plain)
-            value: Data = text
         else:
-            value = self._plain_value(text) if plain else text
+            if plain:
+                if text not in self.scalars:
+                    self.scalars[text] = _scalar(text)
+                value = self.scalars[text]
             self._add(value, SourceMark(line, column))
         if event.anchor:
             chars = event.end_mark.index - mark.index
             self.anchors[event.anchor] = _Anchored(value, SourceMark(line, column), chars)
-
-    def _plain_value(self, text: str) -> Data:
-        """Resolve a plain scalar."""
-        if text not in self.scalars:
-            self.scalars[text] = _scalar(text)
-        return self.scalars[text]
 
     def _key(self, frame: _Frame, text: str, line: int, column: int, *, plain: bool) -> None:
         """Store the text as the key of the next value."""
@@ -285,10 +287,7 @@ class _Builder:
             self._tagged(line, column, event.tag)
         self._not_a_key(line, column)
         if len(self.frames) >= MAX_NESTING_LEVELS:
-            hint = "check for an open bracket; packs nest about eight levels deep"
-            raise self._stop(
-                line, column, "P010", f"nests deeper than {MAX_NESTING_LEVELS} levels", hint
-            )
+            raise self._stop(line, column, "P010", TOO_DEEP, CLOSE_BRACKET)
         self.frames.append(_Frame(data, inner, mark, event.anchor))
 
     def _on_end(self, event: Event) -> None:

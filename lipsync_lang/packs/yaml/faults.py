@@ -2,18 +2,38 @@
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from typing import Literal
 
 from lipsync_lang.errors import PackError
-from lipsync_lang.packs.yaml.fault_code import FaultCode
-from lipsync_lang.packs.yaml.form_faults import FORM_CODES
-from lipsync_lang.packs.yaml.reference_faults import REFERENCE_CODES
 
 Severity = Literal["fault", "warning"]
 
-CODES: dict[str, FaultCode] = FORM_CODES | REFERENCE_CODES
-"""The description of each code. A meaning never changes, and a retired code is never used again."""
+
+@dataclass(frozen=True)
+class FaultCode:
+    """A kind of fault in packs, as the reference describes it."""
+
+    meaning: str
+    """The mistake, as a sentence."""
+
+    cause: str
+    """The usual reasons for the mistake."""
+
+    cure: str
+    """The way to mend it; may link to pages beside the reference of faults."""
+
+
+@cache
+def fault_codes() -> dict[str, FaultCode]:
+    """Return the description of each code, from `fault_codes.yaml`."""
+    import yaml
+
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    with Path(__file__).with_name("fault_codes.yaml").open(encoding="utf-8") as file:
+        table = yaml.load(file, loader)  # noqa: S506 both loaders are safe
+    return {code: FaultCode(**words) for code, words in table.items()}
 
 
 @dataclass(frozen=True, order=True)
@@ -24,7 +44,7 @@ class Fault:
     ----------
     file : path as shown to the user
     line, column : from 1
-    code : one of `CODES`
+    code : one of `fault_codes`
     what : the mistake, in the file's own words
     hint : how to mend it; may be empty
     severity : a pack with warnings only can still be used
@@ -40,8 +60,8 @@ class Fault:
 
     def __post_init__(self) -> None:
         """Refuse a code that the reference does not list."""
-        if self.code not in CODES:
-            raise ValueError(f"unknown fault code {self.code!r}; add it to CODES first")
+        if self.code not in fault_codes():
+            raise ValueError(f"unknown fault code {self.code!r}; add it to fault_codes.yaml first")
 
     def __str__(self) -> str:
         hint = f"\n  hint: {_visible(self.hint)}" if self.hint else ""

@@ -33,6 +33,7 @@ def rewritten(text: str, old: Data, new: Data) -> str:
     except YamlError as error:
         raise RewriteError(error.problem) from None
     edits = _Edits(text)
+    edits.close_block_scalar(root)
     edits.change(root, old, new)
     return edits.applied(0, len(text))
 
@@ -63,14 +64,35 @@ class _Edits:
                 start = max(start, last)
         return "".join([*out, self.text[start:end]])
 
+    def close_block_scalar(self, root: Span) -> None:
+        """Keep a block scalar at the end of the text without a line end when lines follow."""
+        last = root
+        while last.entries:
+            last = last.entries[-1].value
+        if last.quote in {"|", ">"} and not self.text.endswith("\n"):
+            # A following line would give it a line end, which `-` strips again.
+            self.put(last.start + 1, last.start + 1, "-")
+
     def put(self, start: int, end: int, new: str) -> None:
         """Replace characters."""
         self.found.append((start, end, new))
 
     def change(self, span: Span, old: Data, new: Data, within: EntrySpan | None = None) -> None:
-        """Turn the value of a span from `old` into `new`; `within` is its entry."""
+        """Turn the value of a span from `old` into `new`; `within` is its entry.
+
+        A value in a form that takes no smaller change is written anew as a whole.
+        """
         if same(old, new):
             return
+        found = list(self.found)
+        try:
+            self._change_inside(span, old, new, within)
+        except RewriteError:
+            self.found = found
+            self._replace(span, new, within)
+
+    def _change_inside(self, span: Span, old: Data, new: Data, within: EntrySpan | None) -> None:
+        """Change the entries of a value, or the whole value if it has none."""
         before, after = _items(span, old), _items(span, new)
         if before is None or after is None or not before or not after:
             self._replace(span, new, within)
@@ -103,8 +125,6 @@ class _Edits:
         lines = self._lines(block_lines(new, indent))
         if self._multiline(within.after, span.start):
             self._delete_lines(span.start, span.end)
-        elif "\n" in self.text[span.start : span.end]:
-            raise RewriteError("a value of several lines that starts beside its key")
         else:
             blank = len(self.text[: span.start].rstrip(" \t"))
             self.put(max(blank, within.after), span.end, "")
@@ -245,7 +265,7 @@ class _Edits:
         near = next((entries[key] for key in new if key in entries), None)
         if near is None:
             raise RewriteError("brackets over several lines lose every item")
-        first = _leading(new, made)
+        first = list(takewhile(lambda key: key in made, new))
         if first:
             self.put(near.start, near.start, "".join(f"{made[key]}, " for key in first))
         for key in new[len(first) :]:
@@ -314,11 +334,6 @@ def _items(span: Span, value: Data) -> Items | None:
     if span.kind == "sequence" and isinstance(value, tuple):
         return dict(enumerate(value))
     return None
-
-
-def _leading(keys: list[str], made: Mapping[str, str]) -> list[str]:
-    """Return the new keys before the first old one."""
-    return list(takewhile(lambda key: key in made, keys))
 
 
 def _common(one: list[Data], other: list[Data]) -> int:

@@ -19,14 +19,14 @@ MAX_FLOW_CHARS = 100
 CURVES = "curves"
 """The field of packs with a mapping of curves, in blocks even while it has none."""
 
-PLAIN = re.compile(r"[^\W\d][\w-]*(?: [\w-]+)*")
-WORDS = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
+PLAIN_SCALAR = re.compile(r"[^\W\d][\w-]*(?: [\w-]+)*")
+RESERVED_WORDS = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
 """Words that some version of YAML reads as booleans or null, so they need quotes."""
 
 
 def plain_or_quoted(text: str) -> str:
     """Return text as a YAML scalar, quoted if a plain one could be misread."""
-    plain = PLAIN.fullmatch(text) and text.casefold() not in WORDS
+    plain = PLAIN_SCALAR.fullmatch(text) and text.casefold() not in RESERVED_WORDS
     return text if plain else json.dumps(text, ensure_ascii=False)
 
 
@@ -41,7 +41,9 @@ def on_one_line(value: Data) -> str:
         return "[" + ", ".join(map(on_one_line, value)) + "]"
     if isinstance(value, float):
         return _number(value)
-    return {None: "null", True: "true", False: "false"}[value] if _is_word(value) else str(value)
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    return str(value)
 
 
 def wants_block(value: Data) -> bool:
@@ -73,10 +75,6 @@ def block_lines(value: Mapping[str, Data], indent: int = 0) -> list[str]:
             pad = width if _is_curve(one) else 0
             lines.append(f"{names[key]:<{pad}} {on_one_line(one)}")
     return [" " * indent + line for line in lines]
-
-
-def _is_word(value: Data) -> bool:
-    return value is None or isinstance(value, bool)
 
 
 def _is_curve(value: Data) -> bool:

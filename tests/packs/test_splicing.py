@@ -9,7 +9,6 @@ from lanes import swept
 from packs_tree import POSESET, TREE
 
 from lipsync_lang.errors import PackError
-from lipsync_lang.packs import splicing
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, get, plain, put, spliced
 from lipsync_lang.packs.yaml.faults import PackFaults
@@ -125,8 +124,7 @@ CASES = {
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
 @pytest.mark.parametrize("case", CASES)
-def test_only_what_changes_is_touched(case, newline, monkeypatch):
-    monkeypatch.setattr(splicing, "_dumped", None)
+def test_only_what_changes_is_touched(case, newline):
     loc, value, expected = CASES[case]
     text = AUTHORED.replace("\n", newline)
     assert changed(text, (loc, value)) == expected
@@ -190,6 +188,39 @@ def test_sequences_keep_their_other_items():
     ]  # fmt: skip
 
 
+BLOCKS = """\
+kind: poseset
+format: 1
+name: face
+poses: {open: {}, wide: {}, PBM: {}}
+constraints:
+  # in pairs
+  pairs:
+    - between: [open, PBM]  # both
+      threshold: 0.5
+    - {between: [open, wide],  # kept
+       threshold: 0.7}
+# end
+"""
+
+
+@pytest.mark.parametrize(
+    ("loc", "value", "expected"),
+    [
+        (("constraints", "pairs", 0), {"pose": "open", "at_most": "PBM"},
+         ["-    - between: [open, PBM]  # both", "-      threshold: 0.5",
+          "+    - {pose: open, at_most: PBM}"]),
+        (("constraints", "pairs", 1), {"pose": "open", "at_most": "wide"},
+         ["-    - {between: [open, wide],  # kept", "-       threshold: 0.7}",
+          "+    - {pose: open, at_most: wide}"]),
+        (("constraints", "pairs", 0), ABSENT,
+         ["-    - between: [open, PBM]  # both", "-      threshold: 0.5"]),
+    ],
+)  # fmt: skip
+def test_a_value_of_other_fields_is_written_anew_alone(loc, value, expected):
+    assert changed(BLOCKS, (loc, value), path=Path("face/poseset.yaml")) == expected
+
+
 SPREAD = """\
 kind: poseset
 format: 1
@@ -223,8 +254,7 @@ priority: [open, FV,
          ["-priority: [open, FV,", "+priority: [wide, open, FV,"]),
     ],
 )  # fmt: skip
-def test_brackets_over_several_lines_keep_their_lines(loc, value, expected, monkeypatch):
-    monkeypatch.setattr(splicing, "_dumped", None)
+def test_brackets_over_several_lines_keep_their_lines(loc, value, expected):
     assert changed(SPREAD, (loc, value), path=Path("face/poseset.yaml")) == expected
 
 

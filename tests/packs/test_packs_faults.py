@@ -13,8 +13,7 @@ from packs_tree import TREE, plant, put
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.yaml.building import MAX_NESTING_LEVELS
-from lipsync_lang.packs.yaml.faults import CODES, Fault, PackFaults
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults, fault_codes
 from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES
 
 COMMON = "languages/common.yaml"
@@ -63,7 +62,7 @@ BAD = [
     Bad("open bracket", PARENT, "adds: [yu]", "adds: [yu", (("P008", 7, ": {engi"),), "line 6"),
     Bad("colon in text", PARENT, "title: Parent", "title: Parent: one", (("P008", 5, ": one"),)),
     Bad("two documents", CHILD, "words:", "---\nwords:", (("P009", 10, "---"),), "---"),
-    Bad("deep", PARENT, "[yu]", "[" * 100_000, (("P010", 6, 6 + MAX_NESTING_LEVELS),), "bracket"),
+    Bad("deep", PARENT, "[yu]", "[" * 100_000, (("P010", 6, "["),), "bracket"),
     Bad("billion laughs", PARENT, None, BILLION_LAUGHS, (("P012", 2, "*a, *a,"),)),
     Bad("no anchor", PARENT, "title: Parent", "title: *x", (("P012", 5, "*x"),), "&x"),
     Bad("own anchor", PARENT, "adds: [yu]", "adds: &x [yu, *x]", (("P012", 6, "*x]"),)),
@@ -482,7 +481,7 @@ def test_every_code_is_met_by_a_bad_pack():
         "W306": "test_resolver: an edited bigram that does not close",
     }
     assert met.isdisjoint(elsewhere)
-    assert met | set(elsewhere) == set(CODES)
+    assert met | set(elsewhere) == set(fault_codes())
 
 
 def test_a_fault_prints_where_what_and_how_to_mend_it():
@@ -539,7 +538,8 @@ def test_a_misspelt_pose_in_the_priority_is_one_fault(tmp_path, monkeypatch):
     assert [fault.code for fault in faults_of(tmp_path)] == ["P201"]
 
 
-@pytest.mark.parametrize("code", sorted(CODES))
+@pytest.mark.parametrize("code", sorted(fault_codes()))
 def test_every_code_has_a_meaning_a_cause_and_a_cure(code):
-    for sentence in (CODES[code].meaning, CODES[code].cause, CODES[code].cure):
+    told = fault_codes()[code]
+    for sentence in (told.meaning, told.cause, told.cure):
         assert re.fullmatch(r"[A-Z`].{8,}\.", sentence)
