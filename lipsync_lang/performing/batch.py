@@ -11,12 +11,13 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.edits import overlays
 from lipsync_lang.performing.loudness import loudness_dial
+from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.performing.stress import emphasis_dial, stress_dial
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.kernel_plan import keep, serves
 from lipsync_lang.pipeline.perform import Performance, perform
 from lipsync_lang.pipeline.prepare import prepare
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.schedules.schedule import Schedule
 
-Asked = Mapping[str, Any]
+OwnSettings = Mapping[str, Any]
 """Options of `Performer.perform` that are the same for all schedules, by name."""
 
 
@@ -51,7 +52,7 @@ class Delivered(NamedTuple):
         schedule: "Schedule",
         sounds: "LabelSounds",
         line: str | None,
-        asked: Asked,
+        asked: OwnSettings,
     ) -> Self:
         """Find the delivery of a schedule; `asked` holds the options of `perform`."""
         compiled = performer.compiled
@@ -60,6 +61,7 @@ class Delivered(NamedTuple):
         own: tuple[Overlay, ...] = ()
         if line is not None or compiled.word_edits:
             silent = np.ones(len(schedule), bool)
+            # a label is silent only if none of its sounds is anything else
             silent[sounds.source[sounds.ids != compiled.tables.silence]] = False
             own = overlays(compiled, schedule, silent.tolist(), line)
         return cls(performer.tables(blends), blends, dials, own)
@@ -98,7 +100,7 @@ def animate(
     schedules: "Sequence[Schedule]",
     fps: float,
     lines: Sequence[str | None] | None,
-    asked: Asked,
+    asked: OwnSettings,
 ) -> list[Animation]:
     """Animate schedules; see `Performer.perform_many`."""
     fps = checked_rate(fps)
@@ -147,8 +149,7 @@ def _animation(  # noqa: PLR0913, PLR0917 the fields of an animation
         weights,
         fps,
         schedule,
-        performer=performer,
-        asked=asked,
+        PerformedLine(performer, asked),
         channels=performer.channels,
         model=performer.model,
         neutral=performer.compiled.neutral,

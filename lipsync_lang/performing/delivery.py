@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Points = Sequence[Sequence[float]]
 """Pairs of time and level, with non-decreasing times."""
 
-Levels = Mapping[str, "float | Points"]
+DialLevels = Mapping[str, "float | Points"]
 """A constant level, or points of time in seconds and level, by name."""
 
 MOST = {"style": 1.0, "dial": 2.0, "expression": 1.0}
@@ -31,8 +31,8 @@ def delivery(
     compiled: "Compiled",
     schedule: "Schedule",
     line: str | None,
-    styles: Levels | None,
-    dials: Levels | None,
+    styles: DialLevels | None,
+    dials: DialLevels | None,
 ) -> tuple[tuple[Blend, ...], tuple[Dial, ...]]:
     """Return the style blends and region dials of a line.
 
@@ -58,6 +58,7 @@ def delivery(
     scaled = [
         Dial(np.isin(np.arange(poses), compiled.regions[name]), level, f"dial {name}")
         for name, level in _levels("dial", own, schedule, dials or {}, compiled.regions).items()
+        # a dial at 1 throughout would only cost time in each frame
         if np.any(level.values != 1)
     ]
     return tuple(blends), tuple(scaled)
@@ -67,7 +68,7 @@ def _levels(
     what: str,
     own: Sequence[Mapping[str, Mapping[str, Points]]],
     schedule: "Schedule",
-    asked: Levels,
+    asked: DialLevels,
     known: "Sequence[str] | Mapping[str, object]",
 ) -> dict[str, Level]:
     """Merge the levels by name; later settings override earlier ones."""
@@ -79,13 +80,10 @@ def _levels(
     for stated_name, level in asked.items():
         name = spelled(stated_name, known)
         if name not in known:
-            raise LipsyncError(f"unknown {_called(what)} '{name}'; {did_you_mean(name, known)}")
+            kind = "style" if what == "style" else "region"
+            raise LipsyncError(f"unknown {kind} '{name}'; {did_you_mean(name, known)}")
         found[name] = timed(what, name, level)
     return found
-
-
-def _called(what: str) -> str:
-    return "style" if what == "style" else "region"
 
 
 def timed(what: str, name: str, level: "float | Points") -> Level:
@@ -123,6 +121,7 @@ def _second(name: str, at: float, schedule: "Schedule") -> float:
             f"{name} has a point at word {at:g}, but {schedule.source} has {len(words)} words; "
             "correct the points in the character"
         )
+    # the position after the last word is the end of that word
     whole = min(int(at), len(words) - 1)
     start, end = float(times[words[whole].first]), float(times[words[whole].stop])
     return start + (at - whole) * (end - start)

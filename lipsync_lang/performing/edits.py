@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import Compiled
     from lipsync_lang.schedules.schedule import Schedule
 
-Curves = Mapping[str, Sequence[Sequence[float]]]
+EditedCurves = Mapping[str, Sequence[Sequence[float]]]
 """Control points of a curve, by pose."""
 
 
@@ -44,6 +44,7 @@ def overlays(
         )
     found: list[Overlay] = []
     for word in schedule.words if compiled.word_edits else ():
+        # spellings differ in case at the start of a sentence
         curves = compiled.word_edits.get(word.text.casefold())
         if curves:
             found += _laid(compiled, curves, schedule, word.first, word.stop)
@@ -55,7 +56,7 @@ def overlays(
 
 
 def _laid(
-    compiled: "Compiled", curves: Curves, schedule: "Schedule", first: int, stop: int
+    compiled: "Compiled", curves: EditedCurves, schedule: "Schedule", first: int, stop: int
 ) -> Iterator[Overlay]:
     start, end = float(schedule.times[first]), float(schedule.times[stop])
     at = np.linspace(0, 1, RESOLUTION + 1)

@@ -18,18 +18,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, spelled
 from lipsync_lang.performing.delivery import timed
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.pipeline.tables import Contact, Tables
 from lipsync_lang.rigs.channel import Channel
 
 if TYPE_CHECKING:
-    from lipsync_lang.performing.delivery import Levels
+    from lipsync_lang.performing.delivery import DialLevels
 
 
-def with_expression(animation: Animation, tables: Tables, expression: "Levels") -> Animation:
+def with_expression(animation: Animation, tables: Tables, expression: "DialLevels") -> Animation:
     """Return an animation with an expression added; see `Performer.with_expression`.
 
     Parameters
@@ -48,6 +48,7 @@ def with_expression(animation: Animation, tables: Tables, expression: "Levels") 
     }
     weights = np.ascontiguousarray(animation.weights.T)
     closed = [_closed(contact, weights) for contact in tables.contacts]
+    # a list, since the loop takes names out of `wanted`
     for name in [name for name in wanted if name in animation.poses]:
         pose = animation.poses.index(name)
         weights[pose] += _added(wanted.pop(name), pose, weights, tables, closed)
@@ -66,6 +67,7 @@ def _closed(contact: Contact, weights: Floats) -> Floats:
     raised = contact.raised
     if not raised:
         return np.ones(weights.shape[1])
+    # a contact may lose GIVEN to the softening, and is closed all the same
     met: Floats = (weights[raised].T / (contact.floor[raised] - GIVEN)).clip(0, 1).min(axis=1)
     return met
 

@@ -2,19 +2,27 @@
 
 Times are seconds. Labels are numbered from the first one of the stream. Labels that no frame needs
 any more are forgotten, so hours take no more memory than seconds.
+
+If two trigrams share a bigram, the first one plays, so each trigram depends on those before it. No
+two trigrams begin at neighbouring sounds. Therefore a window makes the same choice as the whole
+line if no trigram begins one sound before the window.
 """
 
 from bisect import bisect_right
 from collections.abc import Collection
 from copy import copy
 from dataclasses import dataclass, field
-from typing import NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, StressMarks
-from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.pipeline.overlay import Overlay
+from lipsync_lang.pipeline.track import trigrams_in
+
+if TYPE_CHECKING:
+    from lipsync_lang.pipeline.tables import Tables
 
 UNSURE_SECONDS = 0.1
 """Assumed length of the last phoneme until its end is known; no final frame depends on it."""
@@ -158,20 +166,17 @@ class Heard:
         length = None if label.end is None else label.end - label.start
         self.labels.append(label)
         self.befores.append(self.stress)
+        # the boundaries within a label are unknown until its end is, but its first sound is known
         for sound, share in label.sounds if length is not None else label.sounds[:1]:
             if not self.silent or sound != self.silence:
-                self._sound(sound, at, number)
+                self.starts.append(at if self.sounds else self.start)
+                self.sounds.append(sound)
+                self.sources.append(number)
+                if self.opening is None and sound != self.silence:
+                    self.opening = self.starts[-1] - self.start
             at += share * (length or 0.0)
         self.until = label.start if label.end is None else label.end
         self._stress(label, number)
-
-    def _sound(self, sound: int, at: float, number: int) -> None:
-        start = at if self.sounds else self.start
-        self.sounds.append(sound)
-        self.starts.append(start)
-        self.sources.append(number)
-        if self.opening is None and sound != self.silence:
-            self.opening = start - self.start
 
     def _stress(self, label: HeardLabel, number: int) -> None:
         before, marked = self.stress
@@ -213,6 +218,7 @@ class Heard:
         if kept:
             del self.sounds[:kept], self.starts[:kept], self.sources[:kept]
             self.forgotten = True
+        # the label at that time stays, since it may still be cut or lengthened
         gone = 0
         while gone + 1 < len(self.labels) and self.labels[gone + 1].start <= seconds:
             gone += 1
@@ -281,6 +287,7 @@ class Heard:
         """Return the seconds of silence at the end, as for a line that ends here."""
         if not self.silent:
             return 0.0
+        # a line of silence alone has no last sound from which to count
         alone = len(self.starts) == 1 and self.opening is None
         far = max(silence_reach, 1e-9)
         return max(self.until - self.starts[-1], far) if alone else self.until - self.starts[-1]
@@ -300,19 +307,59 @@ class Heard:
         """
         first = self._first(begin, begun)
         stop = min(bisect_right(self.starts, end) + 2, len(self.starts))
-        edge = self.starts[stop : stop + 1] or [self._until()]
+        last = self.starts[-1]
+        until = self.until if self.until > last else last + UNSURE_SECONDS
+        edge = self.starts[stop : stop + 1] or [until]
         bounds = np.array(self.starts[first:stop] + edge)
         return np.array(self.sounds[first:stop]), bounds, first == 0 and not self.forgotten
 
     def _first(self, seconds: float, begun: Collection[int]) -> int:
         """Return the index of the first sound on which frames from a time on depend."""
+        # the sound at that time, and two before: a bigram reaches over both of its sounds
         first = max(bisect_right(self.starts, seconds) - 3, 0)
         return first - (first > 0 and first - 1 in begun)
-
-    def _until(self) -> float:
-        last = self.starts[-1]
-        return self.until if self.until > last else last + UNSURE_SECONDS
 
     def overlays(self) -> tuple[Overlay, ...]:
         """Return the curve edits of the words."""
         return tuple(one for word in self.words for one in word.overlays)
+
+
+def begun_trigrams(heard: Heard, tables: "Tables") -> frozenset[int]:
+    """Return the sounds that begin a trigram, by index; -1 is the silence before the first."""
+    if not len(tables.trigrams) or not heard.sounds:
+        return frozenset()
+    before = not heard.forgotten and heard.sounds[0] != heard.silence
+    ids = np.array([heard.silence] * before + heard.sounds)
+    return frozenset(at - before for at in trigrams_in(ids, tables).tolist())
+
+
+def open_trigram(heard: Heard, tables: "Tables", silence_reach: float) -> float | None:
+    """Return the time from which bigrams depend on the sound after the last one.
+
+    Parameters
+    ----------
+    silence_reach : seconds of a silence that a bigram uses
+
+    Returns
+    -------
+    None if no trigram can begin with the last two sounds
+    """
+    if not len(tables.trigrams) or not heard.sounds:
+        return None
+    only = len(heard.sounds) == 1
+    before = heard.silence if only else heard.sounds[-2]
+    if only and (heard.forgotten or heard.silent):
+        return None
+    size = len(tables.pairs)
+    # codes of three sounds rise with the third, so all with these first two are a range
+    code = (before * size + heard.sounds[-1]) * size
+    at = int(tables.trigrams.searchsorted(code))
+    if at == len(tables.trigrams) or int(tables.trigrams[at]) >= code + size:
+        return None
+    if len(heard.sounds) - len(("one", "two", "three")) in begun_trigrams(heard, tables):
+        return None
+    if before != heard.silence:
+        return heard.starts[-2]
+    early = heard.starts[-1] - silence_reach
+    first = only or (len(heard.sounds) == len(("silence", "sound")) and not heard.forgotten)
+    return early if first else max(heard.starts[-2], early)

@@ -65,7 +65,7 @@ class Intake:
 
     def part(self, part: Schedule, moved: float) -> tuple[list[HeardLabel], list[HeardWord]]:
         """Read a part of a schedule; its words count the labels of the part."""
-        reader = self.performer.labels
+        reader, compiled = self.performer.labels, self.performer.compiled
         named = part if part.notation is not None else replace(part, notation=self.notation)
         values = reader.values(named)
         marks = part.stress or tuple(map(reader.notation(named).stress, part.labels))
@@ -78,7 +78,8 @@ class Intake:
         words = []
         for word in part.words:
             found = self._word(part, word, silent, moved)
-            if found is not None or self._pronounced(part, word):
+            own = part.language == compiled.language and plain(word.text) in compiled.words
+            if found is not None or own:
                 for index in range(word.first, word.stop):
                     labels[index] = labels[index]._replace(whole=times[word.first])
             words += [] if found is None else [found]
@@ -91,10 +92,6 @@ class Intake:
         sounds = tuple((reader.number(name), share) for name, share in value)
         kind = reader.kind(sounds[0][0]) if sounds else ""
         return HeardLabel(start, end, sounds, kind, mark)
-
-    def _pronounced(self, part: Schedule, word: "Word") -> bool:
-        compiled = self.performer.compiled
-        return part.language == compiled.language and plain(word.text) in compiled.words
 
     def _word(
         self, part: Schedule, word: "Word", silent: list[bool], moved: float

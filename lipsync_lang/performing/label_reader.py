@@ -1,5 +1,6 @@
 """Label reader: detects the notation of a schedule and maps its labels to common phonemes."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +11,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.errors import ScheduleError, did_you_mean
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.label_sounds import UNMARKED, LabelSounds, LabelTable, ValueTable
@@ -20,16 +22,18 @@ from lipsync_lang.performing.stress import (
     VOWEL_MANNER,
     stresses_of,
 )
-from lipsync_lang.performing.unlisted_labels import nearest_value
 from lipsync_lang.phonology.g2p.tokens import plain
-from lipsync_lang.phonology.labels import Notation, Value, recognise
+from lipsync_lang.phonology.ipa import is_one_sound
+from lipsync_lang.phonology.labels import MAX_TONE_SIGNS, TONE, Notation, Value, recognise
 from lipsync_lang.phonology.notations import Spelled, ready
-from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
     from lipsync_lang.resolver.compiled import Compiled
+
+_CAPITAL = re.compile("[A-Z]")
+"""Letters that are absent from the IPA, but present in most other notations."""
 
 Unknown = Literal["error", "rest", "nearest"]
 """Treatments of unmapped labels; `nearest` maps IPA by its features, with a remark."""
@@ -135,8 +139,14 @@ class LabelReader:
         if self.unknown != "nearest" or notation.find(label) is not None:
             return None
         spelled = isinstance(notation, Spelled) or notation is self.notations.get(IPA)
-        near = self._features if spelled else None
-        return None if near is None else nearest_value(near, notation, label)
+        near, text = self._features if spelled else None, notation.text(label)
+        if near is None or text is None:
+            return None
+        if not any(map(str.isalpha, text)) or _CAPITAL.search(text):
+            return None  # signs alone, such as ??, or another notation
+        if sum(sign in TONE for sign in label) > MAX_TONE_SIGNS:
+            return None  # a number
+        return near.value(text) if is_one_sound(near.read(text).sounds) else None
 
     def by_features(self, schedule: Schedule) -> dict[str, Value]:
         """Return the values of the labels of a schedule that its notation does not list."""
@@ -147,7 +157,11 @@ class LabelReader:
     def values(self, schedule: Schedule) -> list[Value]:
         """Return the value of each label; whole-word entries of the language take precedence."""
         notation = self.notation(schedule)
-        values = self._found(schedule, notation)
+        values = [notation.find(label) for label in schedule.labels]
+        if None in values:
+            unlisted = self.by_features(schedule)
+            both = zip(schedule.labels, values, strict=True)
+            values = [unlisted.get(label) if one is None else one for label, one in both]
         own = self.compiled.words
         for word in schedule.words if self._has_own_words(schedule) else ():
             sounds = own.get(plain(word.text))
@@ -204,17 +218,6 @@ class LabelReader:
         firsts = np.zeros(len(marks), np.intp)
         firsts[sounds.source[::-1]] = sounds.ids[::-1]  # the first of a label is written last
         return stresses_of(marks, self._manners[firsts])
-
-    def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
-        """Look up each label in a notation, with the requested treatment of unknown IPA."""
-        values = [notation.find(label) for label in schedule.labels]
-        if None not in values:
-            return values
-        found = self.by_features(schedule)
-        return [
-            found.get(label) if value is None else value
-            for label, value in zip(schedule.labels, values, strict=True)
-        ]
 
     def notation(self, schedule: Schedule) -> Notation:
         """Return the notation of the schedule: as stated, or the most likely one."""
@@ -320,11 +323,8 @@ class LabelReader:
             hints.append(f"nearest by its features: {' '.join(n for n, _ in found.value)}")
         return "; ".join(hints)
 
-    def _name(self, notation: Notation) -> str:
-        return next(name for name, known in self.notations.items() if known is notation)
-
     def _unknown(self, schedule: Schedule, at: list[int], notation: Notation) -> str:
-        name = self._name(notation)
+        name = next(name for name, known in self.notations.items() if known is notation)
         lines = [
             f"{schedule.place(i)}: phoneme {i} ({schedule.labels[i]!r}, {schedule.times[i]:g} to "
             f"{schedule.times[i + 1]:g} s) is not in the {name} of {self.compiled.language}; "

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.phonology.labels import Notation, Value
-from lipsync_lang.pipeline.arrays import Floats, Ints
 
 UNKNOWN, UNMARKED = -1, -1
 """Number of a label without a value, and mark of a label without stress."""
@@ -49,6 +49,7 @@ class ValueTable:
         found = self._known.get(value)
         if found is None:
             with self._lock:
+                # a thread that waited for the lock finds the number that the other one gave
                 found = self._known.setdefault(value, len(self._known))
                 self._arrays = self._flat()
         return found
@@ -58,6 +59,7 @@ class ValueTable:
         sounds = [sound for value in self._known for sound in value]
         ids = np.array([self._numbers[name] for name, _ in sounds], np.intp)
         shares = np.array([share for _, share in sounds], np.float64)
+        # an exclusive running sum: the place at which the sounds of each value begin
         return counts, np.cumsum(counts) - counts, ids, shares
 
     def sounds(
@@ -71,30 +73,38 @@ class ValueTable:
         marks : (n,) their marks of stress
         times : boundaries of each schedule
         """
+        # one read of the tuple: another thread may replace it between two reads
         counts, firsts, ids, shares = self._arrays
+        # an empty array tells later steps at once that nothing in the batch is marked
         marks = marks if marks.max() >= 0 else marks[:0]
         count, first = counts[values], firsts[values]
+        # most notations: the boundaries of the labels serve as they are, without arithmetic
         if (count == 1).all():
             return list(_single(ids[first], marks, times))
         ends = np.cumsum(count)
         source = np.repeat(np.arange(len(values)), count)
+        # 0, 1, 2, ... within each label, from one count over all sounds of the batch
         within = np.arange(len(source)) - (ends - count)[source]
         at = np.concatenate([one[:-1] for one in times])[source]
         length = np.concatenate([one[1:] - one[:-1] for one in times])[source]
         begins = first[source]
         for passed in range(int(count.max()) - 1):  # as far as the longest value, one by one
             later = within > passed
+            # adding share by share rounds as a loop over one label does; a running sum
+            # over the batch would let a line depend on the lines before it
             at[later] += shares[begins[later] + passed] * length[later]
         found = ids[begins + within]
         out: list[LabelSounds | None] = []
         label = sound = 0
         for own in times:
             past = label + len(own) - 1
+            # `ends` counts sounds of the whole batch, so it tells where this schedule stops
             stop = int(ends[past - 1])
             if stop == sound:
                 out.append(None)
             else:
                 bounds = np.append(at[sound:stop], own[-1])
+                # mute labels at the start have no sounds; the first sound takes their time
                 bounds[0] = own[0]
                 here = source[sound:stop] - label
                 out.append(LabelSounds(found[sound:stop], bounds, here, marks[label:past]))
@@ -105,6 +115,7 @@ class ValueTable:
 def _single(ids: Ints, marks: Ints, times: Sequence[Floats]) -> "list[LabelSounds]":
     """Return the sounds of schedules in which each label has one sound."""
     out, label = [], 0
+    # one range for all schedules, which share views of it
     source = np.arange(max(map(len, times)) - 1)
     for own in times:
         past = label + len(own) - 1
@@ -129,7 +140,9 @@ class LabelTable:
 
     def read(self, labels: Sequence[str]) -> tuple[Ints, Ints]:
         """Return numbers of the value and the mark of each label, (n,); `UNKNOWN` for no value."""
+        # `__missing__` runs only for new labels, so known ones are looked up in C alone
         at = np.fromiter(map(self._known.__getitem__, labels), np.intp, len(labels))
+        # the array is made anew only after new labels, not with each of them
         if len(self._arrays) < len(self._rows):
             self._arrays = np.array(self._rows, np.intp)
         found = self._arrays[at]

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
@@ -110,9 +110,12 @@ def levels(
     above = _smooth(_above(list(map(_decibels, powers, counts)), classes), classes)
     sounding = [number for number, one in enumerate(classes) if one]
     active = _decibels(sum(powers[n] for n in sounding), sum(counts[n] for n in sounding))
-    beyond = _beyond(active - reference)
+    far = active - reference
+    beyond = copysign(max(abs(far) - TOLERANCE, 0.0), far)
     share = np.clip((np.array(above)[sounding] + beyond) / SPAN, -1, 1)
     least, most = limits
+    # a louder sound moves towards the upper limit, a softer one towards the lower, so the
+    # two limits need not lie equally far from 1
     values = 1 + intensity * share * np.where(share > 0, most - 1, 1 - least)
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     return Level(middles[sounding], np.maximum(values, 0.0))
@@ -121,6 +124,7 @@ def levels(
 def _powers(audio: "Audio", times: Floats) -> tuple[list[float], list[int]]:
     """Return the sum of squares of each scheduled span, and its number of samples: n each."""
     at = np.clip(np.rint(times * audio.rate), 0, len(audio.samples)).astype(np.intp)
+    # float32 squares int16 without overflow, in half the memory of float64
     samples = audio.samples.astype(np.float32)
     spans = [samples[low:high] for low, high in pairwise(at.tolist())]
     return [float(span @ span) for span in spans], [len(span) for span in spans]
@@ -129,11 +133,6 @@ def _powers(audio: "Audio", times: Floats) -> tuple[list[float], list[int]]:
 def _decibels(power: float, count: int) -> float:
     """Return the level of a sum of squares over some samples in dBFS."""
     return 10 * log10(max(power / max(count, 1), FLOOR**2) / FULL_SCALE**2)
-
-
-def _beyond(decibels: float) -> float:
-    """Return a level difference in dB, reduced by the tolerance on its side."""
-    return copysign(max(abs(decibels) - TOLERANCE, 0.0), decibels)
 
 
 def _above(decibels: Sequence[float], classes: Sequence[str]) -> list[float]:
@@ -151,6 +150,7 @@ def _smooth(values: Sequence[float], classes: Sequence[str]) -> list[float]:
     last = len(values) - 1
     out = []
     for number, value in enumerate(values):
+        # at the edge of a run the sound itself stands in for its neighbour
         before = number - 1 if number and classes[number - 1] else number
         after = number + 1 if number < last and classes[number + 1] else number
         out.append(_NEAR[0] * values[before] + _NEAR[1] * value + _NEAR[2] * values[after])

@@ -10,6 +10,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.errors import LipsyncError, refuse_other
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
 from lipsync_lang.performing.batch import Delivered, animate
@@ -17,7 +18,6 @@ from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.performing.style_drafts import with_drafts
 from lipsync_lang.phonology.labels import Notation
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from lipsync_lang.animations.explanation import Explanation
-    from lipsync_lang.performing.delivery import Levels
+    from lipsync_lang.performing.delivery import DialLevels
     from lipsync_lang.performing.stream import Late, Stream
     from lipsync_lang.phonology.nearest import Nearest
     from lipsync_lang.pipeline.levels import Blend
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import Compiled, Report
     from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.rigs.driver import Driver
-    from lipsync_lang.speech.speaking import Speaker
+    from lipsync_lang.speech.speaking.speaker import Speaker
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +116,8 @@ class Performer:
         fps: float = 60,
         *,
         line: str | None = None,
-        styles: "Levels | None" = None,
-        dials: "Levels | None" = None,
+        styles: "DialLevels | None" = None,
+        dials: "DialLevels | None" = None,
         intensity: float | None = None,
     ) -> Animation:
         """Animate a schedule.
@@ -159,8 +159,8 @@ class Performer:
         fps: float = 60,
         *,
         lines: "Sequence[str | None] | None" = None,
-        styles: "Levels | None" = None,
-        dials: "Levels | None" = None,
+        styles: "DialLevels | None" = None,
+        dials: "DialLevels | None" = None,
         intensity: float | None = None,
     ) -> list[Animation]:
         """Animate many schedules; each animation equals that of `perform` bit by bit.
@@ -193,8 +193,8 @@ class Performer:
         fps: float = 60,
         *,
         notation: str | None = None,
-        styles: "Levels | None" = None,
-        dials: "Levels | None" = None,
+        styles: "DialLevels | None" = None,
+        dials: "DialLevels | None" = None,
         stress: bool | None = None,
         emphasis: bool = False,
         late: "Late" = "refuse",
@@ -277,7 +277,7 @@ class Performer:
         rows = [drive(row[None], driver.rig, 1.0) for row in weights]
         return np.vstack(rows) if rows else np.zeros((0, len(driver.channels)))
 
-    def with_expression(self, animation: Animation, expression: "Levels") -> Animation:
+    def with_expression(self, animation: Animation, expression: "DialLevels") -> Animation:
         """Add an expression to an animation of this performer; speech takes precedence.
 
         Contacts and constraints still hold: an expression adds only as much as they allow. Shapes
@@ -313,8 +313,8 @@ class Performer:
         fps: float,
         *,
         line: str | None = None,
-        styles: "Levels | None" = None,
-        dials: "Levels | None" = None,
+        styles: "DialLevels | None" = None,
+        dials: "DialLevels | None" = None,
         intensity: float | None = None,
     ) -> Performance:
         """Prepare a performance with access to each stage; see `perform`."""
@@ -329,7 +329,7 @@ class Performer:
         schedule: Schedule,
         *,
         line: str | None = None,
-        styles: "Levels | None" = None,
+        styles: "DialLevels | None" = None,
     ) -> "Track":
         """Lay out the phonemes of a schedule as `perform` does, without rendering frames."""
         ids, times, source = self.labels.common_phonemes(schedule)
@@ -350,9 +350,7 @@ class Performer:
 
     def explain(self, animation: Animation, seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time in an animation of this performer."""
-        from lipsync_lang.performing.trace import explain
-
-        return explain(animation, seconds)
+        return animation.explain(seconds)
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
         """Map the labels of a schedule to common phonemes; see `LabelReader.common_phonemes`."""
@@ -376,7 +374,7 @@ class Performer:
     def speaker(self) -> "Speaker":
         """Text-to-speech of the language, with the pronunciations of the character."""
         from lipsync_lang.phonology.manner import Manner
-        from lipsync_lang.speech.speaking import Speaker
+        from lipsync_lang.speech.speaking.speaker import Speaker
 
         return Speaker(
             Manner.from_plain(self.compiled.manner),

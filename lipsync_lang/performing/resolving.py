@@ -1,19 +1,7 @@
 """Resolution of a language and a character into a performer.
 
-Each ordered pair of common phonemes of the language is looked up in layers. The first match is used
-and recorded as the origin of the bigram:
-
-1. the character's own bigrams and banks,
-2. the language's banks for this pose set,
-3. the pose set's shared banks,
-4. the same pair with added phonemes replaced by their `like` phonemes, in layers 1 to 3,
-5. a bigram fitted to captures, in layers 1 to 4,
-6. a draft from the phoneme targets of the character, or else of the pose set.
-
-A pair with shades is looked up from the finest pair to the pair of their parents, and drafted only
-if none of these is drawn.
-
-Pairs without a match are gaps. They are errors by default, or rest on request.
+Each ordered pair of common phonemes of the language is looked up in the layers that the package
+`resolver` lists. Pairs without a match are gaps. They are errors by default, or rest on request.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +12,7 @@ from lipsync_lang.errors import PackError, refuse_other, shortlist
 from lipsync_lang.packs.finding import Paths, is_model, located
 from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.resolver.compiled import Compiled, Report
+from lipsync_lang.resolver.compiled import Compiled
 from lipsync_lang.resolver.settings import motion_with
 
 Gaps = Literal["error", "rest"]
@@ -82,8 +70,14 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     else:
         (language, character), folders = located(paths, language=language, character=character)
         compiled = _pair(language, character, folders, cache=cache)
-    if compiled.report.gaps and gaps != "rest":
-        raise PackError(_gap_message(compiled.report))
+    report = compiled.report
+    if report.gaps and gaps != "rest":
+        shown = shortlist(report.gaps, MAX_SHOWN_GAPS)
+        raise PackError(
+            f"{report.character} has no curves for {len(report.gaps)} bigrams of "
+            f"{report.language}: {shown}. Give {report.poseset} targets for their phonemes, "
+            "or perform gaps as rest (`gaps='rest'`)"
+        )
     return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders, shades)
 
 
@@ -107,19 +101,10 @@ def _on_model(
 ) -> tuple[Compiled, tuple[Path, ...]]:
     """Return the pair of a language and a model, and the folders to search."""
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.resolver.model_characters import best_match, on_model
+    from lipsync_lang.resolver.rigging import best_match, on_model
 
     (name,), folders = located(paths, language=language)
     library = Library(folders)
     match = best_match(library, model)
     pair = _pair(name, match.poseset, folders, cache=cache)
     return on_model(library, pair, match, model), folders
-
-
-def _gap_message(report: Report) -> str:
-    shown = shortlist(report.gaps, MAX_SHOWN_GAPS)
-    return (
-        f"{report.character} has no curves for {len(report.gaps)} bigrams of "
-        f"{report.language}: {shown}. Give {report.poseset} targets for their phonemes, "
-        "or perform gaps as rest (`gaps='rest'`)"
-    )

@@ -19,18 +19,18 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, ScheduleError, refuse_other
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.heard import Heard
 from lipsync_lang.performing.intake import Intake, refuse_jump, second
 from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.perform import BLOCK
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule
 
 if TYPE_CHECKING:
-    from lipsync_lang.performing.delivery import Levels
+    from lipsync_lang.performing.delivery import DialLevels
     from lipsync_lang.performing.performer import Performer
 
 Late = Literal["refuse", "shorten"]
@@ -73,8 +73,8 @@ class Stream:
         fps: float,
         *,
         notation: str | None = None,
-        styles: "Levels | None" = None,
-        dials: "Levels | None" = None,
+        styles: "DialLevels | None" = None,
+        dials: "DialLevels | None" = None,
         stress: bool | None = None,
         emphasis: bool = False,
         late: Late = "refuse",
@@ -231,6 +231,7 @@ class Stream:
                 f"{at:g} s is within a word with its own curves or pronunciation; "
                 f"remove the whole word, from {word:g} s"
             )
+        # a copy, since the frames may turn out to depend on what is removed
         other = self._heard.apart()
         other.take_back(at)
         if self._given and self._frames.settled(other) < self._given:
@@ -275,7 +276,9 @@ class Stream:
         begin, heard, frames = self._given, self._heard, self._frames
         stop = final = self.final
         if until is not None:
-            stop = min(final, max(self._shown(second("until", until)), begin))
+            passed = min((second("until", until) - heard.start) * self.fps, MAX_FRAMES)
+            shown = floor(passed + ROUNDED_FRAMES) + (frames.lead or 0) + 1
+            stop = min(final, max(shown, begin))
         parts = [self._made]
         at = begin + len(self._made)
         while at < stop:
@@ -291,11 +294,6 @@ class Stream:
     def final(self) -> int:
         """Number of final frames from the first on, including returned ones."""
         return max(self._frames.settled(self._heard), self._given)
-
-    def _shown(self, seconds: float) -> int:
-        """Return the number of frames until a time."""
-        passed = min((seconds - self._heard.start) * self.fps, MAX_FRAMES)
-        return floor(passed + ROUNDED_FRAMES) + (self._frames.lead or 0) + 1
 
     def _feed_part(self, part: Schedule, moved: float) -> None:
         labels, words = self._intake.part(part, moved)
@@ -323,6 +321,7 @@ class Stream:
             return start
         last, until = heard.labels[-1], heard.until
         refuse_jump(here, until, start)
+        # a label without an end lasts until the next one starts
         lasting = last.end is None
         early = start < until - SNAP_SECONDS or (lasting and start <= last.start)
         if early and (self.late == "refuse" or whole or (lasting and until <= last.start)):

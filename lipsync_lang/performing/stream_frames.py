@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.performing.heard import Heard
-from lipsync_lang.performing.heard_trigrams import begun_trigrams, open_trigram
+from lipsync_lang.performing.heard import Heard, begun_trigrams, open_trigram
 from lipsync_lang.performing.stress import ramped_level, vowel_level
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.hold import MARGIN
 from lipsync_lang.pipeline.levels import Blend, Dial
 from lipsync_lang.pipeline.look_ahead import LookAhead, widened
@@ -90,6 +89,7 @@ class StreamFrames:
     def needed(self, begin: int) -> int:
         """Return the first frame of the window for frames from `begin` on."""
         low = begin - self.ahead.before
+        # near the start the ramp from rest still counts, so the window begins with the line
         return low if low >= self.ahead.ramp else 0
 
     def weights(self, heard: Heard, begin: int, stop: int) -> Floats:
@@ -103,6 +103,7 @@ class StreamFrames:
         frames = self.laid(heard, low - more, high + beyond)
         times = self.seconds(heard, low), self.seconds(heard, high)
         ids, bounds, opening = heard.between(*times, begun_trigrams(heard, self.tables))
+        # no label numbers: the track reads only whether a sound was scheduled
         source = np.arange(len(ids))
         track = lay_track(
             ids, bounds, source, self.tables, self.motion, self.blends, opening=opening

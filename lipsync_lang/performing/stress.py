@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
@@ -53,10 +53,12 @@ def vowel_level(middles: Floats, values: Floats) -> Level:
     ----------
     middles, values : (V,) seconds and level of each vowel
     """
+    # between vowels that lie closer, the lines back to 1 would cross
     apart = np.flatnonzero(np.diff(middles) > 2 * STRESS_REACH_SECONDS)
     after = np.concatenate((middles[apart], middles[-1:])) + STRESS_REACH_SECONDS
     before = np.concatenate((middles[:1], middles[apart + 1])) - STRESS_REACH_SECONDS
     times = np.concatenate((middles, after, before))
+    # stable, so that of two points at one time the vowel comes first
     order = np.argsort(times, kind="stable")
     ones = np.ones(len(after) + len(before))
     return Level(times[order], np.concatenate((values, ones))[order])
@@ -98,6 +100,8 @@ def stresses_of(marks: Ints, manners: Ints) -> Ints:
     """
     at = np.arange(len(marks))
     vowel, clears = manners == VOWEL_MANNER, manners != CONSONANT_MANNER
+    # index of the latest mark, and of the latest label that ends one: a running maximum
+    # of indices replaces the loop of `StressMarks`
     carried = np.maximum.accumulate(np.where(~clears & (marks > 0), at, -1))
     cleared = np.maximum.accumulate(np.where(clears, at, -1))
     cleared[1:] = cleared[:-1]  # by the labels before
@@ -162,6 +166,7 @@ def ramped_level(ramps: Sequence[Sequence[float]], highs: Sequence[float]) -> Le
     highs : increase of the level by each word
     """
     times = np.unique(np.array(ramps))
+    # words may follow so closely that their ramps overlap: the higher one counts
     rises = [
         np.interp(times, ramp, (0, high, high, 0)) for ramp, high in zip(ramps, highs, strict=True)
     ]

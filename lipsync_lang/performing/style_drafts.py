@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ def _drafted(neutral: Bank, draft: dict[str, Any], sounding: Floats) -> Bank:
     scale, offset = (np.array(draft[name], np.float32) for name in ("scale", "offset"))
     curves = neutral.curves * scale
     for pose in np.flatnonzero(offset):
+        # in place: the curves of a pair take some megabytes
         curves[:, :, pose] += offset[pose] * sounding
     np.clip(curves, 0, 1, out=curves)
     curves.setflags(write=False)
@@ -57,5 +58,6 @@ def _sounding(compiled: "Compiled") -> Floats:
     ends = np.array([second == silence for _, second in pairs])[:, None]
     share = np.where(starts, np.minimum(at / boundary, 1), 1.0)
     share = np.where(ends, np.minimum(share, np.minimum((1 - at) / (1 - boundary), 1)), share)
+    # row 0 is rest, also in a style that smiles
     share[0] = 0
     return share.astype(np.float32)

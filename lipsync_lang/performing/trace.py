@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.animations.explanation import BigramAt, Explanation, PoseAt, StageAt, StyleAt
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.levels import shares
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
@@ -18,6 +18,7 @@ from lipsync_lang.resolver.compiled import Origin
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performed_line import PerformedLine
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.track import Track
     from lipsync_lang.pipeline.warp import FramePlace
@@ -40,7 +41,7 @@ DONE = {
 """Effect of each stage on a changed value; the others have specific explanations."""
 
 
-def explain(animation: "Animation", seconds: float) -> Explanation:
+def explain(line: "PerformedLine", animation: "Animation", seconds: float) -> Explanation:
     """Explain the frame nearest to a time in seconds.
 
     Raises
@@ -48,16 +49,15 @@ def explain(animation: "Animation", seconds: float) -> Explanation:
     LipsyncError
         The time is outside the animation.
     """
-    performer: Performer = animation.performer
     first, last = float(animation.times[0]), float(animation.times[-1])
     half = 0.5 / animation.fps
     if not first - half <= seconds <= last + half:
         raise LipsyncError(
             f"{seconds:g} s is outside the animation, which runs from {first:.3f} to {last:.3f} s"
         )
-    performance = performer.performance(animation.schedule, animation.fps, **animation.asked)
+    performance = line.performance(animation)
     frame = int(np.abs(performance.frames.times() - seconds).argmin())
-    return _explain_frame(animation, performer, performance, frame)
+    return _explain_frame(animation, line.performer, performance, frame)
 
 
 def _explain_frame(
@@ -174,6 +174,7 @@ def _in_trigram(
     """Return the normalised time in a trigram of a position in one of its halves."""
     rows = track.rows[first : first + 2]
     before, after = (float(one) for one in compiled.tables.boundary[rows])
+    # solves the two boundaries of the halves for the boundaries of the whole trigram
     end = after / (1 - before + before * after)  # of its second phoneme
     start = before * end
     return start + (1 - start) * position if later else end * position
@@ -204,7 +205,11 @@ def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
         if abs(weight - before) > VISIBLE:
             why = DONE.get(stage.name, "")
             if stage.name == "stitch":
-                why = _larger(covering, [float(v[pose]) for v in values])
+                why = ", ".join(
+                    f"{'-'.join(bigram.pair)} gives {value[pose]:.3f}"
+                    for bigram, value in zip(covering, values, strict=True)
+                    if bigram is not None
+                )
             elif stage.name == "dial":
                 why = _scaled(performance, pose, frame)
             elif stage.name == "hold":
@@ -216,15 +221,6 @@ def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
         float(v[pose]) for v, bigram in zip(values, covering, strict=True) if bigram is not None
     )
     return PoseAt(performer.poses[pose], weights[-1], given, tuple(steps))
-
-
-def _larger(covering: tuple[BigramAt | None, ...], values: list[float]) -> str:
-    parts = [
-        f"{'-'.join(bigram.pair)} gives {value:.3f}"
-        for bigram, value in zip(covering, values, strict=True)
-        if bigram is not None
-    ]
-    return ", ".join(parts)
 
 
 def _scaled(performance: Performance, pose: int, frame: int) -> str:

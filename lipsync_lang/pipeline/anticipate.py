@@ -14,11 +14,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.arrays import Floats, Ints
 
 
 def falling(frames: float) -> Floats:
     """Return the share of a weight that reaches 0, 1, 2, ... frames back: (n,), all above 0."""
+    # 1e-9: a look-ahead of whole frames must not gain one by rounding
     ahead = np.arange(max(1, int(np.ceil(frames - 1e-9))))
     out: Floats = 1 - ahead / max(frames, 1.0)
     return out

@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.arrays import Floats, Ints
 
 STEPS = 40
 """Maximum number of iterations to invert t(w); bracketed Newton steps converge in about six."""
@@ -36,6 +36,7 @@ def span_basis(count: int) -> Floats:
     """
     degree = min(3, count - 1)
     spans = count - degree
+    # repeated knots at both ends clamp the curve to its first and last points
     knots = np.clip(np.arange(count + degree + 1) - degree, 0, spans).astype(float)
     basis = np.zeros((spans, degree + 1, degree + 1))
     for span in range(spans):
@@ -78,6 +79,7 @@ def bspline(points: Floats, at: Floats) -> Floats:
     -------
     (C, K)
     """
+    # curves of one bigram share their control times: t(w) = x is solved once for all of them
     times, own = np.unique(points[..., 0], axis=0, return_inverse=True)
     own = own.reshape(-1)  # numpy 2.0 gives it another shape
     blocks = range(0, len(times), BLOCK_CURVES)
@@ -139,7 +141,9 @@ def _invert(t: Floats, x: Floats) -> Floats:
     low, high, w = np.zeros(x.size), np.ones(x.size), np.full(x.size, 0.5)
     for _ in range(STEPS):
         error = _horner(t, w) - x
+        # t rises, so the sign of the error tells the side on which the solution lies
         low, high = np.where(error < 0, w, low), np.where(error < 0, high, w)
+        # the derivative, by the power rule
         steep = _horner(t[:, 1:] * np.arange(1, t.shape[1]), w)
         step = w - error / np.where(steep > 0, steep, np.inf)
         wanted = np.where((step >= low) & (step <= high) & (steep > 0), step, (low + high) / 2)
@@ -147,6 +151,7 @@ def _invert(t: Floats, x: Floats) -> Floats:
         found[left] = w
         if not moves.any():
             break
+        # solved curves leave the arrays; most of the time goes to a few steep ones
         left, t, x, low, high, w = (one[moves] for one in (left, t, x, low, high, wanted))
     else:
         found[left] = w

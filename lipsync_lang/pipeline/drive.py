@@ -45,7 +45,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.limit import lower_envelope, upper_envelope
 
 RESTING = 1e-4
@@ -70,6 +70,7 @@ class Rig:
     @cached_property
     def span(self) -> Floats:
         """(C,) the range of each channel, in its units."""
+        # an unbounded channel has no range; the sum of its gains is as far as poses take it
         bound = np.isfinite(self.low) & np.isfinite(self.high)
         reach: Floats = np.abs(self.gains).sum(axis=1)
         return np.where(bound, self.high - self.low, reach)
@@ -112,15 +113,19 @@ def drive(weights: Floats, rig: Rig, step: float, kernel: Floats | None = None) 
     """
     low, high = rig.low[:, None], rig.high[:, None]
     curves = np.clip(rig.gains @ weights.T, low, high)
-    late, ends = 0 if kernel is None else len(kernel) // 2, _ends(weights)
+    late = 0 if kernel is None else len(kernel) // 2
+    ends = bool(weights[0].max() < RESTING), bool(weights[-1].max() < RESTING)
     if late:
-        curves = _late(curves, rig, step, late, ends)
-    fast = _fast(curves, step * rig.span)
+        # the kernel reaches over `late` frames, so the channels rest for as many
+        rest = np.clip(0.0, rig.low, rig.high)[:, None]
+        curves = rest + _near_rest(curves - rest, step * rig.span[:, None], ends, late)
+    fast = np.abs(np.diff(curves, axis=1)).max(axis=1, initial=0) > step * rig.span
     if fast.any():
         slow = _slowed(curves[fast], rig, fast, step, ends)
         curves[fast] = np.clip(slow, low[fast], high[fast])  # for rounding's sake
     _yield(curves, rig, rig.at_most, step)
     if kernel is not None:
+        # the clip is for rounding alone: a mean stays in bounds
         curves = np.clip(_rounded(curves, kernel), low, high)
         deep = [(one, other) for one, other in rig.at_most if rig.low[other] < rig.low[one]]
         _yield(curves, rig, deep, step)
@@ -143,25 +148,6 @@ def _rounded(curves: Floats, kernel: Floats) -> Floats:
     mean: Floats = np.convolve(longer.ravel(), kernel)[late : late + longer.size]
     out: Floats = mean.reshape(longer.shape)[:, late : late + curves.shape[1]]
     return out
-
-
-def _late(curves: Floats, rig: Rig, step: float, late: int, ends: tuple[bool, bool]) -> Floats:
-    """Keep (C, T) curves at rest for some frames at the ends that are at rest, then near it."""
-    rest = np.clip(0.0, rig.low, rig.high)[:, None]
-    out: Floats = rest + _near_rest(curves - rest, step * rig.span[:, None], ends, late)
-    return out
-
-
-def _fast(curves: Floats, steps: Floats) -> Bools:
-    """Return True for (C, T) curves that exceed their step anywhere: (C,)."""
-    change = np.abs(np.diff(curves, axis=1)).max(axis=1, initial=0)
-    too: Bools = change > steps
-    return too
-
-
-def _ends(weights: Floats) -> tuple[bool, bool]:
-    """Return True for each end, first and last, at which (T, P) poses rest."""
-    return bool(weights[0].max() < RESTING), bool(weights[-1].max() < RESTING)
 
 
 def _slowed(curves: Floats, rig: Rig, which: Bools, step: float, ends: tuple[bool, bool]) -> Floats:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.pipeline.track import Track
 
@@ -69,6 +69,7 @@ def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: in
         middle = (start + end) / 2
         low = min(start if alike[at - 1] else start + MARGIN, middle - reach)
         high = max(end if alike[at + 1] else end - MARGIN, middle + reach)
+        # 1e-6 of a frame: a frame on the very boundary belongs to the contact
         begin, last = ceil((low - first) * fps - 1e-6), floor((high - first) * fps + 1e-6)
         held[max(0, begin) : max(0, last + 1)] = True
     return held

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline import kernel
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.levels import Dial
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.prepare import Prepared
@@ -120,6 +120,7 @@ def _plan(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Any
         row[bound.high] = True
     upper = tables.held if holds and motion.limit == "before" else np.zeros(poses)
     return kernel.compiled.plan(
+        # the kernel allocates its results by numpy, and so needs no numpy headers
         np.empty,
         _bools(list(_flags(motion, prepared, bool(contacts)).values())),
         _ints(list(_sizes(tables, prepared, len(contacts), wide, shared).values())),
@@ -182,6 +183,7 @@ def _half_kernels(blurs: Sequence[Blur], poses: int) -> Floats:
     out = np.zeros((poses, -(-reach // TAPS) * TAPS + 1))
     for own, weights in blurs:
         middle = len(weights) // 2
+        # both halves averaged: rounding leaves a kernel not exactly symmetric
         out[own, : middle + 1] = (weights[middle:] + weights[middle::-1]) / 2
     return out
 

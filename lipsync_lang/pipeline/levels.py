@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.arrays import Bools, Floats
 
 
 class Level(NamedTuple):
@@ -69,6 +69,7 @@ def scale(curves: Floats, dials: Sequence[Dial], times: Floats) -> Floats:
         scaled.update(poses)
         for pose in poses:
             out[pose] *= level
+    # bounded after all dials: two that pull a pose both ways must not clip between
     for pose in scaled:
         np.minimum(out[pose], 1.0, out=out[pose])
     return out

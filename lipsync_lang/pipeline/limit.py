@@ -10,7 +10,7 @@ their peaks stay.
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 
 
 def ramps(step: float, late: Ints) -> Floats:
@@ -67,6 +67,7 @@ def lower_envelope(curves: Floats, step: float) -> Floats:
     """
     slope = np.arange(curves.shape[1]) * step
     out = np.minimum.accumulate(curves - slope, axis=1)
+    # turns c - slope into c + slope, for the minimum from the other side
     out += 2 * slope
     back: Floats = np.minimum.accumulate(out[:, ::-1], axis=1)[:, ::-1] - slope
     # adding and taking away the slope rounds: the result must not leave the curve's own range

@@ -60,7 +60,7 @@ class LookAhead:
         ramp = prepared.ramps.shape[1]
         stages = {name: ahead[name] / fps for name in (*_WANTED, *_PROMISED) if ahead.get(name)}
         if motion.contacts == "hold":
-            stages["hold"] = max(_held(fps) - wanted / fps, 0.0)
+            stages["hold"] = max(max(MARGIN, widened(fps)) - wanted / fps, 0.0)
         resting = (ramp + 1) / fps - motion.silence_reach
         stages["rest"] = max(resting - max(wanted / fps, stages.get("hold", 0.0)), 0.0)
         shown = {name: seconds for name, seconds in stages.items() if seconds > 0}
@@ -106,11 +106,6 @@ class LookAhead:
     def _frames(self, seconds: float) -> int:
         """Return the number of frames from the start of the line to a time."""
         return ceil((seconds - CLEAR_SECONDS) * self.fps)
-
-
-def _held(fps: float) -> float:
-    """Return the seconds before a boundary in which the next phoneme may change held frames."""
-    return max(MARGIN, widened(fps))
 
 
 def widened(fps: float) -> float:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
 from lipsync_lang.pipeline.warp import TOUCH
 
 
@@ -35,6 +35,7 @@ def lay_over(curves: Floats, overlays: Sequence[Overlay], times: Floats) -> Floa
     """
     out = curves.copy()
     for start, end, pose, values in overlays:
+        # half open, so that of two neighbouring overlays one alone has the frame between
         first, stop = np.searchsorted(times, (start - TOUCH, end - TOUCH))
         here = (times[first:stop] - start) / (end - start)
         out[pose, first:stop] = np.interp(here, np.linspace(0, 1, len(values)), values)

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.pipeline import kernel_plan
 from lipsync_lang.pipeline.anticipate import anticipate
-from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.hold import SHORTEST, demands, held_frames, hold
 from lipsync_lang.pipeline.levels import Blend, Dial, scale, shares
@@ -185,6 +185,7 @@ class Performance:
         if self.motion.contacts == "hold":
             curves = self._hold(curves, begin, stop)
             yield Stage("hold", curves)
+        # slowed first, the constraints come out exact; the paper constrains first
         order = ("limit", "constrain") if self.motion.limit == "before" else ("constrain", "limit")
         for name in order:
             curves = self._limit(curves) if name == "limit" else self._constrain(curves)
@@ -213,7 +214,9 @@ class Performance:
             yield Stage("switch", self._switch(curves, begin, stop))
             return
         if prepared.early.size:
-            curves = anticipate(curves, prepared.early, prepared.left, self._room(curves, place))
+            room = np.maximum(1 - prepared.blocked @ curves, 0)
+            room[prepared.opposed[:, self.track.ids].take(place.phoneme, axis=1)] = 0
+            curves = anticipate(curves, prepared.early, prepared.left, room)
             yield Stage("anticipate", curves)
         if prepared.wide:
             yield Stage("ease", soften(curves, prepared.wide))
@@ -226,13 +229,6 @@ class Performance:
             curves = np.clip(curves, 0, 1)
         return curves
 
-    def _room(self, curves: Floats, place: FramePlace) -> Floats:
-        """Return the room that opponents leave to the poses with anticipation: (R, T)."""
-        room: Floats = 1 - self.prepared.blocked @ curves
-        np.maximum(room, 0, out=room)
-        room[self.prepared.opposed[:, self.track.ids].take(place.phoneme, axis=1)] = 0
-        return room
-
     def _smooth(self, curves: Floats, place: FramePlace) -> Floats:
         frames = self.motion.window * self.frames.fps
         if self.motion.smooth == "chord":
@@ -241,15 +237,10 @@ class Performance:
         out = closing(curves, width)
         held = self.tables.held
         if self.motion.contacts == "hold" and held.any():
-            out[held] = closing_within(curves[held], self._demanded()[:, place.phoneme], width)
-        return out
-
-    def _demanded(self) -> Bools:
-        """Return the phonemes that demand each contact pose: (H, n)."""
-        held = self.tables.held
-        out = np.zeros((np.count_nonzero(held), len(self.track.ids)), bool)
-        for contact, (wanted, _) in zip(self.tables.contacts, self.held, strict=True):
-            out |= (contact.floor[held] > 0)[:, None] & wanted
+            demanded = np.zeros((np.count_nonzero(held), len(self.track.ids)), bool)
+            for contact, (wanted, _) in zip(self.tables.contacts, self.held, strict=True):
+                demanded |= (contact.floor[held] > 0)[:, None] & wanted
+            out[held] = closing_within(curves[held], demanded[:, place.phoneme], width)
         return out
 
     def _switch(self, curves: Floats, begin: int, stop: int) -> Floats:
@@ -297,6 +288,7 @@ def lay_frames(track: Track, motion: Motion, fps: float, lead: int) -> Frames:
 
 def frames_until(edge: float, sound: float, reach: float, lead: int, fps: float) -> int:
     """Count the frames up to a schedule's edge, or farther if its outermost sound needs them."""
+    # 1e-6 of a frame: times of 30 fps are not exact in binary
     reached = math.floor((sound + reach) * fps + 1e-6)
     held = math.floor((sound + max(SHORTEST, 1 / fps) / 2) * fps + 1e-6)
     return max(math.ceil(edge * fps - 1e-6), reached, held + lead if lead else reached)

@@ -30,8 +30,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.anticipate import falling
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.hold import SHORTEST, Plateau, bounds
 from lipsync_lang.pipeline.limit import ramps
 from lipsync_lang.pipeline.motion import Motion
@@ -121,6 +121,7 @@ def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
 
 def _prepared(tables: Tables, motion: Motion, fps: float) -> Prepared:
     step = motion.speed_limit / fps
+    # poses shown one at a time are 0 or 1, and must stay so
     half = np.zeros_like(tables.softness) if motion.hold else tables.softness * motion.softness
     narrow, extra = _shared(tables, half)
     soft = bool(half.any())
@@ -136,6 +137,7 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> Prepared:
     channel = reach_of(RIGGED * motion.softness, fps) if soft else 0
     leads = (max(int(late[p]), channel) + ceil(w / step - 1e-9) for c in raised for p, w in c)
     frames = tables.anticipate * motion.anticipate * fps
+    # within one frame there is no earlier frame to raise
     early = np.flatnonzero(frames > 1)
     left = _left(frames[early])
     tops = _tops(tables, raised, room, soft=soft)
@@ -168,6 +170,7 @@ def _shared(tables: Tables, half: Floats) -> tuple[Floats, Floats]:
     """Return each pose's half-width after the constraints, and the one before them: (P,) each."""
     group = np.arange(len(half))
     for one, other in [(cap.low, cap.high) for cap in tables.caps] + list(tables.at_most):
+        # union of the groups of both poses, by relabelling: there are few poses
         group[group == group[one]] = group[other]
     narrow = np.array([half[group == mine].min() for mine in group])
     return narrow, np.sqrt(np.maximum(half**2 - narrow**2, 0))
@@ -192,6 +195,7 @@ def _room(tables: Tables) -> tuple[Floats, bool]:
     """Return the limit for raising each floor, (P,), and True if all pairs can be convex."""
     floors, room, convex = tables.floors, np.ones(len(tables.floors)), True
     for low, high, threshold in tables.caps:
+        # what two floors leave of their threshold is divided evenly between them
         shared = max(threshold - floors[low] - floors[high], 0)
         if floors[low] > 0:
             for pose in (low, high):
@@ -286,6 +290,7 @@ class _Keeping(NamedTuple):
         low, high = 0.0, float(len(self.kernels[pose]) // 2)
         if self.lost(pose, raised, low) <= allowed:
             return raised
+        # bisection: the loss falls as the plateau grows
         while high - low > 1e-3:  # noqa: PLR2004 of a frame
             middle = (low + high) / 2
             enough = self.lost(pose, raised, middle) <= allowed

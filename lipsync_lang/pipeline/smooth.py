@@ -11,7 +11,7 @@ change.
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 
 
 def closing(curves: Floats, frames: int) -> Floats:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.arrays import Floats, Ints
 
 SURE = 1 - 2e-15
 """Kernels add up to a little less than 1, so that rounding never takes a curve past its bounds."""
@@ -92,6 +92,7 @@ def _round(curves: Floats, weights: Floats) -> Floats:
     """Convolve each of (R, T) curves with a kernel."""
     rows, count = curves.shape
     reach = len(weights) // 2
+    # zeros between the rows, so that no row reaches into the next
     rested = np.zeros((rows, count + reach))
     rested[:, :count] = curves
     mean = np.convolve(rested.ravel(), weights)[reach : reach + rested.size]

@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 
 REST = 0.25
 """Minimum weight of a shown pose; below it, the face is at rest."""
@@ -108,11 +108,13 @@ def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
     ]
     for one, other in pairwise(runs):
         one.after, other.before = other, one
+    # numbers break ties from the left, so that equal lines give equal results
     waiting = [(run.frames, run.number) for run in runs if not run.held]
     heapify(waiting)
     while waiting:
         length, number = heappop(waiting)
         run = runs[number]
+        # entries of runs that grew since are outdated; each growth pushed a new entry
         if run.gone or run.held or length != run.frames or length >= frames:
             continue
         if _between(run, held, frames):

@@ -13,7 +13,7 @@ from zlib import compress, decompress
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.pipeline.constrain import FREE, Bound, Cap, caps, together
 
 RESOLUTION = 128
@@ -51,14 +51,6 @@ class Bank(NamedTuple):
     """(B,) where in normalised time the first phoneme ends."""
     free: Bools
     """(B,) True where a bigram waives the contacts of its two phonemes."""
-
-
-class PlayedRows(NamedTuple):
-    """The rows for phonemes, in the form of `Tables`."""
-
-    pairs: Ints
-    trigrams: Ints
-    trigram_rows: Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,17 +139,9 @@ class Tables:
         """Values that `prepare` derived from these tables, by motion and frame rate."""
         return {}
 
-    def with_rows(
-        self, neutral: Bank, styles: tuple[Bank, ...], played: PlayedRows | None = None
-    ) -> Self:
-        """Return tables with other bigrams; values derived from all else are kept.
-
-        Parameters
-        ----------
-        played : the rows that phonemes play; None for the same as now
-        """
-        numbers = {} if played is None else played._asdict()
-        made = replace(self, **neutral._asdict(), styles=styles, **numbers)
+    def with_curves(self, curves: Singles) -> Self:
+        """Return tables with other neutral curves; values derived from all else are kept."""
+        made = replace(self, curves=curves)
         kept = ("prepared", "caps", "binding", "held", "floors", "blockers")
         vars(made).update({name: getattr(self, name) for name in kept})
         return made
@@ -175,15 +159,11 @@ class Tables:
             arrays += [contact.phonemes, contact.floor, contact.ceiling]
         for bank in self.styles:
             arrays += bank
-        content = b"".join(_padded(array.tobytes()) for array in arrays)
+        # padded, so that the array after each is aligned, as in the cache
+        content = b"".join(one.tobytes() + b"\0" * (-one.nbytes % 64) for one in arrays)
         layout = tuple((array.dtype.str, array.shape) for array in arrays)
         packed = compress(content, 1)
         return packed, layout, names, len(self.contacts), self.silence, self.at_most
-
-
-def _padded(content: bytes) -> bytes:
-    """Lengthen an array's bytes so that the array after them is aligned, as the cache does."""
-    return content + b"\0" * (-len(content) % 64)
 
 
 @lru_cache(maxsize=8)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.levels import Blend
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Bank, Tables
@@ -108,6 +108,7 @@ def lay_track(  # noqa: PLR0913, PLR0917 timed phonemes, and the tables of a pai
         silence put before them
     """
     start, end = float(times[0]), float(times[-1])
+    # never 0, by which the share of a frame would be divided
     far = max(motion.silence_reach, 1e-9)
     first = 0 if opening or ids[0] == tables.silence else 1
     ids, bounds, source = _surrounded(ids, times, source, tables.silence, far)
@@ -164,6 +165,7 @@ def trigrams_in(ids: Ints, tables: Tables, first: int = 0) -> Ints:
     first : index of the first phoneme that may begin one
     """
     known = np.isin(_codes(ids, tables), tables.trigrams).nonzero()[0]
+    # a loop, because each choice depends on the one before; trigrams are rare
     begun: list[int] = []
     for at in known[known >= first].tolist():
         if not begun or at > begun[-1] + 1:

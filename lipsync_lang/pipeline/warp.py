@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats, Ints, Singles
+from lipsync_lang.arrays import Floats, Ints, Singles
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank
 from lipsync_lang.pipeline.track import Track
 
@@ -44,6 +44,7 @@ def locate(track: Track, times: Floats) -> FramePlace:
         passed = np.where(long, np.minimum(passed, np.maximum(moving / 2, moving - left)), passed)
         left = np.where(long, moving - passed, left)
         reach = moving
+    # exactly 1 or 0 on a boundary, so that rounding never opens a bigram that is over
     coming = np.where(np.abs(passed - reach) <= TOUCH, 1.0, np.maximum(passed, 0) / reach)
     going = np.where(np.abs(left - reach) <= TOUCH, 0.0, 1 - left / reach)
     return FramePlace(phoneme, coming, going)

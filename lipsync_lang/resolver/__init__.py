@@ -10,5 +10,8 @@ it wins, and the performer remembers where it came from:
 5. a bigram fitted to captures, in 1 to 4,
 6. a draft from the phoneme targets of the character, or else of the pose set.
 
+A pair with shades is looked up from the finest pair to the pair of their parents, and drafted only
+if none of these is drawn.
+
 What still has none is a gap, named; it is performed as rest only when the caller says so.
 """

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
@@ -176,7 +176,10 @@ def diff_banks(
             raise LipsyncError(f"unknown bigram '{key}' in {name}; {did_you_mean(key, known)}")
     chosen = list(dict.fromkeys(wanted)) or known
     both = [row for key in chosen if key in pairs for row in pairs[key]]
-    sides = list(map(_side, both, _sampled(both, len(shelf.poses))))
+    sides = [
+        Side(row.origin, curves, row.boundary, row.free)
+        for row, curves in zip(both, _sampled(both, len(shelf.poses)), strict=True)
+    ]
     sides += [side for key in chosen if key in trigrams for side in trigrams[key]]
     found = [_change(*two, shelf.poses) for two in zip(sides[::2], sides[1::2], strict=True)]
     found.sort(key=lambda change: -change.largest)
@@ -275,16 +278,13 @@ def _trigram_side(
     curves = np.zeros((len(TIMES), count))
     for row, own, span in zip(rows, _sampled(rows, count), spans, strict=True):
         inside = (span[0] <= TIMES) & (span[2] >= TIMES)
+        # the boundary of the bigram is put on that of the trigram, as `warp` would
         at = np.interp(TIMES, span, (0, row.boundary, 1))
         for pose, curve in enumerate(own.T):
             curves[:, pose] = np.maximum(curves[:, pose], inside * np.interp(at, TIMES, curve))
     places = (place for row in rows for place in row.origin.places)
     origin = Origin(triple[:2], "bigrams", "", tuple(dict.fromkeys(places)), None, triple)
     return Side(origin, curves, ends, all(row.free for row in rows))
-
-
-def _side(row: BigramRow, curves: Floats) -> Side:
-    return Side(row.origin, curves, row.boundary, row.free)
 
 
 def _change(before: Side, after: Side, poses: Sequence[str]) -> BigramChange:

@@ -140,6 +140,7 @@ def _encode(compiled: "Compiled", key: str, library: "Library") -> list[bytes | 
     places, size = {}, 0
     for name, array in _arrays(compiled.tables).items():
         places[name] = [array.dtype.str, list(array.shape), size]
+        # aligned, so that a load can use the file's own memory
         body += [np.ascontiguousarray(array).data, b"\0" * (-array.nbytes % ALIGNMENT)]
         size += array.nbytes + len(body[-1])
     plain = {
@@ -197,24 +198,25 @@ def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "Compiled | None
 def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
     """Return True if all lookups and files are unchanged since the compilation."""
     from lipsync_lang.packs.finding import Finder
+    from lipsync_lang.packs.yaml.source import read_bytes
 
     finder = Finder(paths)
     return all(
-        finder.lookup(kind, name) == tuple(found) for kind, name, found in head["lookups"]
-    ) and all(_holds(Path(path), digest) for path, digest in head["files"].items())
-
-
-def _holds(path: Path, digest: str) -> bool:
-    """Return True if a pack file is unchanged; endless devices and pipes are not read."""
-    from lipsync_lang.packs.yaml.source import read_bytes
-
-    return path.is_file() and sha256(read_bytes(path)).hexdigest() == digest
+        # a pack that appeared earlier on the search path would win now
+        finder.lookup(kind, name) == tuple(found)
+        for kind, name, found in head["lookups"]
+    ) and all(
+        # `is_file` first: reading an endless device or a pipe would never return
+        Path(path).is_file() and sha256(read_bytes(Path(path))).hexdigest() == digest
+        for path, digest in head["files"].items()
+    )
 
 
 def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
     from lipsync_lang.resolver.compiled import Compiled, Report
 
     plain = head["plain"]
+    # indices are checked, because numpy would read other rows for negative ones
     tables = _tables(head, body)
     _check_indices(tables)
     origins = tuple(map(_origin, plain.pop("origins")))
@@ -322,5 +324,6 @@ def _origin(plain: Any) -> "Origin":
     from lipsync_lang.resolver.compiled import Origin
 
     pair, layer, status, places, word, triple = plain
+    # JSON has lists alone
     whole = None if triple is None else (triple[0], triple[1], triple[2])
     return Origin((pair[0], pair[1]), layer, status, tuple(places), word, whole)

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats, Singles
 from lipsync_lang.banks.draft import shape
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.packs.yaml.faults import Fault, shown
-from lipsync_lang.pipeline.arrays import Bools, Floats, Singles
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import RESOLUTION, Bank, PlayedRows, Tables
+from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 from lipsync_lang.resolver import pose_arrays
 from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Pair, Report, Triple
 from lipsync_lang.resolver.language_tables import manner_of, tables_of, visemes_of
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 def compile_pair(library: "Library", language: str, character: str) -> Compiled:
     """Read the packs of a pair and compile them; the package's docstring lists the layers."""
-    shelf = PairPacks.open(library, language, character)
-    return compiled(shelf, PairRows.of(shelf))
+    packs = PairPacks.open(library, language, character)
+    return compile_packs(packs, PairRows.of(packs))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class PairRows:
         halves = {triple: drawn[triple] for triple in sorted(set(played.values()))}
         made = cls(shelf.rows(), shelf.shade_rows(), {}, halves, played)
         styles = {
-            style: made.with_halves([styled(shelf, row, style) for row in made.bigrams])
+            style: made.with_halves([_styled(shelf, row, style) for row in made.bigrams])
             for style in shelf.styles
         }
         return replace(made, styles=styles)
@@ -68,6 +68,7 @@ class PairRows:
     @cached_property
     def bigrams(self) -> list[BigramRow]:
         """The rows of bigrams: those without shades, then those with shades."""
+        # a shade that plays the row of its parent needs no row of its own
         own = (row for pair, row in self.finer.items() if row.origin.pair == pair)
         return [*self.counted, *own]
 
@@ -97,14 +98,15 @@ class PairRows:
         rows = [*bigrams]
         for (one, two, three), halves in self.halves.items():
             numbers = [self.numbers.get(pair, 0) for pair in ((one, two), (two, three))]
+            # row 0 is rest, so numbers of rows begin at 1
             found = [bigrams[number - 1] for number in numbers if number]
             drawn = any(row.style != NEUTRAL for row in found) and all(numbers)
             rows += found if drawn else halves
         return rows
 
 
-def compiled(shelf: PairPacks, rows: PairRows) -> Compiled:
-    """Return the packs of a pair as tables and plain data."""
+def compile_packs(shelf: PairPacks, rows: PairRows) -> Compiled:
+    """Compile the packs of a pair to tables and plain data."""
     common, spoken, who, poseset = shelf.common, shelf.language, shelf.character, shelf.poseset
     model, library = spoken.model, shelf.library
     manner = manner_of(spoken, common.model, who.model)
@@ -142,41 +144,33 @@ def compiled(shelf: PairPacks, rows: PairRows) -> Compiled:
         pose_names=pose_names(poseset.model),
         neutral=poseset.model.neutral,
         model=model_file(who, poseset),
-        **told(shelf, rows, tables),
-    )
-
-
-def told(shelf: PairPacks, rows: PairRows, tables: Tables) -> dict[str, Any]:
-    """Return the fields of a compiled pair on the origins of its rows."""
-    counted = len(rows.counted)
-    warnings = list(_shorts(shelf, rows.every, tables))
-    return {
-        "origins": (Origin(("", ""), "gap", "", ()), *(row.origin for row in rows.every)),
-        "style_origins": {
+        origins=(Origin(("", ""), "gap", "", ()), *(row.origin for row in rows.every)),
+        style_origins={
             style: {str(n): row.origin for n, row in enumerate(changed, 1) if row.style == style}
             for style, changed in rows.styles.items()
         },
-        "report": replace(
-            _report(shelf, [row.origin for row in rows.counted], warnings),
-            styles={style: _statuses(some[:counted]) for style, some in rows.styles.items()},
-            trigrams={
-                "-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()
-            },
-        ),
-    }
+        report=_report(shelf, rows, list(_shorts(shelf, rows.every, tables))),
+    )
 
 
 def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
     """Return rows, rows of styles, and the rules of the pose set as read-only arrays."""
     poseset = shelf.face
-    curves = tabulated(rows.every, len(shelf.poses))
-    boundary, free = marks(rows.every)
-    return frozen(
+    index = shelf.numbers
+    pairs = np.zeros((len(index), len(index)), np.intp)
+    for (a, b), number in rows.numbers.items():
+        pairs[index[a], index[b]] = number
+    trigrams, trigram_rows = trigram_arrays(index, rows.played, rows.triple_rows)
+    curves = _tabulated(rows.every, len(shelf.poses))
+    boundary, free = _marks(rows.every)
+    return _frozen(
         Tables(
             curves=curves,
             boundary=boundary,
             free=free,
-            **row_numbers(shelf, rows)._asdict(),
+            pairs=pairs,
+            trigrams=trigrams,
+            trigram_rows=trigram_rows,
             silence=0,
             contacts=tuple(shelf.contacts()),
             thresholds=pose_arrays.thresholds(poseset),
@@ -192,16 +186,7 @@ def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
     )
 
 
-def row_numbers(shelf: PairPacks, rows: PairRows) -> PlayedRows:
-    """Return the rows for the phonemes of a pair."""
-    index = shelf.numbers
-    pairs = np.zeros((len(index), len(index)), np.intp)
-    for (a, b), number in rows.numbers.items():
-        pairs[index[a], index[b]] = number
-    return PlayedRows(pairs, *trigram_arrays(index, rows.played, rows.triple_rows))
-
-
-def frozen(tables: Tables) -> Tables:
+def _frozen(tables: Tables) -> Tables:
     """Make every array read-only, like arrays from the cache, and return the tables."""
     stored = (tables, *tables.contacts)
     arrays = [value for one in stored for value in vars(one).values()]
@@ -237,7 +222,7 @@ def _checks(*layers: "models.Checks") -> dict[str, Any]:
     return {"limits": limits, "rules": rules}
 
 
-def tabulated(rows: list[BigramRow], poses: int) -> Singles:
+def _tabulated(rows: list[BigramRow], poses: int) -> Singles:
     """Return (B, RESOLUTION + 1, P) samples of every bigram's curves; row 0 is rest."""
     at = np.linspace(0, 1, RESOLUTION + 1)
     out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
@@ -263,7 +248,8 @@ BLOCK_ROWS = 256
 def _mixed(values: Floats, basis: Floats) -> Floats:
     """Return `values @ basis`, summed in order, so that no row depends on other rows.
 
-    A retouched pair samples few curves, and must equal a newly compiled pair to the last bit.
+    A matrix product would choose its order of summing by the number of rows, so that one drafted
+    bigram more would change the last bits of all others.
     """
     out = np.empty((len(values), basis.shape[1]))
     for first in range(0, len(values), BLOCK_ROWS):
@@ -279,24 +265,19 @@ def _put(out: Singles, curves: list[tuple[int, int, Floats]], sampled: Floats) -
     out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = sampled.clip(0, 1)
 
 
-def styled(shelf: PairPacks, row: BigramRow, style: str) -> BigramRow:
+def _styled(shelf: PairPacks, row: BigramRow, style: str) -> BigramRow:
     """Return the row of a style; the neutral row if no bank changes it."""
     found = shelf.authored(row.origin.pair, style)
     return found if found is not None and found.style == style else row
 
 
-def differing(rows: list[BigramRow], neutral: list[BigramRow]) -> list[int]:
-    """Return the numbers of a style's rows that are not neutral's."""
-    both = enumerate(zip(rows, neutral, strict=True), 1)
-    return [number for number, (row, other) in both if row is not other]
-
-
 def _bank(rows: list[BigramRow], plain: list[BigramRow], neutral: Singles) -> Bank:
     """Return a style's bank: the neutral samples, with the different rows replaced."""
-    own = differing(rows, plain)
+    both = enumerate(zip(rows, plain, strict=True), 1)
+    own = [number for number, (row, other) in both if row is not other]
     curves = neutral.copy()
-    curves[own] = tabulated([rows[number - 1] for number in own], neutral.shape[2])[1:]
-    return Bank(curves, *marks(rows))
+    curves[own] = _tabulated([rows[number - 1] for number in own], neutral.shape[2])[1:]
+    return Bank(curves, *_marks(rows))
 
 
 def _statuses(rows: list[BigramRow]) -> dict[str, int]:
@@ -304,7 +285,7 @@ def _statuses(rows: list[BigramRow]) -> dict[str, int]:
     return dict(sorted(Counter(r.origin.status for r in rows if r.style != NEUTRAL).items()))
 
 
-def marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
+def _marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
     """Return boundaries and waivers of all rows; row 0 is rest."""
     boundary = np.array([0.5, *(row.boundary for row in rows)])
     return boundary, np.array([False, *(row.free for row in rows)])
@@ -365,6 +346,7 @@ def _shorts(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> Iterator
     ]
     names = list(shelf.poseset.model.contacts)
     for row, side, number, pose in sorted(found):
+        # otherwise the phoneme in the middle of a trigram would have two warnings
         if side == 0 and rows[asked[row] - 1].span[0] > 0:
             continue  # the first half of a trigram has told of its middle
         top, floor = float(tops[side, row, pose]), float(tables.contacts[number].floor[pose])
@@ -379,6 +361,7 @@ def _tops(tables: Tables, rows: list[int]) -> Floats:
     """
     raised = sorted({pose for contact in tables.contacts for pose in contact.raised})
     numbers = np.array(rows, int)
+    # few distinct boundaries: one pass for each is faster than one for each row
     edges = np.array([round(float(edge) * RESOLUTION) for edge in tables.boundary[numbers]])
     tops = np.zeros((2, len(rows), len(tables.priority)))
     for edge in set(edges.tolist()):
@@ -401,8 +384,9 @@ def _short(  # noqa: PLR0913, PLR0917 the parts of one message
     return Fault(shown(Path(file)), line, column, "W306", what, hint, "warning")
 
 
-def _report(shelf: PairPacks, origins: list[Origin], warnings: Sequence[Fault]) -> Report:
-    warnings = [*(f for f in shelf.library.faults if f.severity == "warning"), *warnings]
+def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report:
+    warnings = [*(f for f in shelf.library.faults if f.severity == "warning"), *shorts]
+    origins = [row.origin for row in rows.counted]
     silence = shelf.common.model.silence
     base = set(shelf.common.model.base)
     spoken = [o for o in origins if silence not in o.pair]
@@ -429,4 +413,6 @@ def _report(shelf: PairPacks, origins: list[Origin], warnings: Sequence[Fault]) 
         gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
         automatic=shelf.language.model.automatic,
         warnings=tuple(str(fault) for fault in warnings),
+        styles={style: _statuses(some[: len(origins)]) for style, some in rows.styles.items()},
+        trigrams={"-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()},
     )

@@ -1,16 +1,17 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unicodedata import normalize
 
 from lipsync_lang.packs.finding import IPA, beside
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, Settings
+from lipsync_lang.phonology.g2p.spoken_forms import Interjection, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import plain
-from lipsync_lang.phonology.labels import Notation, Value
+from lipsync_lang.phonology.labels import Notation, Value, looser, normalise
 from lipsync_lang.phonology.manner import Hearing, Manner
 from lipsync_lang.phonology.notations import ready
-from lipsync_lang.resolver.language_forms import forms_of
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -132,3 +133,54 @@ def value_of(sounds: "models.Sounds") -> Value:
     """Return the common phonemes of a label, each with its share of the duration."""
     even = tuple(1 / len(sounds.to) for _ in sounds.to)
     return tuple(zip(sounds.to, sounds.shares or even, strict=True))
+
+
+def forms_of(language: "models.Language", common: "models.Phonemes", notation: str) -> SpokenForms:
+    """Return the written forms of a language.
+
+    Shared interjections go to the nearest labels of the language, if its engine writes IPA.
+
+    Parameters
+    ----------
+    notation : the notation that the language's engine writes
+    """
+    stated, shared = language.text, common.text
+    known: dict[str, Interjection] = {}
+    if shared is not None and notation == IPA:
+        labels = frozenset(map(normalise, language.notations.get(IPA, ())))
+        for spelling, sounds in shared.interjections.items():
+            found = _nearest(sounds.to, labels, shared.nearby) if sounds is not None else ()
+            if sounds is not None and found:
+                known[spelling] = Interjection(found, sounds.say)
+    vowels = shared.vowels if shared is not None else ""
+    if stated is None:
+        return SpokenForms(known, vowels=vowels)
+    for spelling, own in stated.interjections.items():
+        known.pop(spelling, None)
+        if own is not None:
+            known[spelling] = Interjection(own.to, own.say)
+    numerals = stated.numerals
+    return SpokenForms(
+        interjections=known,
+        abbreviations=dict(stated.abbreviations),
+        counted=numerals.counted if numerals else (),
+        named=numerals.named if numerals else (),
+        ordinals=numerals.ordinals if numerals else (),
+        doubled=stated.doubled,
+        hyphenated=stated.hyphenated,
+        vowels=vowels,
+    )
+
+
+def _nearest(
+    sounds: Collection[str], labels: frozenset[str], nearby: Mapping[str, Collection[str]]
+) -> tuple[str, ...]:
+    """Return labels of a language for sounds; a language without labels takes any."""
+    if not labels:
+        return tuple(sounds)
+    tried = ((sound, *nearby.get(sound, ())) for sound in sounds)
+    found = (
+        next((one for one in choice if labels.intersection(looser(normalise(one)))), "")
+        for choice in tried
+    )
+    return tuple(one for one in found if one)

@@ -1,6 +1,6 @@
 """The packs of one pair, and the bigrams of each of their layers."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
@@ -16,7 +17,6 @@ from lipsync_lang.packs.known import known
 from lipsync_lang.packs.library import FilePlace
 from lipsync_lang.packs.own_face import own_face
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
-from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
@@ -132,6 +132,7 @@ class PairPacks:
         ]
         for bank in (*self.banks, *self.own_banks):
             found += checks.check_bank(bank, poseset, phonemes, spoken)
+        # a bare pose set is its own character, and was checked as a pose set
         if self.character.path != self.poseset.path:
             styles = {bank.model.style for bank in (*self.banks, *self.own_banks)}
             found += checks.check_character(
@@ -189,14 +190,12 @@ class PairPacks:
             for phoneme in unit
         }
         shown = drawn | self.face.targets.keys()
-        return tuple(name for name in self.parents if name in shown and self._says(name))
-
-    def _says(self, shade: str) -> bool:
-        """Return True if a label or a word of the language or character has the shade."""
-        return self.language.model.automatic or shade in self._mapped
+        said = self.parents if self.language.model.automatic else self._mapped
+        return tuple(name for name in self.parents if name in shown and name in said)
 
     @cached_property
     def _mapped(self) -> frozenset[str]:
+        """Phonemes in labels and words of the language, and in words of the character."""
         model = self.language.model
         labels = (s.to for table in model.notations.values() for s in table.values())
         own = (words.values() for words in self.character.model.pronunciations.values())
@@ -238,7 +237,11 @@ class PairPacks:
 
     def _file(self, layer: str, pack: "Pack[Any]") -> DrawnBigrams:
         style = getattr(pack.model, "style", NEUTRAL)
-        halves = self._drawn_halves(layer, pack)
+        halves = {}
+        for key, trigram in pack.model.trigrams.items():
+            one, two, three = key.split("-")
+            row = self._drawn_row(layer, pack, ("trigrams", key), (one, two))
+            halves[one, two, three] = _halves(row, (one, two, three), trigram.boundaries or THIRDS)
         return DrawnBigrams(pack.path, layer, style, self.drawn_rows(layer, pack), halves)
 
     @cached_property
@@ -281,15 +284,6 @@ class PairPacks:
             rows[first, second] = replace(row, boundary=bigram.boundary)
         return rows
 
-    def _drawn_halves(self, layer: str, pack: "Pack[Any]") -> dict[Triple, Halves]:
-        """Return the trigrams of a bank or a character as rows."""
-        halves = {}
-        for key, trigram in pack.model.trigrams.items():
-            one, two, three = key.split("-")
-            row = self._drawn_row(layer, pack, ("trigrams", key), (one, two))
-            halves[one, two, three] = _halves(row, (one, two, three), trigram.boundaries or THIRDS)
-        return halves
-
     def _drawn_row(
         self, layer: str, pack: "Pack[Any]", loc: tuple[str, str], pair: Pair
     ) -> BigramRow:
@@ -309,26 +303,27 @@ class PairPacks:
             style=getattr(pack.model, "style", NEUTRAL),
         )
 
-    def rows(self, pairs: Sequence[Pair] | None = None) -> list[BigramRow]:
-        """Return a row for some pairs without shades, or for every ordered pair, in their order."""
-        asked = self.pairs() if pairs is None else list(pairs)
+    def rows(self) -> list[BigramRow]:
+        """Return the row of every ordered pair without shades."""
+        asked = self.pairs()
         found = {pair: self.authored(pair) for pair in asked}
         drafts = self.drafts([pair for pair in asked if found[pair] is None])
         gaps = (BigramRow(Origin(pair, "gap", "", ()), {}) for pair in asked)
         return [found[pair] or drafts.get(pair, gap) for pair, gap in zip(asked, gaps, strict=True)]
 
-    def shade_rows(self, pairs: Sequence[Pair] | None = None) -> dict[Pair, BigramRow]:
-        """Return the row of some ordered pairs with a shade, or of all, by pair.
+    def shade_rows(self) -> dict[Pair, BigramRow]:
+        """Return the row of every ordered pair with a shade, by pair.
 
         It is the row of a coarser pair (`origin.pair`) where a bank draws that one and not this.
         Rows of banks come before drafts.
         """
-        pairs = self.shade_pairs() if pairs is None else pairs
+        pairs = self.shade_pairs()
+        drawn = {pair for layer in self.layers.values() for rows in layer.values() for pair in rows}
         found = {}
         for pair in pairs:
             row = self.authored(pair)
             if row is not None:
-                own = row.origin._replace(pair=pair) if self._draws(pair) else row.origin
+                own = row.origin._replace(pair=pair) if pair in drawn else row.origin
                 found[pair] = replace(row, origin=own)
         return found | self.drafts([pair for pair in pairs if pair not in found])
 
@@ -354,10 +349,6 @@ class PairPacks:
             return BigramRow(Origin(pair, "gap", "", ()), {})
         return replace(found, origin=found.origin._replace(pair=pair))
 
-    def _draws(self, pair: Pair) -> bool:
-        """Return True if a bank of any style draws exactly this pair."""
-        return any(pair in rows for layer in self.layers.values() for rows in layer.values())
-
     def pairs(self) -> list[Pair]:
         """Every ordered pair of phonemes except silence with itself, without shades."""
         silence = self.common.model.silence
@@ -377,6 +368,7 @@ class PairPacks:
 
     def _found(self, pair: Pair, style: str, layers: Layers) -> BigramRow | None:
         """Return the row of a pair, of a coarser one, or of its substitute, in some layers."""
+        # from the finest: a drawn parent comes before a drafted shade
         for finer in self._coarser(pair):
             row = _stated(layers, finer, style)
             if row is not None:
@@ -450,6 +442,7 @@ class PairPacks:
             usual = 1.0 if pose in mentioned or opposed else PASSIVE
             usual = usual if overall is None or opposed else overall
             dominance.append(stated.get(pose, usual))
+        # above 0, since drafts divide by the sum of dominances
         return Target(np.array(weights), np.maximum(dominance, 1e-6))
 
     def usual_dominance(self, steps: "Iterable[Mapping[str, float]]") -> Floats:
@@ -501,6 +494,7 @@ class PairPacks:
         out = np.zeros((len(self.numbered), len(self.poses)), bool)
         for number, phoneme in enumerate(self.numbered[1:], start=1):
             steps = targets.get(self.targeted(phoneme), ())
+            # the last step is what the next sound follows; a diphthong may name a pose and leave it
             for pose, weight in steps[-1].weights.items() if steps else ():
                 out[number, self.poses.index(pose)] = weight == 0
         return out
@@ -511,6 +505,7 @@ def _layered(files: Iterable[DrawnBigrams]) -> Layers:
     layers: Layers = {layer: {} for layer in ("character", "language", "shared")}
     for file in files:
         layer = layers[file.layer]
+        # later keys win in a merge, so what earlier files drew comes last
         layer[file.style] = {**file.rows, **layer.get(file.style, {})}
     return layers
 

@@ -41,7 +41,11 @@ def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[s
     PackFaults
         The pack of the IPA is unsound.
     """
-    known = candidates(language.model, library.common().model)
+    return _plain_search(library, candidates(language.model, library.common().model))
+
+
+def _plain_search(library: "Library", known: dict[str, list[str]]) -> dict[str, Any]:
+    """Return a search among phonemes, each with its IPA equivalents, as JSON."""
     shades = shades_among(library.common().model, known)
     return {"features": _features(library), "candidates": known, "shades": shades}
 
@@ -65,7 +69,13 @@ def spelling(library: "Library") -> dict[str, dict[str, Any]]:
         ipa, common = library.ipa(), library.common()
         known = _SPELLINGS.setdefault(ipa.source, WeakKeyDictionary())
         if common.source not in known:
-            known[common.source] = _spelling(_features(library))
+            data = _features(library)
+            spelled = {
+                name: {sign: key(meant) for sign, meant in signs.items()}
+                for name, signs in data["notations"].items()
+            }
+            unseen = Features.from_data(data).unseen()
+            known[common.source] = {"spelled": spelled, "unseen": unseen}
         return known[common.source]
     except PackError:
         return {"spelled": {}, "unseen": {}}
@@ -74,14 +84,6 @@ def spelling(library: "Library") -> dict[str, dict[str, Any]]:
 _SPELLINGS: "WeakKeyDictionary[YamlSource, WeakKeyDictionary[YamlSource, dict[str, Any]]]"
 _SPELLINGS = WeakKeyDictionary()
 """Spellings by the files of the IPA and of the common phonemes, as long as a library has these."""
-
-
-def _spelling(data: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    spelled = {
-        name: {sign: key(meant) for sign, meant in signs.items()}
-        for name, signs in data["notations"].items()
-    }
-    return {"spelled": spelled, "unseen": Features.from_data(data).unseen()}
 
 
 def _features(library: "Library") -> dict[str, Any]:
@@ -108,9 +110,7 @@ def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | N
     try:
         common = library.common().model
         known = {n: list(common.phonemes[n].ipa) for n in names if n in common.phonemes}
-        shades = shades_among(common, known)
-        plain = {"features": _features(library), "candidates": known, "shades": shades}
-        return NearestPhonemes.from_plain(plain)
+        return NearestPhonemes.from_plain(_plain_search(library, known))
     except PackError:
         return None
 
@@ -124,15 +124,10 @@ def among_all(library: "Library") -> NearestPhonemes:
         The pack of the IPA is unsound.
     """
     common = library.common().model
+    # before the base, so that of equals the more special one is the nearest
     added = [name for name in common.phonemes if name not in (*common.base, common.silence)]
     known = {name: list(common.phonemes[name].ipa) for name in (*added, *common.base)}
-    return NearestPhonemes.from_plain(
-        {
-            "features": _features(library),
-            "candidates": known,
-            "shades": shades_among(common, known),
-        }
-    )
+    return NearestPhonemes.from_plain(_plain_search(library, known))
 
 
 class ModelPhones(NamedTuple):
@@ -209,6 +204,7 @@ def reason_for(
     if _agrees(near, label, value_of(sounds)):
         losses = near.nearest(label).losses
         return "by its features" + (f"; not shown: {', '.join(losses)}" if losses else "")
+    # the longest first: a length mark is dropped before a letter is
     shorter = (label[:end] for end in range(len(label) - 1, 0, -1))
     return next((f"as {one}" for one in shorter if one in table and table[one] == sounds), "")
 

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.packs.models import AtMost, Threshold
-from lipsync_lang.pipeline.arrays import Floats
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import PoseSet
@@ -35,6 +35,7 @@ def at_most(poseset: "PoseSet") -> list[tuple[int, int]]:
         for rule in poseset.constraints.pairs
         if isinstance(rule, AtMost)
     ]
+    # a pose may be the other of one rule and the pose of the next: the order must chain
     graph: dict[int, set[int]] = {}
     for pose, other in rules:
         graph.setdefault(pose, set()).add(other)
@@ -44,6 +45,7 @@ def at_most(poseset: "PoseSet") -> list[tuple[int, int]]:
 
 def priority(poseset: "PoseSet") -> Floats:
     """(P,) priorities; larger wins. A pose without a stated priority never yields."""
+    # poses are listed from the one that yields first
     rank = {pose: float(number) for number, pose in enumerate(poseset.priority)}
     return np.array([rank.get(pose, np.inf) for pose in poseset.poses])
 

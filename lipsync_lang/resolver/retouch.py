@@ -1,16 +1,14 @@
-"""Fast changes of the bigrams in a compiled pair.
+"""A compiled pair that takes changed bigrams without reading its packs again.
 
-Compiling looks up every pair in every layer and samples every curve. A changed bigram concerns few
-pairs: its own, those with shades of its phonemes, and those that it stands in for (`like`).
-Their rows are looked up again; all other samples are taken over.
+Reading a bank in which all 483 bigrams are drawn takes 0.1 to 0.4 s, and the studio has 0.1 s
+for an edit. So only the changed entries are read and checked. All pairs are then looked up and
+sampled again, which takes 0.03 to 0.07 s.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
-
-import numpy as np
 
 from lipsync_lang.packs.checking.pack_checks import check_bigrams
 from lipsync_lang.packs.library import FilePlace, Pack
@@ -18,19 +16,7 @@ from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.splicing import INDEPENDENT, SplicedText, pack_name
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import Data, YamlSource, scan
-from lipsync_lang.pipeline.arrays import Singles
-from lipsync_lang.pipeline.tables import Bank, Tables
-from lipsync_lang.resolver.compile import (
-    PairRows,
-    compiled,
-    differing,
-    frozen,
-    marks,
-    row_numbers,
-    styled,
-    tabulated,
-    told,
-)
+from lipsync_lang.resolver.compile import PairRows, compile_packs
 from lipsync_lang.resolver.compiled import Compiled, Pair
 from lipsync_lang.resolver.layers import BigramRow, DrawnBigrams, PairPacks
 
@@ -67,7 +53,7 @@ class OpenPair:
         shelf = PairPacks.open(library, language, character)
         packs: tuple[Pack[Any], ...] = (shelf.character, *shelf.own_banks, *shelf.banks)
         rows = PairRows.of(shelf)
-        return cls(compiled(shelf, rows), shelf, rows, {p.path: p.source.data for p in packs})
+        return cls(compile_packs(shelf, rows), shelf, rows, {p.path: p.source.data for p in packs})
 
     def retouched(self, texts: Iterable[SplicedText]) -> Self | None:
         """Return the pair with bigrams from texts instead of their files.
@@ -88,11 +74,12 @@ class OpenPair:
         PackFaults
             A bigram names an unknown phoneme or pose.
         """
-        data, drawn, touched = dict(self.data), self.shelf.drawn, set[Pair]()
+        data, drawn = dict(self.data), self.shelf.drawn
         for text in texts:
             if text.path not in data:
                 return None
             old, new = data[text.path], text.data
+            # trigrams too: their rows change the numbers of all rows behind them
             if not isinstance(new, dict) or _without_bigrams(old) != _without_bigrams(new):
                 return None
             before, after = old.get(INDEPENDENT) or {}, new.get(INDEPENDENT) or {}
@@ -100,10 +87,11 @@ class OpenPair:
             data[text.path] = new
             if keys:
                 drawn = tuple(self._redrawn(file, text, keys) for file in drawn)
-                touched |= {_pair(key) for key in keys}
-        if not touched:
+        if drawn is self.shelf.drawn:
             return replace(self, data=data)
-        return self._with(self.shelf.redrawn(drawn), touched, data)
+        shelf = self.shelf.redrawn(drawn)
+        rows = PairRows.of(shelf)
+        return type(self)(compile_packs(shelf, rows), shelf, rows, data)
 
     def _redrawn(
         self, file: DrawnBigrams, text: SplicedText, keys: Collection[str]
@@ -117,16 +105,6 @@ class OpenPair:
         for pair in map(_pair, keys):
             rows.pop(pair, None)
         return file._replace(rows=rows | made)
-
-    def _with(self, shelf: PairPacks, touched: Collection[Pair], data: Mapping[Path, Data]) -> Self:
-        """Return the pair with other bigrams in its packs, which differ in some pairs."""
-        if shelf.styles != self.shelf.styles or shelf.numbered != self.shelf.numbered:
-            rows = PairRows.of(shelf)
-            return replace(self, compiled=compiled(shelf, rows), shelf=shelf, rows=rows, data=data)
-        rows = _looked_up(shelf, self.rows, _concerned(shelf, touched))
-        tables = _retabulated(shelf, self.rows, rows, self.compiled.tables)
-        made = replace(self.compiled, tables=tables, **told(shelf, rows, tables))
-        return replace(self, compiled=made, shelf=shelf, rows=rows, data=data)
 
 
 def _without_bigrams(data: Data) -> Data:
@@ -163,73 +141,3 @@ def _placed(row: BigramRow, text: SplicedText) -> BigramRow:
     line, column = text.place((INDEPENDENT, key))
     place = FilePlace(text.path, line, column)
     return replace(row, place=place, origin=row.origin._replace(places=(str(place),)))
-
-
-def _concerned(shelf: PairPacks, touched: Collection[Pair]) -> set[Pair]:
-    """Return every pair whose look-up may depend on a changed pair."""
-    meets: dict[str, list[str]] = {}
-    for phoneme in shelf.numbered:
-        parent = shelf.parents.get(phoneme, phoneme)
-        for other in {phoneme, parent, shelf.likes.get(parent, parent)}:
-            meets.setdefault(other, []).append(phoneme)
-    return {
-        (a, b) for one, other in touched for a in meets.get(one, ()) for b in meets.get(other, ())
-    }
-
-
-def _looked_up(shelf: PairPacks, old: PairRows, concerned: Collection[Pair]) -> PairRows:
-    """Return rows with some pairs looked up again."""
-    counted = [row.origin.pair for row in old.counted if row.origin.pair in concerned]
-    fresh = dict(zip(counted, shelf.rows(counted), strict=True))
-    finer = [pair for pair in shelf.shade_pairs() if pair in concerned]
-    kept = {pair: row for pair, row in old.finer.items() if pair not in concerned}
-    shades = kept | shelf.shade_rows(finer)
-    order = [pair for pair in shelf.shade_pairs() if pair in shades]
-    drawn = [pair for pair in order if not shades[pair].drafted]
-    drafts = [pair for pair in order if shades[pair].drafted]
-    rows = PairRows(
-        [fresh.get(row.origin.pair, row) for row in old.counted],
-        {pair: shades[pair] for pair in (*drawn, *drafts)},
-        {},
-        old.halves,
-        old.played,
-    )
-    return replace(rows, styles=dict(_styles(shelf, old, rows, concerned)))
-
-
-def _styles(
-    shelf: PairPacks, old: PairRows, rows: PairRows, concerned: Collection[Pair]
-) -> Iterable[tuple[str, list[BigramRow]]]:
-    for style, before in old.styles.items():
-        kept = {row.origin.pair: one for row, one in zip(old.bigrams, before, strict=False)}
-        bigrams = [
-            styled(shelf, row, style) if row.origin.pair in concerned else kept[row.origin.pair]
-            for row in rows.bigrams
-        ]
-        yield style, rows.with_halves(bigrams)
-
-
-def _retabulated(shelf: PairPacks, old: PairRows, new: PairRows, tables: Tables) -> Tables:
-    """Return tables that reuse the unchanged rows."""
-    curves = _taken(tables.curves, old.every, new.every)
-    boundary, free = marks(new.every)
-    styles = []
-    for bank, style in zip(tables.styles, new.styles, strict=True):
-        rows = new.styles[style]
-        own = _taken(bank.curves, old.styles[style], rows)
-        plain = np.ones(len(own), bool)
-        plain[differing(rows, new.every)] = False
-        own[plain] = curves[plain]
-        styles.append(Bank(own, *marks(rows)))
-    played = row_numbers(shelf, new)
-    return frozen(tables.with_rows(Bank(curves, boundary, free), tuple(styles), played))
-
-
-def _taken(curves: Singles, old: Sequence[BigramRow], new: Sequence[BigramRow]) -> Singles:
-    """Return the samples of new rows, reused for unchanged rows."""
-    numbers = {id(row): number for number, row in enumerate(old, 1)}
-    places = [numbers.get(id(row), 0) for row in new]
-    made: Singles = curves[[0, *places]]
-    fresh = [number for number, place in enumerate(places, 1) if not place]
-    made[fresh] = tabulated([new[number - 1] for number in fresh], curves.shape[2])[1:]
-    return made

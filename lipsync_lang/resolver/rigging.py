@@ -1,14 +1,24 @@
-"""The rig of a character's model as plain data; the cache keeps it beside the tables."""
+"""Models of characters: their rigs as plain data, and models in place of a character.
 
+The cache keeps the rig beside the tables.
+"""
+
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.errors import ModelError
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.models.rig_channels import plain_channels
+from lipsync_lang.rigs.model import known_model, some
+from lipsync_lang.rigs.recognise import recognise
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Library, Pack
+    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.rigs.recognise import Match
 
 
 def plain_rig(
@@ -66,3 +76,30 @@ def model_file(character: "Pack[models.Character]", poseset: "Pack[models.PoseSe
         if path is not None:
             return str(path.resolve())
     return None
+
+
+def best_match(library: "Library", path: Path) -> "Match":
+    """Return the pose set, with a rig or alone, that shows most of its poses on a model.
+
+    Raises
+    ------
+    ModelError
+        The model is unreadable, or no pose set knows its shapes.
+    """
+    model = known_model(path)
+    found = next((match for match in recognise(library, model) if match.enough), None)
+    if found is None:
+        shapes = dict.fromkeys(name for mesh in model.meshes for name in mesh.shapes)
+        raise ModelError(
+            f"{path}: no pose set knows its shapes ({some(shapes)}). Make them poses of their own "
+            "with `lipsync-lang posesets new`"
+        )
+    return found
+
+
+def on_model(library: "Library", compiled: "Compiled", match: "Match", path: Path) -> "Compiled":
+    """Put the compiled pair of a pose set on a model, through the rig of the match."""
+    rig = None
+    if match.rig is not None:
+        rig = plain_channels_of(library, match.rig, library.poseset(match.poseset))
+    return replace(compiled, character=path.stem, rig=rig, model=str(path.resolve()))

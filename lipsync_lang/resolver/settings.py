@@ -45,6 +45,7 @@ def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Moti
 
 def _checked(name: str, value: object, like: object) -> object:
     """Return a motion setting's value in its own type, or raise an error with its range."""
+    # numbers have no arguments of type, a `Literal` has its choices
     choices = get_args(get_type_hints(Motion)[name])
     if choices:
         if value not in choices:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Ints
+from lipsync_lang.arrays import Ints
 from lipsync_lang.resolver.compiled import LAYERS, Triple
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 def drawn_trigrams(shelf: "PairPacks") -> "dict[Triple, Halves]":
     """Return the trigrams of all files; earlier layers take precedence, then earlier files."""
     found: dict[Triple, Halves] = {}
+    # stable: within a layer the order of the files stays
     for file in sorted(shelf.drawn, key=lambda file: LAYERS.index(file.layer)):
         found = {**file.halves, **found}
     return found
@@ -46,6 +47,7 @@ def played_trigrams(shelf: "PairPacks", drawn: "Mapping[Triple, Halves]") -> dic
 def _finest(shelf: "PairPacks", drawn: "Mapping[Triple, Halves]", triple: Triple) -> Triple:
     """Return the drawn trigram with the fewest parents in place of shades."""
     names = [(phoneme, shelf.parents.get(phoneme, phoneme)) for phoneme in triple]
+    # by the number of parents; `sorted` is stable, so ties prefer the finer first phoneme
     coarser = sorted(product((0, 1), repeat=len(names)), key=sum)
     found = ((names[0][a], names[1][b], names[2][c]) for a, b, c in coarser)
     return next(one for one in found if one in drawn)

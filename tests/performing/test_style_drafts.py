@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lanes import swept
 from shipped import LIBRARY
-from test_intensity import line
+from test_loudness import line
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule

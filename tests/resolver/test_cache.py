@@ -538,7 +538,7 @@ def test_nothing_is_unpickled_or_executed():
     package = Path(ll.__file__).parent
     pickled = {
         package / "resolver" / "compiled.py",  # part of a pickle that the caller has chosen to load
-        package / "build" / "dask_cluster.py",  # batches of a scheduler that the user has named
+        package / "cluster" / "dask_cluster.py",  # batches of a scheduler that the user has named
         package / "build" / "workers.py",  # what this build sends to its own processes
     }
     for path in set(package.rglob("*.py")) - pickled:

@@ -14,8 +14,6 @@ from packs_tree import CHILD, COMMON, plant, put
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import ABSENT, SplicedText
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.prepare import prepare
 from lipsync_lang.pipeline.tables import Contact, Tables
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.compiled import Compiled, Origin, Report
@@ -166,14 +164,12 @@ def test_an_unknown_pose_is_told_with_its_place(tmp_path):
         pair.retouched([new])
 
 
-def test_tables_of_earlier_edits_are_let_go_and_what_they_derived_is_kept(tmp_path):
+def test_tables_of_earlier_edits_are_let_go(tmp_path):
     plant(tmp_path)
     texts = project(tmp_path, "face", "child")
     pair = OpenPair.open(Library([tmp_path], project=None), "child", "mine")
-    prepared = prepare(pair.compiled.tables, Motion(), 60)
     before = weakref.ref(pair.compiled.tables)
     new = texts["first"].changed([(("bigrams", "a-p"), {"curves": {"open": [[0, 1], [1, 0]]}})])
     pair = pair.retouched([new])
-    assert prepare(pair.compiled.tables, Motion(), 60) is prepared
     gc.collect()
     assert before() is None

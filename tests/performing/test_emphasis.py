@@ -15,8 +15,8 @@ from lipsync_lang import Schedule, Word
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.phonology.emphasis import emphasised, touched
 from lipsync_lang.pipeline.prepare import GIVEN
-from lipsync_lang.speech.hearing import aligned
-from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.hearing.alignment import aligned
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 LABELS = ("D", "AA", "B", "AA", "D", "AA", "P", "AA")
 TIMES = np.arange(9) * 0.15
@@ -115,7 +115,9 @@ def test_a_transcript_has_no_asterisk():
 def test_an_aligned_recording_has_it(monkeypatch):
     texts = []
     aligner = SimpleNamespace(align=lambda _, text, *__: texts.append(text) or said(0.0))
-    monkeypatch.setattr("lipsync_lang.speech.align.aligners.ALIGNERS.find", lambda *_: aligner)
+    monkeypatch.setattr(
+        "lipsync_lang.speech.hearing.align.aligners.ALIGNERS.find", lambda *_: aligner
+    )
     sound = ll.Audio(np.zeros(100, np.int16), 100)
     schedule = aligned(Speaker.of("tagalog"), sound, "dab *add* app")
     assert [word.emphasis for word in schedule.words] == [0, 1, 0]

@@ -1,7 +1,8 @@
 """The smooth curve of a bank: derived values, golden values, and properties of B-splines.
 
-`golden/bspline.json` fixes the curve for every implementation, in whatever language. Written by
-this file's own de Boor, not by the code under test: ``python tests/test_curve.py`` writes it anew.
+`bspline.json` fixes the curve for every implementation, in whatever language. Written by this
+file's own de Boor, not by the code under test: ``python tests/pipeline/test_curve.py`` writes it
+anew.
 """
 
 import json
@@ -15,7 +16,7 @@ from lanes import full
 
 from lipsync_lang.pipeline.curve import bspline, polyline, span_basis
 
-GOLDEN = Path(__file__).parent / "golden" / "bspline.json"
+GOLDEN = Path(__file__).with_name("bspline.json")
 SAME = 1e-9
 
 

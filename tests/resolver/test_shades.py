@@ -106,7 +106,7 @@ def test_a_drawn_parent_comes_before_a_drafted_shade(packs):
     drawn = performer(packs).perform(LINE)
     assert not np.allclose(drawn.weights, drafted)
     assert drawn.weights[:, drawn.poses.index("FV")].max() > 0.3
-    told = drawn.performer.explain(drawn, 0.2)
+    told = drawn.source.performer.explain(drawn, 0.2)
     first = next(b for b in told.bigrams if b.pair == ("kg", "ae"))
     assert (first.layer, first.status, first.drawn_as) == ("shared", "edited", ("kg", "aa"))
     assert "drawn as kg-aa" in str(told)
@@ -168,11 +168,11 @@ def test_a_shade_that_no_bank_draws_is_compared_if_it_is_asked_for(packs):
 
 def test_a_frame_names_the_shade(packs):
     animation = performer(packs).perform(LINE)
-    told = animation.performer.explain(animation, 0.25)
+    told = animation.source.performer.explain(animation, 0.25)
     assert (told.phoneme, told.common, told.shade_of) == ("æ", "ae", "aa")
     assert "æ as ae (a shade of aa)" in str(told)
     off = performer(packs, shades=False).perform(LINE)
-    assert off.performer.explain(off, 0.25).shade_of is None
+    assert off.source.performer.explain(off, 0.25).shade_of is None
 
 
 @full

@@ -57,7 +57,7 @@ def test_a_pool_performs_many_lines(performer):
         found = list(pool.map(performer.perform, SCHEDULES))
     for one, other in zip(found, expected, strict=True):
         assert_alike(one, other)
-    tables = [one.performer.compiled.tables for one in found]
+    tables = [one.source.performer.compiled.tables for one in found]
     assert tables[0] is tables[1], "one copy serves them all"
 
 
@@ -77,7 +77,7 @@ def test_what_is_read_only_stays_so(performer):
     with pytest.raises(ValueError, match="read-only"):
         copy.schedule.times[0] = 1
     assert not warm.compiled.tables.curves.flags.writeable
-    there, here = warm.compiled.tables, copy.performer.compiled.tables
+    there, here = warm.compiled.tables, copy.source.performer.compiled.tables
     for name in ("curves", "boundary", "free", "pairs", "thresholds", "priority"):
         assert not getattr(here, name).flags.writeable
         assert getattr(here, name).flags.aligned

@@ -60,7 +60,7 @@ def test_a_batch_is_each_of_its_schedules_to_the_bit(performer, data, fps):
         assert one.schedule is schedule
         assert one.times.tobytes() == alone.times.tobytes()
         assert one.weights.tobytes() == alone.weights.tobytes()
-        assert (one.poses, one.fps, one.asked) == (alone.poses, alone.fps, alone.asked)
+        assert (one.poses, one.fps, one.source) == (alone.poses, alone.fps, alone.source)
 
 
 @given(data=st.data())

@@ -19,9 +19,9 @@ from lipsync_lang.phonology.g2p.g2p_engines import Settings
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.schedules.schedule import SILENCE
-from lipsync_lang.speech.espeak_events import intervals, read_events
-from lipsync_lang.speech.joining import estimate, join, stress_read
-from lipsync_lang.speech.speaking import Transcript
+from lipsync_lang.speech.speaking.espeak_events import intervals, read_events
+from lipsync_lang.speech.speaking.joining import estimate, join, stress_read
+from lipsync_lang.speech.speaking.transcripts import Transcript
 
 TIMES = [0, 0.1, 0.3, 0.4, 0.6, 0.7, 0.9]
 
@@ -153,7 +153,7 @@ def test_joined_times_take_the_marks_of_the_voice_or_else_of_the_text(performer)
 
 def test_a_transcript_tells_them_in_its_data(performer):
     words = (Said("b", ("b", "ʌ")), Said("n", ("n", "æ"), stress=(None, 1)))
-    told = performer.speaker.told(Transcript("b n", "english", "ipa", words))
+    told = performer.speaker.to_json(Transcript("b n", "english", "ipa", words))
     assert [one.get("stress") for word in told["words"] for one in word["labels"]] == [
         None, None, None, 1,
     ]  # fmt: skip

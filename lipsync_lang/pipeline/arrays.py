@@ -1,9 +1,0 @@
-"""Array types that the stages pass on."""
-
-import numpy as np
-import numpy.typing as npt
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
-Ints = npt.NDArray[np.integer]
-Bools = npt.NDArray[np.bool_]
