@@ -17,7 +17,7 @@ from zipfile import ZIP64_LIMIT, ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, 
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.writing import atomic
 
-SUFFIX = ".zip"
+ARCHIVE_SUFFIX = ".zip"
 
 TIME = (1980, 1, 1, 0, 0, 0)
 """Earliest time of ZIP; true times would change archives with the same content."""
@@ -27,10 +27,10 @@ MODE = 0o100644 << 16
 
 UNIX = 3
 
-HEAD = struct.Struct("<4s22xHH")
+ZIP_HEAD = struct.Struct("<4s22xHH")
 """Header of a member: its signature, and the lengths of the following name and extra data."""
 
-MARK = b"PK\x03\x04"
+ZIP_START = b"PK\x03\x04"
 ENCRYPTED = 0x1
 BLOCK_BYTES = 2**20
 
@@ -57,11 +57,11 @@ def split_archive(path: str) -> tuple[str, str] | None:
     >>> split_archive("takes/l1.zip") is None
     True
     """
-    if SUFFIX not in path.lower():
+    if ARCHIVE_SUFFIX not in path.lower():
         return None
     parts = PurePosixPath(path).parts
     for number, part in enumerate(parts[:-1], 1):
-        if part.lower().endswith(SUFFIX):
+        if part.lower().endswith(ARCHIVE_SUFFIX):
             return str(PurePosixPath(*parts[:number])), "/".join(parts[number:])
     return None
 
@@ -191,10 +191,10 @@ def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
 def _seek(source: BinaryIO, info: ZipInfo) -> None:
     """Go to the compressed data of a member."""
     source.seek(info.header_offset)
-    head = source.read(HEAD.size)
-    if len(head) < HEAD.size:
+    head = source.read(ZIP_HEAD.size)
+    if len(head) < ZIP_HEAD.size:
         raise BadZipFile(f"'{info.filename}' ends early")
-    mark, name, further = HEAD.unpack(head)
-    if mark != MARK:
+    mark, name, further = ZIP_HEAD.unpack(head)
+    if mark != ZIP_START:
         raise BadZipFile(f"'{info.filename}' is not at the position that the archive states")
     source.seek(name + further, 1)

@@ -42,8 +42,9 @@ def report(
     if not paths:
         tally = outcome.tally(refused)
         return tally, _over(tally, most)
+    named = "name" in project.project.model_fields_set
     heading = BuildHeading(
-        _name(project),
+        project.project.name if named else project.folder.name,
         sum(one.outcome == "built" for one in outcome.built.values()),
         len(outcome.plan.steps) - len(outcome.plan.stale),
         sum(one.outcome == "failed" for one in (*outcome.built.values(), *refused)),
@@ -65,12 +66,6 @@ def report(
 
 def _over(tally: BuildTally, most: int) -> list[BuiltLine]:
     return [one for one in tally.worst() if one.failed][:most]
-
-
-def _name(project: ProjectBuild) -> str:
-    """Return the name of a project; by default, that of its folder."""
-    stated = "name" in project.project.model_fields_set
-    return project.project.name if stated else project.folder.name
 
 
 def pages_folder(report: Path) -> Path:

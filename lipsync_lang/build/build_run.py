@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from multiprocessing import parent_process
 from pathlib import Path
@@ -27,7 +27,7 @@ MAX_BATCH_LINES = 64
 MAX_BATCH_CHARACTERS = 8
 """Maximum number of characters of a line in a batch, whose tables the worker keeps."""
 
-BATCHES_PER_WORKER = 4
+POOL_BATCHES_PER_WORKER = 4
 """Minimum number of batches per worker, if there are enough lines."""
 
 MIN_SPREAD_LINES = 48
@@ -138,19 +138,25 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     if not stale:
         return outcome
     if workers is None and scheduler is None:
-        workers = (os.cpu_count() or 1) if _worth_spreading(stale) else 1
+        untimed = sum(step.line.timings is None for step in stale)
+        spread = untimed >= MIN_SPREAD_LINES or len(stale) >= MIN_SPREAD_TIMED_LINES
+        workers = (os.cpu_count() or 1) if spread else 1
     _sweep(maker.folder, stale)
     keeper = OutputKeeper(maker.folder, records, {step.line.key: step for step in stale})
     done = 0
     running = run_batches(
         maker,
-        _batches(stale, workers or BATCHES_PER_WORKER),
+        _batches(stale, workers or POOL_BATCHES_PER_WORKER),
         shared=_Casts(needs).of,
         workers=workers,
         scheduler=scheduler,
         folder=maker.folder,
     )
-    with _swept_after(maker, stale), closing(running), keeper:  # type: ignore[type-var]  # a generator
+    with ExitStack() as stack:
+        # Workers leave files that were not put in place, at the end or after an error.
+        stack.callback(_sweep, maker.folder, stale, ended=maker.owner)
+        stack.enter_context(closing(running))  # type: ignore[type-var]  # a generator
+        stack.enter_context(keeper)
         for found in running:
             results = _lost(found) if isinstance(found, LostBatch) else found
             outcome.kept += keeper.keep(results)
@@ -164,11 +170,6 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
         keeper.flush()
     outcome.seconds = monotonic() - begun
     return outcome
-
-
-def _worth_spreading(stale: Sequence[PlannedStep]) -> bool:
-    untimed = sum(step.line.timings is None for step in stale)
-    return untimed >= MIN_SPREAD_LINES or len(stale) >= MIN_SPREAD_TIMED_LINES
 
 
 def _lost(lost: LostBatch[LineBatch]) -> list[MadeLine]:
@@ -223,7 +224,7 @@ class _Casts:
 
 def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:
     """Yield the lines in batches of one language; a line's characters are in one batch."""
-    size = max(1, min(MAX_BATCH_LINES, len(stale) // (workers * BATCHES_PER_WORKER)))
+    size = max(1, min(MAX_BATCH_LINES, len(stale) // (workers * POOL_BATCHES_PER_WORKER)))
     takes: dict[tuple[str, str], list[PlannedLine]] = {}
     for step in stale:
         takes.setdefault((step.line.language, step.line.name), []).append(step.making)
@@ -236,15 +237,6 @@ def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:
         stride = max(1, size // len(characters)) * len(characters)
         for first in range(0, len(lines), stride):
             yield LineBatch(language, characters, tuple(lines[first : first + stride]))
-
-
-@contextmanager
-def _swept_after(maker: LineMaker, stale: Iterable[PlannedStep]) -> Iterator[None]:
-    """Delete files of workers that were not put in place, at the end or after an error."""
-    try:
-        yield
-    finally:
-        _sweep(maker.folder, stale, ended=maker.owner)
 
 
 def _sweep(folder: Path, stale: Iterable[PlannedStep], ended: str = "") -> None:

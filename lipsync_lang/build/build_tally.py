@@ -143,7 +143,11 @@ class BuildTally:
             pair.aligned += 1
             pair.confidence += line.confidence
             self.confidence.add(ceil(line.confidence * BINS) - 1)
-        self._keep(line)
+        entry = (badness(line), -self.lines, line)
+        if len(self._worst) < self.most:
+            heapq.heappush(self._worst, entry)
+        elif self.most and entry[:2] > self._worst[0][:2]:
+            heapq.heapreplace(self._worst, entry)
 
     def add_unshown(self, verdict: Verdict) -> None:
         """Count a line of no report by its verdict, one of `UNSHOWN`, without its figures."""
@@ -165,14 +169,6 @@ class BuildTally:
                 tally = self.figures[key] = FigureTally(figure.name, figure.unit)
             tally.add(line, value, limit, passed=passed)
         return exceeded
-
-    def _keep(self, line: BuiltLine) -> None:
-        """Keep a line that is among the worst."""
-        entry = (badness(line), -self.lines, line)
-        if len(self._worst) < self.most:
-            heapq.heappush(self._worst, entry)
-        elif self.most and entry[:2] > self._worst[0][:2]:
-            heapq.heapreplace(self._worst, entry)
 
     def worst(self) -> list[BuiltLine]:
         """Return the worst lines first; equally bad lines stay in order."""

@@ -68,7 +68,11 @@ class OutputKeeper:
                     continue
                 before = outputs[file.path].digest if file.path in outputs else ""
                 outputs[file.path] = Written(file.size, file.changed, file.digest, before)
-                self._place(file.path, file.temporary)
+                split = split_archive(file.path)
+                if split is None:
+                    self._moves.append((file.temporary, self.folder / file.path))
+                else:
+                    self._members.setdefault(split[0], {})[split[1]] = Path(file.temporary)
             row = LineRecord(
                 step.inputs,
                 as_json(one.contents),
@@ -93,13 +97,6 @@ class OutputKeeper:
             for temporary_file in new.values():
                 temporary_file.unlink(missing_ok=True)
         self._rows, self._moves, self._members = [], [], {}
-
-    def _place(self, path: str, temporary: str) -> None:
-        split = split_archive(path)
-        if split is None:
-            self._moves.append((temporary, self.folder / path))
-        else:
-            self._members.setdefault(split[0], {})[split[1]] = Path(temporary)
 
 
 def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:

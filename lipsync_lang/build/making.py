@@ -16,7 +16,7 @@ from stat import S_ISDIR
 from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
 
-from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.archives import split_archive
 from lipsync_lang.build.digests import file_digest, output_digest
@@ -39,7 +39,7 @@ ENDING = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EROFS))
 CONFIDENCE = "confidence"
 """Limit of a project that is a minimum: the confidence of an alignment."""
 
-DOUBT = "doubt of timings"
+TIMING_DOUBT = "doubt of timings"
 """Figure of an aligned line: 1 minus its confidence."""
 
 
@@ -113,7 +113,12 @@ class LineMaker:
             own = [(line, said) for line, said in timed if line.character == character]
             performed = [*self._performed(pair.performer, own)]
             # Megabytes of outputs drive small arrays out of the processor's cache: judge all first.
-            judged = [self._judged(pair, *one) for one in performed]
+            judged = [
+                animation
+                if isinstance(animation, Exception)
+                else attempt(partial(self._judgement, pair, line, animation))
+                for line, animation in performed
+            ]
             for (line, animation), found in zip(performed, judged, strict=True):
                 made[line.key] = self._made(pair, line, animation, found, contents[line.name])
         return [made[line.key] for line in batch.lines]
@@ -164,14 +169,6 @@ class LineMaker:
         for line, said in timed:
             yield line, said if isinstance(said, Exception) else next(animations)
 
-    def _judged(
-        self, pair: PairNeeds, line: PlannedLine, animation: Animation | Exception
-    ) -> LineJudgement | Exception:
-        """Return the needs and figures of a line, or the reason for their absence."""
-        if isinstance(animation, Exception):
-            return animation
-        return attempt(partial(self._judgement, pair, line, animation))
-
     def _judgement(self, pair: PairNeeds, line: PlannedLine, animation: Animation) -> LineJudgement:
         reasons = any(WRITERS[name].reasons for name, _ in line.outputs)
         needs = pair.of(animation.schedule, spoken=line.timings is None, reasons=reasons)
@@ -193,7 +190,8 @@ class LineMaker:
         schedule = animation.schedule
         files: list[MadeFile] = []
         try:
-            shown = replace(pair.performer.rigged(animation), offset=self.settings.offset)
+            export = ExportSettings(self.settings.offset)
+            shown = replace(pair.performer.rigged(animation), export=export)
             self._write(line, shown, files)
         except Exception as error:  # noqa: BLE001 the other lines of the batch are made
             for file in files:
@@ -234,7 +232,7 @@ class LineMaker:
         if confidence is not None:
             least = self.settings.limits.get(CONFIDENCE)
             most = None if least is None else 1 - least
-            figures.append(JudgedFigure(DOUBT, 1 - confidence, "", most))
+            figures.append(JudgedFigure(TIMING_DOUBT, 1 - confidence, "", most))
         return tuple(figures)
 
     def _write(self, line: PlannedLine, animation: Animation, files: list[MadeFile]) -> None:

@@ -4,7 +4,7 @@ A need has a name, such as `bigram m iy`, and a digest of the value that the pac
 whose needs all have the digests of the last build would be made the same again.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -14,11 +14,10 @@ import numpy as np
 from lipsync_lang.build.digests import VALUE_BYTES, digest, file_digest, joined
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.phonology.g2p.tokens import plain
-from lipsync_lang.pipeline.tables import Bank
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.version import __version__
 
-ABSENT = b"\0" * VALUE_BYTES
+ABSENT_DIGEST = b"\0" * VALUE_BYTES
 """Digest of a need that is no longer in the packs."""
 
 OF_LINES = frozenset((
@@ -84,7 +83,11 @@ class PairNeeds:
         names = ["program", "settings", "face", "model"]
         names += ["voice"] if spoken else []
         names += ["places"] if reasons else []
-        names += self._labels(schedule)
+        names += ["labels"] if schedule.notation is None else []
+        notation = self.performer.notation(schedule)
+        known = self.performer.labels.notations
+        own = next(name for name, one in known.items() if one is notation)
+        names += [f"label {own} {label}" for label in dict.fromkeys(schedule.labels)]
         names += [f"word {text}" for text in dict.fromkeys(word.text for word in schedule.words)]
         names += self._units(schedule)
         return {name: self.current(name) for name in names}
@@ -106,24 +109,16 @@ class PairNeeds:
     def _digest(self, name: str) -> bytes:
         kind, _, rest = name.partition(" ")
         if kind == "bigram":
-            return self._bigrams.get(rest, ABSENT)
+            return self._bigrams.get(rest, ABSENT_DIGEST)
         if kind == "trigram":
-            return self._trigrams.get(rest, ABSENT)
+            return self._trigrams.get(rest, ABSENT_DIGEST)
         if kind == "label":
             notation, _, label = rest.partition(" ")
             return digest(self._sounds(notation, label))
         if kind == "word":
             compiled = self.performer.compiled
             return digest(compiled.word_edits.get(rest.casefold()), compiled.words.get(plain(rest)))
-        return self._wide.get(kind, ABSENT)
-
-    def _labels(self, schedule: Schedule) -> Iterator[str]:
-        notation = self.performer.notation(schedule)
-        known = self.performer.labels.notations
-        name = next(name for name, one in known.items() if one is notation)
-        if schedule.notation is None:
-            yield "labels"
-        yield from (f"label {name} {label}" for label in dict.fromkeys(schedule.labels))
+        return self._wide.get(kind, ABSENT_DIGEST)
 
     def _units(self, schedule: Schedule) -> Iterator[str]:
         """Yield the bigrams and trigrams of a line, drawn or not."""
@@ -185,8 +180,11 @@ class PairNeeds:
     def _rows(self) -> list[bytes]:
         """Digest of each row of the tables: its curves in every style."""
         tables = self.performer.compiled.tables
-        banks: tuple[Bank, ...] = (tables.neutral, *tables.styles)
-        return [_row_digest(banks, row) for row in range(len(tables.curves))]
+        arrays = [array for bank in (tables.neutral, *tables.styles) for array in bank]
+        return [
+            joined(*(np.ascontiguousarray(array[row]).tobytes() for array in arrays))
+            for row in range(len(tables.curves))
+        ]
 
     @cached_property
     def _trigrams(self) -> dict[str, bytes]:
@@ -220,11 +218,6 @@ def _three(names: Sequence[str], code: int) -> tuple[str, str, str]:
     """Return the phonemes of a trigram by its code."""
     pair, last = divmod(code, len(names))
     return names[pair // len(names)], names[pair % len(names)], names[last]
-
-
-def _row_digest(banks: Iterable[Bank], row: int) -> bytes:
-    arrays = (array[row] for bank in banks for array in bank)
-    return joined(*(np.ascontiguousarray(one).tobytes() for one in arrays))
 
 
 def told(name: str) -> str:

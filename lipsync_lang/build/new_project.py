@@ -11,17 +11,17 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-from lipsync_lang.build.project_text import Layout, project_text
+from lipsync_lang.build.project_text import ProjectLayout, project_text
 from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files.names import folded_name
-from lipsync_lang.lines.columns import SPEAKERS, first_column, text_column
+from lipsync_lang.lines.columns import SPEAKER_COLUMNS, first_column, text_column
 from lipsync_lang.lines.line_readers import LineFile, by_suffix, line_files
 from lipsync_lang.lines.table import cell
 from lipsync_lang.packs.finding import Finder, Kind
 
 AUDIO_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")
 
-KINDS: tuple[Kind, ...] = ("character", "poseset")
+FACE_KINDS: tuple[Kind, ...] = ("character", "poseset")
 
 COMPARED_STEMS = 40
 """Maximum number of recordings to search for ids within their names."""
@@ -32,13 +32,13 @@ MAX_COMPARED = 5_000
 MAX_SHOWN_CHARS = 60
 """Maximum length of a column's cells in a message."""
 
-MAX_ROWS = 100_000
+MAX_TABLE_ROWS = 100_000
 """Maximum number of rows of the table to compare with the recordings."""
 
 LEAST_SHARE = 0.3
 """Minimum share of the recordings that the column of ids names."""
 
-SHOWN = 4
+SHOWN_FILES = 4
 """Maximum number of examples of each kind in a message."""
 
 
@@ -117,12 +117,12 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     found, suffix = recordings_below(recordings, folder)
     cells = read_cells(table)
     ids = find_ids(found, cells, recordings, table)
-    speaker = first_column(cells.head, SPEAKERS, [ids.column])
+    speaker = first_column(cells.head, SPEAKER_COLUMNS, [ids.column])
     named = {ids.stem(name) for name in cells.at(ids.column)}
     matching = [one for one in found if folded_name(one.stem) in named]
     folders = _folders(matching, cells.at(speaker), finder)
     languages = _languages(cells, {ids.column, speaker}, folders.languages, finder, language)
-    layout = Layout(
+    layout = ProjectLayout(
         lines=table.resolve().relative_to(folder.resolve()).as_posix(),
         audio="/".join([*folders.pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]),
         columns={"id": cells.head[ids.column], **languages.column}
@@ -164,7 +164,7 @@ def read_cells(table: Path) -> Cells:
         known = ", ".join(sorted(s for s, one in by_suffix().items() if one.table is not None))
         raise LipsyncError(f"{table}: is not a table; known: {known}")
     head, rows = opened(LineFile.of(file, lambda _: None, None, None))
-    taken = [row for _, row in islice(rows, MAX_ROWS)]
+    taken = [row for _, row in islice(rows, MAX_TABLE_ROWS)]
     return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
 
 
@@ -188,7 +188,7 @@ def find_ids(
     )
     raise LipsyncError(
         f"{table}: no column names the {len(found)} recordings in {recordings}, such as "
-        f"{', '.join(one.stem for one in found[:SHOWN])}; add a column with their names. Its "
+        f"{', '.join(one.stem for one in found[:SHOWN_FILES])}; add a column with their names. Its "
         "columns:"
         f"{columns}"
     )
@@ -292,7 +292,7 @@ def _known_characters(finder: Finder, names: Sequence[str]) -> list[str]:
         if not (finder.lookup("character", name) or finder.lookup("poseset", name)):
             raise finder.unknown(name, "character", "poseset")
     if not names:
-        known = sorted({one.name for kind in KINDS for one in finder.names(kind)})
+        known = sorted({one.name for kind in FACE_KINDS for one in finder.names(kind)})
         raise LipsyncError(f"the character is missing; name one of: {', '.join(known)}")
     return list(names)
 
@@ -312,5 +312,5 @@ def _matches(
     for what, of, some in (("recording", "line", loose), ("line", "recording", silent)):
         if some:
             many = f"{len(some):,} {what}{'s' * (len(some) > 1)}"
-            told.append(f"{many} without a {of}: {shortlist(some, SHOWN)}")
+            told.append(f"{many} without a {of}: {shortlist(some, SHOWN_FILES)}")
     return tuple(told)

@@ -42,7 +42,11 @@ INPUTS = {
 }
 """Parts of a line's inputs in words."""
 
-AGAIN = {"missing": "is missing", "unfinished": "was not finished", "replaced": "was edited"}
+REMAKE_REASONS = {
+    "missing": "is missing",
+    "unfinished": "was not finished",
+    "replaced": "was edited",
+}
 """States of an output that make its line stale, in words."""
 
 STANDING = ("edited", "unknown")
@@ -182,7 +186,7 @@ class _Planner:
             reasons.append("it is new")
         else:
             reasons += self._inputs_changed(inputs, text, record)
-            reasons += _in_words(changed)
+            reasons += [f"{told(name)} changed" for name in changed]
             if record.verdict == "failed":
                 reasons.append("it failed in the last build")
         if self.force:
@@ -192,8 +196,8 @@ class _Planner:
             state = self._state(path, written)
             if state in STANDING:
                 (kept if state == "edited" else unknown).append(path)
-            elif state in AGAIN and written is not None:
-                reasons.append(f"{path} {AGAIN[state]}")
+            elif state in REMAKE_REASONS and written is not None:
+                reasons.append(f"{path} {REMAKE_REASONS[state]}")
         if line.outputs and len(kept) == len(line.outputs):
             reasons = []
         return PlannedStep(line, text, tuple(reasons), tuple(kept), tuple(unknown), record)
@@ -228,7 +232,7 @@ class _Planner:
         return bool(now_digest == from_json(record.contents).get(now[0]))
 
     def _state(self, path: str, written: Written | None) -> str:
-        """Return the state of an output: `sound`, or one of `AGAIN` or `STANDING`."""
+        """Return the state of an output: `sound`, or one of `REMAKE_REASONS` or `STANDING`."""
         stamp = self.standing.stamp(path)
         if stamp is None:
             return "missing"
@@ -242,10 +246,6 @@ class _Planner:
         if found == written.before:
             return "unfinished"
         return "replaced" if self.overwrite else "edited"
-
-
-def _in_words(names: Sequence[str]) -> list[str]:
-    return [f"{told(name)} changed" for name in names]
 
 
 def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 MAX_DEATHS = 2
 """Maximum number of processes that a batch may end while it runs alone."""
 
-END = (
+WORKERS_ENDED = (
     "worker processes end as soon as they start: build in one process (workers=1), and in a script "
     'of your own, put the call under `if __name__ == "__main__":`'
 )
@@ -42,7 +42,10 @@ def _run_alone(jobs: deque[Job]) -> Iterator[Any]:
     deaths = 0
     while jobs:
         with _Pool(1) as pool:
-            _check_start(pool)
+            try:  # if even an empty task fails, the jobs are not to blame
+                pool.executor.submit(os.getpid).result()
+            except BrokenProcessPool:
+                raise LipsyncError(WORKERS_ENDED) from None
             while jobs:
                 yield from pool.run(iter((jobs[0],)), 1)
                 if pool.unfinished:
@@ -58,14 +61,6 @@ def _run_alone(jobs: deque[Job]) -> Iterator[Any]:
                 )
                 yield LostBatch(jobs.popleft().batch, message)
                 deaths = 0
-
-
-def _check_start(pool: "_Pool") -> None:
-    """Raise an error if even an empty task fails."""
-    try:
-        pool.executor.submit(os.getpid).result()
-    except BrokenProcessPool:
-        raise LipsyncError(END) from None
 
 
 class _Pool:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 USUAL_FPS = 60.0
 """Default frame rate of a project in frames per second."""
 
-Pair = tuple[str, str]
+PairNames = tuple[str, str]
 """Language and character."""
 
 
@@ -69,8 +69,8 @@ class ProjectBuild:
     folder: Path
     lines: list[PlannedLine]
     settings: BuildSettings
-    pairs: dict[Pair, PairNeeds]
-    unsound: dict[Pair, LipsyncError] = field(default_factory=dict)
+    pairs: dict[PairNames, PairNeeds]
+    unsound: dict[PairNames, LipsyncError] = field(default_factory=dict)
     selection: Selection = field(default_factory=Selection)
 
     @classmethod

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 TEMPLATES = "project_templates"
 
-SHOWN_LINES = 3
+SHOWN_SAMPLE_LINES = 3
 """Lines of a new script."""
 
 UNQUOTED = re.compile(r'["$`\\]')
@@ -145,7 +145,7 @@ def _from(folder: str, path: Path) -> str:
 def _samples(texts: list[str]) -> list[str]:
     """Return the longest texts, in their order."""
     different = list(dict.fromkeys(texts))
-    longest = sorted(different, key=len, reverse=True)[:SHOWN_LINES]
+    longest = sorted(different, key=len, reverse=True)[:SHOWN_SAMPLE_LINES]
     return [text for text in different if text in longest]
 
 

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 SHOWN_SPEAKERS = 20
 
-PLAIN = re.compile(r"[A-Za-z][\w./-]*(?<![.])")
+PLAIN_SCALAR = re.compile(r"[A-Za-z][\w./-]*(?<![.])")
 """Text that means itself in YAML without quotes; words such as `no` are quoted by `flow`."""
 
-WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
+YAML_WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 """Plain words that YAML takes for other things."""
 
 TEXT = """\
@@ -38,7 +38,7 @@ reports: build/report.html
 """
 
 
-class Layout(NamedTuple):
+class ProjectLayout(NamedTuple):
     """Contents of a drafted project."""
 
     lines: str
@@ -49,7 +49,7 @@ class Layout(NamedTuple):
     speakers: list[str]
 
 
-def project_text(layout: Layout) -> str:
+def project_text(layout: ProjectLayout) -> str:
     """Return the text of a project file, with comments for what can be added."""
     same = all(name == word for name, word in layout.languages.items())
     languages = list(layout.languages) if same else layout.languages
@@ -76,6 +76,6 @@ def flow(value: object) -> str:
     text = str(value)
     return (
         text
-        if PLAIN.fullmatch(text) and text.lower() not in WORDS
+        if PLAIN_SCALAR.fullmatch(text) and text.lower() not in YAML_WORDS
         else json.dumps(text, ensure_ascii=False)
     )

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from lipsync_lang.files.names import folded_name
 from lipsync_lang.lines.line_readers import LineFile
-from lipsync_lang.lines.timings import SUFFIXES, is_timed
+from lipsync_lang.lines.timings import TIMING_SUFFIXES, is_timed
 
 COMMON_SUFFIXES = {".csv", ".dat", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
 """Suffixes of timings that other files have too; the content decides."""
 
-RARE_SUFFIXES = tuple(sorted({*SUFFIXES} - COMMON_SUFFIXES))
+RARE_SUFFIXES = tuple(sorted({*TIMING_SUFFIXES} - COMMON_SUFFIXES))
 """Suffixes of timings only."""
 
 
@@ -31,7 +31,7 @@ class Recordings:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._suffixes = SUFFIXES
+        self._suffixes = TIMING_SUFFIXES
         self._listings: dict[str, Listing] = {}
 
     def find(self, path: str) -> Path | None:
@@ -56,9 +56,10 @@ class Recordings:
         for candidate in listing.timings.get(folded_name(name.rpartition(".")[0] or name), ()):
             own = f"{at}/{candidate}".lstrip("/")
             found = Path(self._folder, own)
-            if own not in taken() and (
-                candidate.lower().endswith(RARE_SUFFIXES) or is_timed(LineFile(found, _ignore))
-            ):
+            # Remarks are ignored, because the reading of the timings repeats them.
+            file = LineFile(found, lambda _: None)
+            rare = candidate.lower().endswith(RARE_SUFFIXES)
+            if own not in taken() and (rare or is_timed(file)):
                 listing.used.add(candidate)
                 return found
         return None
@@ -92,7 +93,3 @@ class Recordings:
             known = {folded_name(name): name for name in reversed(names)}
             self._listings[at] = Listing(known, timings, set(), str(self._folder / at))
         return self._listings[at]
-
-
-def _ignore(_: str) -> None:
-    """Ignore remarks, which the reading of the timings repeats."""

@@ -21,9 +21,9 @@ from lipsync_lang.errors import LipsyncError, OutputError
 FOLDER = ".lipsync_lang"
 """Folder of a project for the records of builds."""
 
-FILE = "build.sqlite"
+RECORDS_FILE = "build.sqlite"
 
-FORM = 2
+RECORDS_VERSION = 2
 """Form of the tables; a record of another form is put aside."""
 
 Key = tuple[str, str, str]
@@ -103,7 +103,7 @@ class Records:
         LipsyncError
             The folder cannot be written, or the file is damaged.
         """
-        path = folder / FOLDER / FILE
+        path = folder / FOLDER / RECORDS_FILE
         with ExitStack() as stack:
             try:
                 if write:
@@ -228,11 +228,13 @@ def _records(rows: Sequence[tuple[Any, ...]]) -> dict[Key, LineRecord]:
     return found
 
 
-def unusable(why: object = "it is damaged") -> LipsyncError:
+def unusable(
+    why: object = "it is damaged", path: str | Path = f"{FOLDER}/{RECORDS_FILE}"
+) -> LipsyncError:
     """Return the error for a record that is damaged or foreign."""
     return LipsyncError(
-        f"{FOLDER}/{FILE}: the record of builds cannot be used ({why}); move it away: the next "
-        "build compares the existing files with new ones, and keeps those that differ"
+        f"{path}: the record of builds cannot be used ({why}); move it away: the next build "
+        "compares the existing files with new ones, and keeps those that differ"
     )
 
 
@@ -248,7 +250,7 @@ def _prepare(path: Path, connection: sqlite3.Connection) -> None:
     connection.execute("PRAGMA synchronous = FULL")
     _check_form(path, connection)
     connection.executescript(TABLES)
-    connection.execute(f"PRAGMA user_version = {FORM}")
+    connection.execute(f"PRAGMA user_version = {RECORDS_VERSION}")
     connection.commit()
 
 
@@ -263,10 +265,11 @@ def _copy(path: Path, connection: sqlite3.Connection) -> None:
 
 def _check_form(path: Path, connection: sqlite3.Connection) -> None:
     (form,) = connection.execute("PRAGMA user_version").fetchone()
-    if form not in (0, FORM):
+    if form not in (0, RECORDS_VERSION):
         raise LipsyncError(
-            f"{path}: was written by another version of this program (form {form}, known {FORM}); "
-            "move it away: the next build compares the existing files with new ones"
+            f"{path}: was written by another version of this program (form {form}, known "
+            f"{RECORDS_VERSION}); move it away: "
+            "the next build compares the existing files with new ones"
         )
 
 
@@ -276,7 +279,4 @@ def _damaged(path: Path, error: sqlite3.DatabaseError) -> LipsyncError:
             f"{path}: cannot be written: {error}; a build keeps its record there: make room, and "
             "make the folder writable"
         )
-    return LipsyncError(
-        f"{path}: the record of builds cannot be used ({error}); move it away: the next build "
-        "compares the existing files with new ones, and keeps those that differ"
-    )
+    return unusable(error, path)

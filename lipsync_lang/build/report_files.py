@@ -2,18 +2,19 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from io import TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any, Protocol, TextIO
 
-from lipsync_lang.build.build_junit import JunitReport
 from lipsync_lang.build.build_tally import BuildHeading, BuildTally
-from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
+from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.writing import atomic
+from lipsync_lang.reports.junit import JunitCase, JunitSuite, junit_text
 
-FORMAT = "lipsync-lang build 1"
+BUILD_FORMAT = "lipsync-lang build 1"
 
 
 class ReportForm(Protocol):
@@ -105,7 +106,7 @@ class JsonReport:
         """Write counts, then a row per line."""
         heading = self._heading
         head = {
-            "format": FORMAT,
+            "format": BUILD_FORMAT,
             "project": heading.project,
             "passed": tally.passed(),
             "lines": tally.lines,
@@ -143,3 +144,50 @@ def _row(line: BuiltLine) -> dict[str, Any]:
         },
         "failed": [figure.name for figure in line.failed],
     }
+
+
+class JunitReport:
+    """JUnit XML for build servers: a suite per language and character, a case per line.
+
+    A line that failed is an error, one over a limit a failure.
+    A line is skipped if one of its outputs was left alone, because somebody changed it.
+    """
+
+    def __init__(self, heading: BuildHeading) -> None:
+        self._heading = heading
+        self._kept = frozenset(heading.kept)
+        self._cases: dict[str, list[JunitCase]] = {}
+
+    def add(self, line: BuiltLine) -> None:
+        """Add the case of a line."""
+        suite = f"{line.line.language} on {line.line.character}"
+        name, place = line.line.name, line.line.place
+        kept = [path for _, path in line.line.outputs if path in self._kept]
+        case = JunitCase(suite, name, file=place.rpartition(":")[0])
+        if line.outcome == "failed":
+            case = replace(case, outcome="error", message=line.message)
+        elif line.failed:
+            message = "; ".join(map(_limited, line.failed))
+            detail = place
+            for figure in line.failed:
+                times = ", ".join(f"{at:.3f} s" for at in figure.at)
+                detail += f"\n{figure.name}: {': '.join(filter(None, (times, figure.words)))}"
+            case = replace(case, outcome="failure", message=message, detail=detail)
+        elif kept:
+            message = f"kept, because it was changed: {', '.join(kept)}"
+            case = replace(case, outcome="skipped", message=message)
+        self._cases.setdefault(suite, []).append(case)
+
+    def write(self, out: TextIO, tally: BuildTally) -> None:
+        """Write the suites."""
+        del tally  # cases are counted as they are written
+        suites = [JunitSuite(name, cases) for name, cases in self._cases.items()]
+        counts = ("tests", "errors", "failures", "skipped")
+        heading = self._heading
+        out.write(junit_text(suites, heading.project, counts, heading.seconds) + "\n")
+
+
+def _limited(figure: JudgedFigure) -> str:
+    """Return a figure with its limit in words: `speed 14.2 per second, at most 12`."""
+    words = f"{figure.name} {figure.value:.4g} {figure.unit}".rstrip()
+    return words if figure.limit is None else f"{words}, at most {figure.limit:g}"

@@ -5,18 +5,12 @@ larger. Charts are SVG with a name in words; rows are sorted and filtered by a s
 """
 
 import os
-from base64 import b64encode
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from hashlib import sha256
-from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple, TextIO
 from urllib.parse import quote
-
-from jinja2 import Environment
-from markupsafe import Markup
 
 from lipsync_lang.build.build_tally import (
     BINS,
@@ -28,22 +22,21 @@ from lipsync_lang.build.build_tally import (
     share_of_limit,
 )
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
-from lipsync_lang.coverage.page.assembling import own_file, page_environment
-from lipsync_lang.coverage.page.charts import HEIGHT
-from lipsync_lang.coverage.page.wording import NBSP, count
-from lipsync_lang.coverage.percentages import percent, percentage_text
 from lipsync_lang.files.quoting import shell_command
+from lipsync_lang.reports.pages import CHART_HEIGHT, PageEnvironment
+from lipsync_lang.reports.percentages import percent, percentage_text
+from lipsync_lang.reports.wording import NBSP, count
 
 PageOf = Callable[[PlannedLine], Path | None]
 """The page of a line (`-o line.html`), or None if it was not written."""
 
 LEAST_BAR = 60
-"""Minimum height of a bar with lines, out of `HEIGHT`: one line of 20,000 is visible."""
+"""Minimum height of a bar with lines, out of `CHART_HEIGHT`: one line of 20,000 is visible."""
 
 MAX_TIMES = 3
 """Maximum number of places of a figure in a row."""
 
-MAX_TEXT_CHARS = 160
+MAX_ROW_TEXT_CHARS = 160
 """Maximum length of a line's text in a row."""
 
 
@@ -104,7 +97,7 @@ class WorstRow:
     def text(self) -> str:
         """The line's text, shortened."""
         text = self.line.text
-        return text if len(text) <= MAX_TEXT_CHARS else f"{text[: MAX_TEXT_CHARS - 1]}…"
+        return text if len(text) <= MAX_ROW_TEXT_CHARS else f"{text[: MAX_ROW_TEXT_CHARS - 1]}…"
 
     @property
     def confidence(self) -> str:
@@ -159,31 +152,22 @@ class PageReport:
         """Write the page."""
         rows = [WorstRow(one, self._page_of(one.line), self._folder) for one in tally.worst()]
         figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))
-        script = _file("report.js")
-        digest = b64encode(sha256(script.encode()).digest()).decode()
         languages, characters = (sorted(set(part)) for part in zip(*tally.pairs, strict=True)) if (
             tally.pairs
         ) else ((), ())  # fmt: skip
-        text = (
-            _environment()
-            .get_template("report.html")
-            .render(
-                heading=self._heading,
-                tally=tally,
-                rows=rows,
-                figures=figures,
-                charts=[figure_bars(one) for one in figures],
-                confidence=confidence_bars(tally.confidence, tally.aligned),
-                languages=languages,
-                characters=characters,
-                names=sorted({name for row in rows for name in row.names}),
-                contacts=[one for one in figures if one.name.startswith("contacts")],
-                style=Markup(own_file("style.css") + _file("report.css")),  # noqa: S704 our own
-                script=Markup(script),  # noqa: S704 our own
-                digest=Markup(f"sha256-{digest}"),  # noqa: S704 base64
-            )
-        )
-        out.write(text)
+        values = {
+            "heading": self._heading,
+            "tally": tally,
+            "rows": rows,
+            "figures": figures,
+            "charts": [figure_bars(one) for one in figures],
+            "confidence": confidence_bars(tally.confidence, tally.aligned),
+            "languages": languages,
+            "characters": characters,
+            "names": sorted({name for row in rows for name in row.names}),
+            "contacts": [one for one in figures if one.name.startswith("contacts")],
+        }
+        out.write(_environment().page("report.html", values, "report.css", "report.js"))
 
 
 def figure_bars(figure: FigureTally) -> Bars:
@@ -223,18 +207,18 @@ def _paths(histogram: Histogram, within: int) -> tuple[str, str]:
     pieces: tuple[list[str], list[str]] = ([], [])
     for number, lines in enumerate(histogram.counts):
         if lines:
-            height = max(LEAST_BAR, round(HEIGHT * lines / most))
-            piece = f"M{10 * number + 1} {HEIGHT}v-{height}h8v{height}z"
+            height = max(LEAST_BAR, round(CHART_HEIGHT * lines / most))
+            piece = f"M{10 * number + 1} {CHART_HEIGHT}v-{height}h8v{height}z"
             pieces[number >= within].append(piece)
     return "".join(pieces[0]), "".join(pieces[1])
 
 
 @cache
-def _environment() -> Environment:
-    environment = page_environment("lipsync_lang.build", "report_templates")
+def _environment() -> PageEnvironment:
+    environment = PageEnvironment(__package__, "report_templates")
     environment.filters["figure"] = _number
     environment.filters["share"] = lambda part, whole: percentage_text(percent(part, whole), NBSP)
-    environment.globals |= {"HEIGHT": HEIGHT, "WIDTH": 10 * BINS}
+    environment.globals |= {"HEIGHT": CHART_HEIGHT, "WIDTH": 10 * BINS}
     environment.globals["MAX_TIMES"] = MAX_TIMES
     return environment
 
@@ -242,7 +226,3 @@ def _environment() -> Environment:
 def _number(value: float) -> str:
     """Write a figure with three digits, thousands in full: `0.0514`, `13`, `22,700`."""
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"  # noqa: PLR2004
-
-
-def _file(name: str) -> str:
-    return (files("lipsync_lang.build") / "report_templates" / name).read_text("utf-8")

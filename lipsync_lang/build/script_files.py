@@ -15,15 +15,15 @@ from lipsync_lang.errors import LipsyncError, ScheduleError
 from lipsync_lang.files.names import fault_of_name
 from lipsync_lang.lines import Line, read_lines
 from lipsync_lang.lines.columns import (
-    NAMES,
-    SPEAKERS,
+    NAME_COLUMNS,
+    SPEAKER_COLUMNS,
     known_column,
     lacking,
     language_column,
     stated_column,
     text_column,
 )
-from lipsync_lang.lines.line_readers import LineFile, Open, Table, by_suffix
+from lipsync_lang.lines.line_readers import LineFile, OpenTable, Table, by_suffix
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.lines.table import cell
 from lipsync_lang.lines.yarn import LINE_TAG
@@ -94,7 +94,7 @@ class ScriptFile:
         return str(self.path)
 
     @property
-    def open(self) -> Open | None:
+    def open(self) -> OpenTable | None:
         """Opens it as a table; None if it has no columns."""
         return by_suffix()[self.path.suffix.lower()].table
 
@@ -133,8 +133,8 @@ def _table_rows(
 ) -> Iterator[ScriptRow]:
     texts = _text_columns(source, table, file, columns.text)
     taken = [at for _, at in texts]
-    name = known_column(source, table.head, columns.id, NAMES, taken)
-    speaker = known_column(source, table.head, columns.speaker, SPEAKERS, [*taken, name])
+    name = known_column(source, table.head, columns.id, NAME_COLUMNS, taken)
+    speaker = known_column(source, table.head, columns.speaker, SPEAKER_COLUMNS, [*taken, name])
     if name < 0:
         raise lacking(
             source,

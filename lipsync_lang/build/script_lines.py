@@ -197,9 +197,10 @@ class ScriptPlanner:
         """
         met: set[int] = set()
         again: set[int] = set()
-        for path in _written(planned):
-            key = hash(folded_name(path))
-            (again if key in met else met).add(key)
+        for line in planned:
+            for _, path in line.outputs:
+                key = hash(folded_name(path))
+                (again if key in met else met).add(key)
         read = {folded_name(path) for path in self._recordings.used()}
         read |= {folded_name(os.path.relpath(path, self._folder)) for path in scripts}
         again |= met & {hash(path) for path in read}
@@ -236,7 +237,3 @@ class ScriptPlanner:
         if unused.count:
             files = f"{unused.count:,} recording{'s' * (unused.count > 1)}"
             remark(f"{files} without a line: {unused}")
-
-
-def _written(planned: Sequence[PlannedLine]) -> Iterator[str]:
-    return (path for line in planned for _, path in line.outputs)

@@ -7,9 +7,9 @@ from typing import TypeVar
 
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.speaking.speaker import Speaker
 
-Made = TypeVar("Made")
+CallResult = TypeVar("CallResult")
 
 Timed = Schedule | Exception
 """Schedule of a line, or the error in its place."""
@@ -30,7 +30,8 @@ def schedules(
     -------
     For each line its schedule, or the error that this line met
     """
-    from lipsync_lang.speech.hearing import align_many, recognise_many
+    from lipsync_lang.speech.hearing.alignment import align_many
+    from lipsync_lang.speech.hearing.recognition import recognise_many
 
     out: dict[int, Timed] = {}
     told: list[tuple[int, Path, str]] = []
@@ -56,7 +57,7 @@ def schedules(
     return [out[at] for at in range(len(lines))]
 
 
-def attempt(call: Callable[[], Made]) -> Made | Exception:
+def attempt(call: Callable[[], CallResult]) -> CallResult | Exception:
     """Return the result of a call, or its error, which concerns only one line."""
     try:
         return call()

@@ -17,6 +17,7 @@ from threading import Lock
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extensions import Extensions
 
 Batch = TypeVar("Batch")
 Result = TypeVar("Result")
@@ -29,6 +30,15 @@ MAX_PACKED = 16
 
 BATCHES_PER_WORKER = 2
 """Number of submitted batches per worker: a running one and a waiting one."""
+
+
+RunOnCluster = Callable[[Iterator["Job"], str, Path | None], Iterator[Any]]
+"""Runs jobs on the machines of a scheduler, given its address and a folder; see `run_batches`."""
+
+CLUSTERS: Extensions[RunOnCluster] = Extensions("clusters", "cluster")
+
+DASK = "dask"
+"""Name of the cluster that serves the addresses of schedulers."""
 
 
 @dataclass(frozen=True)
@@ -90,22 +100,13 @@ def run_batches(  # noqa: PLR0913 the work, and settings of the workers
         raise LipsyncError("name either a scheduler or a number of workers; a cluster has its own")
     count = workers or os.cpu_count() or 1
     if scheduler is None and count == 1:
-        return _here(work, batches, shared)
+        return (work(one) if shared is None else work(one, shared(one)) for one in batches)
     jobs = pack_jobs(work, batches, shared)
     if scheduler is None:
         from lipsync_lang.build.process_pool import run_in_processes
 
         return run_in_processes(jobs, count)
-    from lipsync_lang.build.dask_cluster import run_on_cluster
-
-    return run_on_cluster(jobs, scheduler, folder)
-
-
-def _here(
-    work: Callable[..., Result], batches: Iterable[Batch], shared: Callable[[Batch], object] | None
-) -> Iterator[Result | LostBatch[Batch]]:
-    for batch in batches:
-        yield work(batch) if shared is None else work(batch, shared(batch))
+    return CLUSTERS.find(DASK)(jobs, scheduler, folder)
 
 
 # On the way

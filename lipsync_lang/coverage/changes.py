@@ -5,7 +5,13 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from lipsync_lang.coverage.facts import Left
-from lipsync_lang.coverage.report import FORMAT, Coverage, CoverageReport, ReportChange, Since
+from lipsync_lang.coverage.report import (
+    COVERAGE_FORMAT,
+    Coverage,
+    CoverageReport,
+    ReportChange,
+    Since,
+)
 from lipsync_lang.coverage.script_changes import script_changes
 from lipsync_lang.coverage.total import total_of
 from lipsync_lang.errors import LipsyncError
@@ -30,8 +36,8 @@ def read_document(path: Path) -> Coverage:
         first = error.errors()[0]
         where = ".".join(str(step) for step in first["loc"])
         raise LipsyncError(
-            f"{path}: is not a '{FORMAT}' document ({where or 'file'}: {first['msg']}); write "
-            f"one with coverage ... --format json -o {path.name}"
+            f"{path}: is not a '{COVERAGE_FORMAT}' document ({where or 'file'}: {first['msg']}); "
+            f"write one with coverage ... --format json -o {path.name}"
         ) from None
 
 

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.report import Corpus, Coverage, CoverageReport, Shared, Tally
-from lipsync_lang.coverage.script_changes import ScriptLines
 from lipsync_lang.coverage.total import total_of
 
 if TYPE_CHECKING:
@@ -40,7 +39,11 @@ def joined(
             words=sum(corpus.words for corpus in corpora),
             dropped=tuple(sorted(dropped.values(), key=lambda tally: -tally.count)),
             other_speakers=tuple(_most(corpora)),
-            script=tuple(_scripts(documents)),
+            script=tuple(
+                digests.model_copy(update={"column": column or ""})
+                for column, document in documents
+                for digests in document.corpus.script
+            ),
         ),
         minutes=minutes,
         reports=reports,
@@ -60,13 +63,6 @@ def _most(corpora: Iterable[Corpus]) -> Iterator[Tally]:
         if known is None or known.count < tally.count:
             found[tally.what] = tally
     yield from found.values()
-
-
-def _scripts(documents: Sequence[tuple[str | None, Coverage]]) -> Iterator[ScriptLines]:
-    """Yield the digests of each column."""
-    for column, document in documents:
-        for one in document.corpus.script:
-            yield one.model_copy(update={"column": column or ""})
 
 
 def _with_columns(

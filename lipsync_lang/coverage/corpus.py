@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from lipsync_lang.coverage.plan import Ints
-    from lipsync_lang.coverage.scripts import Spans
+    from lipsync_lang.arrays import Ints
+    from lipsync_lang.coverage.scripts import TextSpans
     from lipsync_lang.lines import Line
     from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.speech.speaking import Transcript
+    from lipsync_lang.speech.speaking.transcripts import Transcript
 
 BATCH_LINES = 1000
 """Number of lines in a batch for a voice."""
@@ -48,7 +48,7 @@ MAX_MEMORY_BYTES = 2**24
 UINT16_VALUES = 2**16
 """Number of codes that two bytes hold."""
 
-MAX_WORD_CHARS = 40
+MAX_EXAMPLE_CHARS = 40
 """Maximum length of an example word of a bigram."""
 
 SILENT, BREAK = 0, -1
@@ -202,7 +202,9 @@ class Count:
                 said = self._joined(next(left), heard, line.place)
             is_first = self._count(number, said)
             if is_first and line.schedule is None:
-                self._words.update(dict.fromkeys(w for w in said.words if len(w) <= MAX_WORD_CHARS))
+                self._words.update(
+                    dict.fromkeys(w for w in said.words if len(w) <= MAX_EXAMPLE_CHARS)
+                )
 
     def _count(self, number: int, said: SaidLine) -> bool:
         """Count a line; return True if any of its bigrams is new."""
@@ -265,7 +267,7 @@ class Count:
             self.dropped.add(what, place)
         for word in transcript.words if transcript.unread else ():
             if word.unread:
-                whole = len(word.text.split()) == 1 and len(word.text) <= MAX_WORD_CHARS
+                whole = len(word.text.split()) == 1 and len(word.text) <= MAX_EXAMPLE_CHARS
                 self.unread.add(word.text if whole else word.unread, place)
         if transcript.unmapped:
             missing = set(transcript.unmapped)
@@ -306,7 +308,7 @@ class Count:
         return examples
 
 
-def _parts(line: "Line", spelled: "Spans") -> list[str]:
+def _parts(line: "Line", spelled: "TextSpans") -> list[str]:
     """Cut a line at parts with unknown sounds: gaps and spelled words."""
     parts, at = [], 0
     for start, stop in sorted([*spelled, *((gap, gap) for gap in line.gaps)]):
@@ -332,7 +334,8 @@ def count(
     counts = [Count(reading) for reading in readings]
     for one in counts[:1]:
         one.dropped = totals.dropped  # an aside is one, however many languages read it
-    for batch in _batches(lines):
+    left = iter(lines)
+    while batch := list(islice(left, BATCH_LINES)):
         start = len(pages)
         for line in batch:
             totals.add(line)
@@ -341,9 +344,3 @@ def count(
             one.add(start, batch)
     languages = dict.fromkeys(reading.performer.language for reading in readings)
     return totals.corpus(tuple(languages)), counts
-
-
-def _batches(lines: "Iterable[Line]") -> "Iterator[list[Line]]":
-    left = iter(lines)
-    while batch := list(islice(left, BATCH_LINES)):
-        yield batch

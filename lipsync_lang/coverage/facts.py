@@ -3,7 +3,7 @@
 from pydantic import BaseModel, ConfigDict
 
 AUTHORED = frozenset(("edited", "approved"))
-BORROWED = "like"
+BORROWED_LAYER = "like"
 
 
 class Fact(BaseModel):
@@ -35,4 +35,4 @@ class NextHour(Fact):
 
 def authored(layer: str, status: str) -> bool:
     """Return True if a person drew a bigram; drafts and borrowed curves do not count."""
-    return status in AUTHORED and layer != BORROWED
+    return status in AUTHORED and layer != BORROWED_LAYER

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.column_joining import shared_of
-from lipsync_lang.coverage.corpus import Pages, Reading, Takes, count
+from lipsync_lang.coverage.corpus import Pages, Reading, count
 from lipsync_lang.coverage.report import Coverage
 from lipsync_lang.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.coverage.scripts import scripts_of
@@ -47,13 +47,24 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     LipsyncError
         There are no lines, a pack is missing or unsound, or a language does not read text.
     """
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.performing.resolving import resolve
+
     if not 0 < minutes < float("inf"):
         raise LipsyncError(f"{minutes:g} minutes a bigram: give a number above 0")
     who = _names(character)
     faces = None if cast is None else SpeakerFaces({**cast, OTHERS: tuple(map(str, who))})
     characters = who if faces is None else faces.characters
-    pairs = _resolved(_names(language), characters, folders_of(paths))
-    packs = {performer.language: _pack(performer) for performer, _ in pairs}
+    folders = folders_of(paths)
+    pairs = [
+        (resolve(tongue, face, paths=folders, gaps="rest"), str(face))
+        for tongue in _names(language)
+        for face in characters
+    ]
+    packs = {
+        performer.language: Library(performer.paths).language(performer.language).model
+        for performer, _ in pairs
+    }
     readings = Readings(faces)
     reading_of = [readings.index(*pair, packs[pair[0].language]) for pair in pairs]
     with Pages() as pages:
@@ -81,19 +92,6 @@ def _names(given: str | Path | Iterable[str | Path]) -> list[str | Path]:
     return [given] if isinstance(given, (str, Path)) else list(dict.fromkeys(given))
 
 
-def _resolved(
-    languages: Sequence[str | Path], characters: Sequence[str | Path], paths: Paths
-) -> "list[tuple[Performer, str]]":
-    """Return a performer for each pair, with the given name of its character."""
-    from lipsync_lang.performing.resolving import resolve
-
-    return [
-        (resolve(language, character, paths=paths, gaps="rest"), str(character))
-        for language in languages
-        for character in characters
-    ]
-
-
 class Readings:
     """The distinct readings of the lines; pairs with equal counts share one.
 
@@ -109,7 +107,8 @@ class Readings:
 
     def index(self, performer: "Performer", character: str, pack: "Language") -> int:
         """Return the index of the reading of a pair; a new one is added."""
-        speakers = self._speakers_of(character)
+        stated = self._faces.stated if self._faces else {}
+        speakers = frozenset(speaker for speaker, names in stated.items() if character in names)
         mine = performer.compiled
         for number, (reading, theirs) in enumerate(zip(self.found, self._speakers, strict=True)):
             other = reading.performer.compiled
@@ -117,20 +116,8 @@ class Readings:
             words = (mine.manner, mine.words) == (other.manner, other.words)
             if words and trigrams and speakers == theirs:
                 return number
-        self.found.append(Reading(performer, scripts_of(pack), self._takes(character)))
+        faces = self._faces
+        takes = None if faces is None else lambda line: character in faces.of(line.speaker)
+        self.found.append(Reading(performer, scripts_of(pack), takes))
         self._speakers.append(speakers)
         return len(self.found) - 1
-
-    def _speakers_of(self, character: str) -> frozenset[str]:
-        stated = self._faces.stated if self._faces else {}
-        return frozenset(speaker for speaker, names in stated.items() if character in names)
-
-    def _takes(self, character: str) -> Takes | None:
-        faces = self._faces
-        return None if faces is None else lambda line: character in faces.of(line.speaker)
-
-
-def _pack(performer: "Performer") -> "Language":
-    from lipsync_lang.packs.library import Library
-
-    return Library(performer.paths).language(performer.language).model

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from itertools import accumulate
 
 import numpy as np
-import numpy.typing as npt
 
-Ints = npt.NDArray[np.integer]
+from lipsync_lang.arrays import Ints
 
 PERCENTS = (90, 95, 99, 100)
 """Shares of all occurrences that `needed` reports."""

@@ -10,7 +10,7 @@ from lipsync_lang.coverage.facts import Authored, Fact, Left, NextHour, authored
 from lipsync_lang.coverage.script_changes import ScriptChange, ScriptLines
 from lipsync_lang.coverage.total import Total
 
-FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
+COVERAGE_FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
 """The form's name and version; a key that is added at the end does not change it."""
 
 
@@ -194,7 +194,7 @@ class Since(Fact):
 class Coverage(Fact):
     """A corpus in some languages on some characters."""
 
-    format: Literal["lipsync-lang coverage 1"] = FORMAT
+    format: Literal["lipsync-lang coverage 1"] = COVERAGE_FORMAT
     corpus: Corpus
     minutes: float
     """Minutes it takes to author a bigram."""

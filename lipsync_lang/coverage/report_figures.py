@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lipsync_lang.arrays import Ints
 from lipsync_lang.coverage import plan
 from lipsync_lang.coverage.corpus import Count, Pages
 from lipsync_lang.coverage.facts import Authored, Left, NextHour, authored
-from lipsync_lang.coverage.percentages import percent
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Sentence, TrigramNeed
+from lipsync_lang.reports.percentages import percent
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
@@ -55,7 +56,7 @@ class CountFigures:
 
     def bigrams(
         self,
-        counts: plan.Ints,
+        counts: Ints,
         origins: "dict[int, Origin]",
         names: Sequence[str],
         within: Mapping[str, int],
@@ -128,6 +129,7 @@ def report_of(
     missing = [row for row in rows if not row.authored]
     done = [row for row in rows if row.authored]
     soon = missing[: plan.affordable(minutes)]
+    gain = sum(row.count - row.covered for row in soon)
     return CoverageReport(
         language=performer.language,
         language_title=title or performer.language,
@@ -145,7 +147,7 @@ def report_of(
             bigrams=len(done), percent=percent(sum(row.covered for row in rows), total)
         ),
         left=Left(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
-        next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=_left(soon, total)),
+        next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=percent(gain, total)),
         sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names)
         if sentences
         else (),
@@ -165,8 +167,3 @@ def _within(trigrams: Iterable[TrigramNeed]) -> Counter[str]:
             found[f"{first}-{middle}"] += one.count
             found[f"{middle}-{last}"] += one.count
     return found
-
-
-def _left(rows: Sequence[BigramNeed], total: int) -> float:
-    """Return the percentage of all occurrences that rows cover after they are drawn."""
-    return percent(sum(row.count - row.covered for row in rows), total)

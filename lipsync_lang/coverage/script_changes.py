@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 MAX_COMPARED_LINES = 100_000
 """Maximum number of lines with digests; a larger script is not compared."""
 
-DIGEST_BYTES = 5
+LINE_DIGEST_BYTES = 5
 
 
 class ScriptLines(Fact):
@@ -57,7 +57,10 @@ class ScriptDigests:
         if self._lines > MAX_COMPARED_LINES:
             self._found.clear()
         else:
-            self._found.append((line.name, line.place, _digest(line)))
+            said = line.text if line.schedule is None else " ".join(line.schedule.labels)
+            whole = f"{line.speaker}\n{said}".encode("utf-8", "surrogatepass")
+            digest = blake2b(whole, digest_size=LINE_DIGEST_BYTES).hexdigest()
+            self._found.append((line.name, line.place, digest))
 
     def lines(self, languages: Sequence[str]) -> tuple[ScriptLines, ...]:
         """Return the digests of all lines; none for a script that is too large.
@@ -112,9 +115,3 @@ def _places(lines: ScriptLines, wanted: Counter[str]) -> Iterator[str]:
         if wanted[digest] > 0:
             wanted[digest] -= 1
             yield place
-
-
-def _digest(line: "Line") -> str:
-    said = line.text if line.schedule is None else " ".join(line.schedule.labels)
-    whole = f"{line.speaker}\n{said}".encode("utf-8", "surrogatepass")
-    return blake2b(whole, digest_size=DIGEST_BYTES).hexdigest()

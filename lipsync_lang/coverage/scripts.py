@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING
 from unicodedata import category, name, normalize
 
 from lipsync_lang.coverage.report import OtherScript
-from lipsync_lang.coverage.tally_counter import MAX_NAMES, TallyCounter
+from lipsync_lang.coverage.tally_counter import MAX_TALLY_NAMES, TallyCounter
 from lipsync_lang.phonology.g2p.tokens import PAUSES, counts, pieces, plain
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
     from lipsync_lang.packs.models.language_models import Language
-    from lipsync_lang.speech.speaking import Speaker
+    from lipsync_lang.speech.speaking.speaker import Speaker
 
-Spans = list[tuple[int, int]]
+TextSpans = list[tuple[int, int]]
 """Start and stop of each part of a text."""
 
-LETTERS = frozenset(("Lu", "Ll", "Lt", "Lo"))
+LETTER_CATEGORIES = frozenset(("Lu", "Ll", "Lt", "Lo"))
 
 SPELLED_SIMILARITY = 0.9
 """Minimum similarity of a spelled phrase to its letters; voices slur the names of letters."""
@@ -46,7 +46,7 @@ def script(character: str) -> str:
 
     The script is the first word of that name; other widths and styles count as the plain letter.
     """
-    if category(character) not in LETTERS:
+    if category(character) not in LETTER_CATEGORIES:
         return ""
     return name(normalize("NFKC", character)[0], "").partition(" ")[0]
 
@@ -72,7 +72,7 @@ class OtherScripts:
         self._spells: dict[str, bool] = {}
         self._read, self._spelled = TallyCounter(), TallyCounter()
 
-    def spelled(self, lines: "Sequence[Line]") -> list[Spans]:
+    def spelled(self, lines: "Sequence[Line]") -> list[TextSpans]:
         """Count the words of lines in other scripts; return the spans of spelled words."""
         spans = [self._phrases(line.text) for line in lines]
         self._judge(
@@ -100,7 +100,7 @@ class OtherScripts:
         ]
         return tuple(sorted(found, key=lambda one: (-one.count, one.what)))
 
-    def _phrases(self, text: str) -> Spans:
+    def _phrases(self, text: str) -> TextSpans:
         """Return the phrases of a text in another script."""
         if not self._own or not any(map(self._foreign, set(text))):
             return []
@@ -119,7 +119,7 @@ class OtherScripts:
 
     def _judge(self, phrases: set[str]) -> None:
         """Remember whether the voice spells each phrase."""
-        if len(self._spells) > MAX_NAMES:
+        if len(self._spells) > MAX_TALLY_NAMES:
             self._spells.clear()
         unmet = sorted(phrases - self._spells.keys())
         letters = sorted({c for phrase in unmet for c in phrase if counts(c)})

@@ -2,7 +2,7 @@
 
 from lipsync_lang.coverage.report import Tally
 
-MAX_NAMES = 10_000
+MAX_TALLY_NAMES = 10_000
 """Maximum number of distinct names; later ones are dropped."""
 
 
@@ -17,7 +17,7 @@ class TallyCounter:
         """Count an occurrence."""
         if what in self._counts:
             self._counts[what] += 1
-        elif len(self._counts) < MAX_NAMES:
+        elif len(self._counts) < MAX_TALLY_NAMES:
             self._counts[what] = 1
             self._places[what] = place
 

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.coverage import plan
 from lipsync_lang.coverage.facts import Authored, Fact, Left, NextHour
-from lipsync_lang.coverage.percentages import WHOLE, rounded
+from lipsync_lang.reports.percentages import WHOLE_PERCENT, rounded
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import BigramNeed, CoverageReport
 
 
-class Piece(NamedTuple):
+class WorkKey(NamedTuple):
     """Identity of a work item."""
 
     bigram: str
@@ -47,9 +47,9 @@ class WorkItem(Fact):
     """Characters that it serves."""
 
     @property
-    def piece(self) -> Piece:
+    def piece(self) -> WorkKey:
         """Its identity among all work."""
-        return Piece(self.bigram, self.poseset, self.bank)
+        return WorkKey(self.bigram, self.poseset, self.bank)
 
 
 class TotalFigures(Fact):
@@ -140,9 +140,9 @@ def _figures(
 def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> list[WorkItem]:
     """Rank the work that is left, the largest gain first."""
     worth = _worth(reports, weights)
-    gains: defaultdict[Piece, float] = defaultdict(float)
-    counts: Counter[Piece] = Counter()
-    serves: dict[Piece, list[CoverageReport]] = {}
+    gains: defaultdict[WorkKey, float] = defaultdict(float)
+    counts: Counter[WorkKey] = Counter()
+    serves: dict[WorkKey, list[CoverageReport]] = {}
     for report in reports:
         for need in report.bigrams:
             if not need.authored:
@@ -159,7 +159,7 @@ def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) 
                 **piece._asdict(),
                 count=counts[piece],
                 percent=rounded(gains[piece], is_all=False),
-                reaches=round(min(reached, WHOLE), 4),
+                reaches=round(min(reached, WHOLE_PERCENT), 4),
                 languages=_names(report.language for report in serves[piece]),
                 characters=_names(report.character for report in serves[piece]),
             )
@@ -167,10 +167,10 @@ def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) 
     return items
 
 
-def piece_of(report: "CoverageReport", need: "BigramNeed") -> Piece:
+def piece_of(report: "CoverageReport", need: "BigramNeed") -> WorkKey:
     """Return the work item of a bigram of a report."""
     own = {"language": report.language, "character": report.character}
-    return Piece(need.bigram, report.poseset, own.get(need.layer, ""))
+    return WorkKey(need.bigram, report.poseset, own.get(need.layer, ""))
 
 
 def _names(found: Iterable[str]) -> tuple[str, ...]:
@@ -184,7 +184,7 @@ def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) ->
         heard[report.language] += report.occurrences
     whole = sum(weights[language] for language, number in heard.items() if number)
     return {
-        language: WHOLE * weights[language] / (whole * number) if number and whole else 0.0
+        language: WHOLE_PERCENT * weights[language] / (whole * number) if number and whole else 0.0
         for language, number in heard.items()
     }
 

@@ -14,9 +14,9 @@ from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
 from lipsync_lang.coverage.total import piece_of
 
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.report import BigramNeed, Coverage, CoverageReport
+    from lipsync_lang.coverage.report import Coverage
 
-HEAD = (
+CSV_HEAD = (
     "language", "character", "bigram", "count", "percent", "running", "silence", "layer", "status",
     "authored", "example", "places", "column", "poseset", "rank_for_all", "percent_for_all",
     "serves", "hours",
@@ -31,7 +31,7 @@ def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     """Write a row for each bigram that occurs; bigrams with silence come last."""
     del asked  # it is always whole
     rows = csv.writer(out, lineterminator="\n")
-    rows.writerow(HEAD)
+    rows.writerow(CSV_HEAD)
     total = coverage.total
     ranks = {} if total is None else {one.piece: n for n, one in enumerate(total.ranking, 1)}
     counted: set[int] = set()
@@ -45,15 +45,12 @@ def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
                     hours = 0 if rank in counted else round(coverage.minutes / 60, 4)
                     counted.add(rank)
                     cells = (rank, item.percent, " ".join(item.languages), hours)
-                rows.writerow(map(_cell, (*_row(report, one, silence), report.poseset, *cells)))
-
-
-def _row(report: "CoverageReport", one: "BigramNeed", silence: str) -> tuple[object, ...]:
-    return (
-        report.language, report.character, one.bigram, one.count, one.percent, one.running,
-        silence, one.layer, one.status, "yes" if one.authored else "no", one.example,
-        " ".join(one.places), report.column,
-    )  # fmt: skip
+                row = (
+                    report.language, report.character, one.bigram, one.count, one.percent,
+                    one.running, silence, one.layer, one.status, "yes" if one.authored else "no",
+                    one.example, " ".join(one.places), report.column, report.poseset, *cells,
+                )  # fmt: skip
+                rows.writerow(map(_cell, row))
 
 
 def _cell(value: object) -> object:

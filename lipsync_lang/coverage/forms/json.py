@@ -13,9 +13,6 @@ if TYPE_CHECKING:
 def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     """Write the document."""
     del asked  # it is always whole
-    json.dump(coverage.to_dict(), out, ensure_ascii=not _holds_all(out), indent=2)
+    holds_all = (getattr(out, "encoding", None) or "utf-8").lower().startswith("utf")
+    json.dump(coverage.to_dict(), out, ensure_ascii=not holds_all, indent=2)
     out.write("\n")
-
-
-def _holds_all(out: TextIO) -> bool:
-    return (getattr(out, "encoding", None) or "utf-8").lower().startswith("utf")

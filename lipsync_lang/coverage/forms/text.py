@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, TextIO
 from lipsync_lang.coverage.facts import authored
 from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
 from lipsync_lang.coverage.forms.total_text import headline, total_lines
-from lipsync_lang.coverage.percentages import percentage_text, ranked_text
 from lipsync_lang.errors import shortlist
-from lipsync_lang.text_table import columns
+from lipsync_lang.reports.percentages import percentage_text, ranked_text
+from lipsync_lang.reports.text_table import columns
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import (
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     )
     from lipsync_lang.coverage.script_changes import ScriptChange
 
-MAX_ROWS = 20
+MAX_RANKING_ROWS = 20
 """Number of rows of the ranking by default."""
 
-MAX_NAMES = 8
+MAX_TEXT_NAMES = 8
 """Maximum number of names of a list."""
 
 
@@ -35,7 +35,7 @@ def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     if len(coverage.reports) > 1:
         if coverage.total is not None:
             blocks[0].insert(0, headline(coverage.total))
-            rows = None if asked.everything else MAX_ROWS
+            rows = None if asked.everything else MAX_RANKING_ROWS
             blocks += [list(total_lines(coverage, coverage.total, rows))]
         blocks += [_matrix(coverage.reports)]
     blocks += [
@@ -115,7 +115,7 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
 
 
 def _table(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
-    shown = report.bigrams if everything else report.bigrams[:MAX_ROWS]
+    shown = report.bigrams if everything else report.bigrams[:MAX_RANKING_ROWS]
     rows = [("rank", "bigram", "count", "%", "running", "from", "status", "in", "first at")]
     rows += [
         (
@@ -233,7 +233,7 @@ def _tallies(found: "Sequence[Tally]") -> str:
 
 
 def _few(names: Sequence[str]) -> str:
-    return shortlist(names, MAX_NAMES)
+    return shortlist(names, MAX_TEXT_NAMES)
 
 
 def _count(number: int, thing: str) -> str:

@@ -1,19 +1,19 @@
 """The total of a coverage as text: figures, faces, and the ranking of bigrams."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from lipsync_lang.coverage.drafting import draft_calls
-from lipsync_lang.coverage.percentages import percentage_text, ranked_text
 from lipsync_lang.coverage.plan import affordable
 from lipsync_lang.errors import shortlist
-from lipsync_lang.text_table import columns
+from lipsync_lang.reports.percentages import percentage_text, ranked_text
+from lipsync_lang.reports.text_table import columns
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import Coverage
     from lipsync_lang.coverage.total import Total, TotalFigures, WorkItem
 
-MAX_LANGUAGES = 3
+MAX_ROW_LANGUAGES = 3
 """Maximum number of languages in a row."""
 
 
@@ -42,6 +42,26 @@ def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Itera
     yield from (f"  {line}" for line in columns(_ranking(total, shown)))
     if len(shown) < len(total.ranking):
         yield f"  ... and {len(total.ranking) - len(shown)} more; --all lists them"
+
+
+def draft_calls(items: "Sequence[WorkItem]") -> Iterator[str]:
+    """Yield few commands that draft all items; items in a bank of their own need none.
+
+    A command drafts for one language and one pose set. Each command has the language that serves
+    most of the remaining items, or the first of several.
+    """
+    left: dict[str, list[WorkItem]] = {}
+    for item in items:
+        if not item.bank:
+            left.setdefault(item.poseset, []).append(item)
+    for poseset, asked in left.items():
+        missing = asked
+        while missing:
+            counts = Counter(name for item in missing for name in item.languages)
+            best = max(counts, key=counts.__getitem__)
+            now = [item.bigram for item in missing if best in item.languages]
+            yield f"lipsync-lang bank draft -l {best} -c {poseset} --write {' '.join(now)}"
+            missing = [item for item in missing if best not in item.languages]
 
 
 def headline(total: "TotalFigures") -> str:
@@ -109,4 +129,4 @@ def serves(item: "WorkItem", total: "TotalFigures") -> str:
     names = item.languages
     if len(names) == len(total.languages) > 1:
         return f"all {len(names)}"
-    return shortlist(names, MAX_LANGUAGES)
+    return shortlist(names, MAX_ROW_LANGUAGES)

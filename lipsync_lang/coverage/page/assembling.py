@@ -1,30 +1,24 @@
 """Assembly of the page from its templates: next bigrams, table of all pairs, each report."""
 
-import re
-from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from hashlib import sha256
-from importlib.resources import files
 from itertools import groupby
 from typing import Any
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, PrefixLoader, StrictUndefined
-from jinja2.ext import Extension
 from markupsafe import Markup
 
-from lipsync_lang.coverage.page import charts, wording
 from lipsync_lang.coverage.page.report_view import ReportView
-from lipsync_lang.coverage.page.states import LAYERS, STATUSES, States, status
-from lipsync_lang.coverage.page.wording import count, folder, listed
-from lipsync_lang.coverage.percentages import ranked_text
+from lipsync_lang.coverage.page.states import LAYER_MEANINGS, STATUSES, States, status
+from lipsync_lang.reports.pages import CHART_HEIGHT, PageEnvironment
+from lipsync_lang.reports.percentages import ranked_text
+from lipsync_lang.reports.wording import count, folder, hours, listed, percent
 
 TITLE = "What to draw next"
 MOST_ITEMS, MOST_NAMES = 60, 8
 """Maximum number of bigrams in the ranking for all languages, and of names in a list of changes."""
 
-MAX_LANGUAGES = 5
+MAX_SENTENCE_LANGUAGES = 5
 """Maximum number of languages in a sentence."""
 
 PARTS = (
@@ -32,16 +26,6 @@ PARTS = (
     "unused", "sentences", "unread",
 )  # fmt: skip
 """Macros of `parts.html`; each writes one part of a report."""
-
-
-class TightLayout(Extension):
-    """Pattern of a line break next to a tag or a block, with its indentation."""
-
-    def preprocess(self, source: str, name: str | None, filename: str | None = None) -> str:
-        """Remove these line breaks from a template."""
-        # Comments keep the breaks, so that Jinja's errors name the right line.
-        del name, filename
-        return re.sub(r"(?<=[>}])\s*\n\s*|\s*\n\s*(?=[<{])", r"{#\g<0>#}", source)
 
 
 @dataclass(frozen=True)
@@ -94,58 +78,43 @@ def page(document: Mapping[str, Any]) -> str:
         row for one in document["reports"] for key in ("bigrams", "silence") for row in one[key]
     )
     reports = [ReportView(one, states, minutes, root) for one in document["reports"]]
+
+    def gain(report: ReportView) -> float:
+        """Return the occurrences that the next hour of drawing covers, times 100."""
+        return float(report.document["next_hour"]["percent"] * report.document["occurrences"])
+
     environment = _environment()
     macros = environment.get_template("parts.html").module
-    script = own_file("script.js")
-    digest = b64encode(sha256(script.encode()).digest()).decode()
-    return environment.get_template("page.html").render(
-        document=document,
-        files=listed([name.removeprefix(root) for name in corpus["files"]]),
-        minutes=f"{minutes:g}",
-        states=states,
-        reports=reports,
-        best=max(reports, key=_gain, default=None),
-        shared=_shared(document, reports),
-        characters=list(dict.fromkeys(one.document["character"] for one in reports)),
-        matrix=_matrix(document, reports),
-        options=[(name, list(group)) for name, group in groupby(enumerate(reports), _language)],
-        store=PartStore(reports, macros) if reports else None,
-        style=Markup(own_file("style.css")),  # noqa: S704 our own
-        script=Markup(script),  # noqa: S704 our own
-        digest=Markup(f"sha256-{digest}"),  # noqa: S704 base64
-    )
-
-
-def page_environment(package: str, folder: str) -> Environment:
-    """Return an environment for the templates of a package; `coverage/` names those of this one.
-
-    Parameters
-    ----------
-    folder : the folder of the templates in the package
-    """
-    shared = PrefixLoader({"coverage": PackageLoader("lipsync_lang.coverage.page")})
-    environment = Environment(
-        autoescape=True,
-        extensions=[TightLayout],
-        loader=ChoiceLoader([PackageLoader(package, folder), shared]),
-        undefined=StrictUndefined,
-    )
-    environment.filters["commas"] = "{:,}".format
-    environment.globals["count"] = count
-    return environment
+    values = {
+        "document": document,
+        "files": listed([name.removeprefix(root) for name in corpus["files"]]),
+        "minutes": f"{minutes:g}",
+        "states": states,
+        "reports": reports,
+        "best": max(reports, key=gain, default=None),
+        "shared": _shared(document, reports),
+        "characters": list(dict.fromkeys(one.document["character"] for one in reports)),
+        "matrix": _matrix(document, reports),
+        "options": [
+            (name, list(group))
+            for name, group in groupby(enumerate(reports), lambda numbered: numbered[1].language)
+        ],
+        "store": PartStore(reports, macros) if reports else None,
+    }
+    return environment.page("page.html", values, script="script.js")
 
 
 @cache
-def _environment() -> Environment:
-    environment = page_environment("lipsync_lang.coverage.page", "templates")
+def _environment() -> PageEnvironment:
+    environment = PageEnvironment(__package__, "templates")
     environment.globals |= {
-        "percent": wording.percent,
+        "percent": percent,
         "ranked_text": ranked_text,
-        "hours": wording.hours,
+        "hours": hours,
         "status": status,
         "STATUSES": STATUSES,
-        "LAYERS": LAYERS,
-        "HEIGHT": charts.HEIGHT,
+        "LAYERS": LAYER_MEANINGS,
+        "HEIGHT": CHART_HEIGHT,
         "TITLE": TITLE,
         "MOST_ITEMS": MOST_ITEMS,
         "MOST_NAMES": MOST_NAMES,
@@ -153,23 +122,8 @@ def _environment() -> Environment:
     return environment
 
 
-def own_file(name: str) -> str:
-    """Return a file of this folder, such as the style, which other reports share."""
-    return (files(__package__) / name).read_text("utf-8")
-
-
 def _parts(report: ReportView, macros: object) -> dict[str, Markup]:
     return {name: getattr(macros, name)(report) for name in PARTS}
-
-
-def _gain(report: ReportView) -> float:
-    """Return the occurrences that the next hour of drawing covers, times 100."""
-    following = report.document["next_hour"]
-    return float(following["percent"] * report.document["occurrences"])
-
-
-def _language(numbered: tuple[int, ReportView]) -> str:
-    return numbered[1].language
 
 
 def _shared(document: Mapping[str, Any], reports: Iterable[ReportView]) -> str:
@@ -179,7 +133,7 @@ def _shared(document: Mapping[str, Any], reports: Iterable[ReportView]) -> str:
     for one in sorted(document["shared"], key=lambda one: bool(one["bigrams"])):
         groups.setdefault(_addition(one), []).append(titles.get(one["language"], one["language"]))
     return "; ".join(
-        f"{listed(names, MAX_LANGUAGES)} {'add' if len(names) > 1 else 'adds'} {addition}"
+        f"{listed(names, MAX_SENTENCE_LANGUAGES)} {'add' if len(names) > 1 else 'adds'} {addition}"
         for addition, names in groups.items()
     )
 

@@ -10,10 +10,10 @@ from itertools import groupby
 from math import ceil, floor, log10
 from typing import NamedTuple
 
-from lipsync_lang.coverage.page.states import Row
-from lipsync_lang.coverage.page.wording import NBSP
+from lipsync_lang.coverage.page.states import StateRow
+from lipsync_lang.reports.pages import CHART_HEIGHT
+from lipsync_lang.reports.wording import NBSP
 
-HEIGHT = 1000
 SHADES, GAMMA = 9, 0.4
 """Number of shades of the map, and the exponent that separates rare bigrams."""
 
@@ -21,7 +21,7 @@ MAX_TICKS = 5
 LATE_SHARE = 0.78
 """Share of the width from which a mark's label is on its left."""
 
-ALL = "100"
+WHOLE_SHARE = "100"
 HANGING_HEIGHTS, STANDING_HEIGHTS = (0.7, 0.5, 0.3), (0.08, 0.26, 0.44)
 """End heights of the labels of marks, from the first mark on; 0 is the top."""
 
@@ -55,10 +55,10 @@ class Cell(NamedTuple):
 
     number: int
     shade: int
-    row: Row
+    row: StateRow
 
 
-def distribution(rows: Sequence[Row], codes: str, needed: Mapping[str, int]) -> Chart:
+def distribution(rows: Sequence[StateRow], codes: str, needed: Mapping[str, int]) -> Chart:
     """Chart the share of each bigram, by rank, in the colour of its status (figure 2)."""
     most = max((row["percent"] for row in rows), default=0) or 1
     step = _step(most)
@@ -74,15 +74,17 @@ def distribution(rows: Sequence[Row], codes: str, needed: Mapping[str, int]) -> 
     )
 
 
-def running(rows: Sequence[Row], needed: Mapping[str, int]) -> Chart:
+def running(rows: Sequence[StateRow], needed: Mapping[str, int]) -> Chart:
     """Chart the running share of all occurrences, by rank."""
-    line = "".join(f"V{HEIGHT - round(row['running'] * HEIGHT / 100)}h1" for row in rows)
-    start = f"M0 {HEIGHT}{line}"
+    line = "".join(
+        f"V{CHART_HEIGHT - round(row['running'] * CHART_HEIGHT / 100)}h1" for row in rows
+    )
+    start = f"M0 {CHART_HEIGHT}{line}"
     return Chart(
         "Running total",
         "Share of all occurrences that the most frequent bigrams make up together.",
         len(rows),
-        [("under", f"{start}V{HEIGHT}z"), ("line", start)],
+        [("under", f"{start}V{CHART_HEIGHT}z"), ("line", start)],
         [_tick(percent, percent / 100) for percent in (0, 25, 50, 75, 100)],
         _marks(needed, len(rows), HANGING_HEIGHTS, standing=False),
         _ranks(len(rows)),
@@ -90,7 +92,7 @@ def running(rows: Sequence[Row], needed: Mapping[str, int]) -> Chart:
 
 
 def heat_map(
-    rows: Sequence[Row], phonemes: Sequence[str]
+    rows: Sequence[StateRow], phonemes: Sequence[str]
 ) -> tuple[list[str], list[list[Cell | None]]]:
     """Return the axis of the map, and its cells: first phonemes down, second ones across."""
     numbers = {row["bigram"]: number for number, row in enumerate(rows)}
@@ -108,14 +110,14 @@ def heat_map(
     return axis, [[cell(f"{first}-{second}") for second in axis] for first in axis]
 
 
-def _outline(rows: Sequence[Row], codes: str, code: str, top: float) -> str:
+def _outline(rows: Sequence[StateRow], codes: str, code: str, top: float) -> str:
     """Return the outline of the bars of one status; adjacent bars share a piece."""
     pieces, rank = [], 0
     for key, group in groupby(zip(rows, codes, strict=True), key=lambda pair: pair[1]):
-        heights = [HEIGHT - round(row["percent"] * HEIGHT / top) for row, _ in group]
+        heights = [CHART_HEIGHT - round(row["percent"] * CHART_HEIGHT / top) for row, _ in group]
         if key == code:
             steps = "".join(f"V{height}h1" for height in heights)
-            pieces.append(f"M{rank} {HEIGHT}{steps}V{HEIGHT}z")
+            pieces.append(f"M{rank} {CHART_HEIGHT}{steps}V{CHART_HEIGHT}z")
         rank += len(heights)
     return "".join(pieces)
 
@@ -135,7 +137,7 @@ def _marks(
     needed: Mapping[str, int], width: int, heights: Sequence[float], *, standing: bool
 ) -> list[Mark]:
     """Mark the ranks at which shares of all occurrences are reached; labels avoid other marks."""
-    shares = [share for share in needed if share != ALL]
+    shares = [share for share in needed if share != WHOLE_SHARE]
     marks = []
     for share, height in zip(shares, heights, strict=False) if width else ():
         left = needed[share] / width

@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import Any
 
 from lipsync_lang.coverage.page import charts
-from lipsync_lang.coverage.page.states import CODES, Row, States
-from lipsync_lang.coverage.page.wording import gathered, percent
+from lipsync_lang.coverage.page.states import STATE_CODES, StateRow, States
 from lipsync_lang.coverage.report import labelled
+from lipsync_lang.reports.wording import gathered, percent
 
 MAX_PLACES = 3
 """Maximum number of places of a bigram in its row."""
@@ -51,17 +51,17 @@ class ReportView:
         return labelled(self.language, self.document.get("column", ""))
 
     @cached_property
-    def rows(self) -> Sequence[Row]:
+    def rows(self) -> Sequence[StateRow]:
         """The bigrams, most frequent first."""
         return self.document["bigrams"]  # type: ignore[no-any-return]  # JSON
 
     @property
-    def trigrams(self) -> Sequence[Row]:
+    def trigrams(self) -> Sequence[StateRow]:
         """The drawn trigrams, most frequent first."""
         return self.document.get("trigrams", ())  # type: ignore[no-any-return]  # JSON
 
     @cached_property
-    def silence(self) -> Sequence[Row]:
+    def silence(self) -> Sequence[StateRow]:
         """The bigrams with silence, most frequent first."""
         return self.document["silence"]  # type: ignore[no-any-return]  # JSON
 
@@ -75,7 +75,7 @@ class ReportView:
         """Code and percentage of each status that occurs."""
         whole = sum(heard for _, heard in self.shares.values()) or 1
         return [
-            (CODES[code], 100 * heard / whole)
+            (STATE_CODES[code], 100 * heard / whole)
             for code, (_, heard) in enumerate(self.shares.values())
             if heard
         ]
@@ -122,6 +122,6 @@ class ReportView:
         """Return a place without the common folder of all files."""
         return place.removeprefix(self.folder)
 
-    def places(self, row: Row) -> str:
+    def places(self, row: StateRow) -> str:
         """Return the first places of a bigram, grouped by file."""
         return gathered(map(self.place, row["places"][:MAX_PLACES]))

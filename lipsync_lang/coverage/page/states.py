@@ -9,36 +9,36 @@ from string import ascii_lowercase, digits
 from typing import Any, Self
 
 from lipsync_lang.coverage.facts import AUTHORED
-from lipsync_lang.coverage.facts import BORROWED as LENT
+from lipsync_lang.coverage.facts import BORROWED_LAYER as LENT
 
-Row = Mapping[str, Any]
+StateRow = Mapping[str, Any]
 """A bigram of a report in the document."""
 
-NONE = "gap"
+GAP_STATUS = "gap"
 """Status of bigrams without curves, which is empty in the document."""
 
-BORROWED = "borrowed"
+BORROWED_STATUS = "borrowed"
 """Status of curves that a person drew for a similar sound."""
 
 STATUSES = {
     "approved": "approved by a person",
     "edited": "drawn by a person",
-    BORROWED: "drawn by a person for a similar sound",
+    BORROWED_STATUS: "drawn by a person for a similar sound",
     "fitted": "fitted to captures, not yet checked",
     "drafted": "drafted by the program, not yet checked",
-    NONE: "no curves at all",
+    GAP_STATUS: "no curves at all",
 }
-LAYERS = {
+LAYER_MEANINGS = {
     "character": "the character's own",
     "language": "of the language",
     "shared": "shared by all languages",
     LENT: "borrowed from a similar sound",
     "draft": "drafted from the targets",
-    NONE: "no curves at all",
+    GAP_STATUS: "no curves at all",
 }
 """Layers in the order of legends; further names of a document follow."""
 
-CODES = digits + ascii_lowercase
+STATE_CODES = digits + ascii_lowercase
 
 
 @dataclass(frozen=True)
@@ -51,33 +51,33 @@ class States:
     """Statuses and layers that occur in the document."""
 
     @classmethod
-    def of(cls, rows: Iterable[Row]) -> Self:
+    def of(cls, rows: Iterable[StateRow]) -> Self:
         """Collect the states of some bigrams."""
         pairs = [(status(row), str(row["layer"])) for row in rows]
         statuses = dict.fromkeys((*STATUSES, *(status for status, _ in pairs)))
-        layers = dict.fromkeys((*LAYERS, *(layer for _, layer in pairs)))
+        layers = dict.fromkeys((*LAYER_MEANINGS, *(layer for _, layer in pairs)))
         seen = frozenset(name for pair in pairs for name in pair)
         return cls(tuple(statuses), tuple(layers), seen)
 
-    def status_code(self, row: Row) -> str:
+    def status_code(self, row: StateRow) -> str:
         """Return the status of a bigram as a character."""
-        return CODES[self.statuses.index(status(row))]
+        return STATE_CODES[self.statuses.index(status(row))]
 
-    def layer_code(self, row: Row) -> str:
+    def layer_code(self, row: StateRow) -> str:
         """Return the layer of a bigram as a character."""
-        return CODES[self.layers.index(row["layer"])]
+        return STATE_CODES[self.layers.index(row["layer"])]
 
-    def codes(self, rows: Iterable[Row]) -> str:
+    def codes(self, rows: Iterable[StateRow]) -> str:
         """Return the statuses of all bigrams, a space, and their layers, as characters."""
         pairs = [(self.status_code(row), self.layer_code(row)) for row in rows]
         return " ".join("".join(pair[half] for pair in pairs) for half in (0, 1))
 
     def legend(self, names: Iterable[str]) -> list[tuple[str, str]]:
         """Return the codes and names of the statuses, or of the layers, that occur."""
-        coded = zip(CODES, names, strict=False)
+        coded = zip(STATE_CODES, names, strict=False)
         return [(code, name) for code, name in coded if name in self.seen]
 
-    def shares(self, rows: Iterable[Row]) -> dict[str, tuple[int, int]]:
+    def shares(self, rows: Iterable[StateRow]) -> dict[str, tuple[int, int]]:
         """Count the bigrams of each status, and their occurrences."""
         shares = dict.fromkeys(self.statuses, (0, 0))
         for row in rows:
@@ -86,8 +86,8 @@ class States:
         return shares
 
 
-def status(row: Row) -> str:
+def status(row: StateRow) -> str:
     """Return the status of a bigram: `borrowed` and `gap` are distinguished."""
     if row["layer"] == LENT and row["status"] in AUTHORED:
-        return BORROWED
-    return str(row["status"] or NONE)
+        return BORROWED_STATUS
+    return str(row["status"] or GAP_STATUS)

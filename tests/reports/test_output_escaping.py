@@ -11,14 +11,14 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from glb_files import document_of, mesh, model_of, parts
 from test_coverage_page import Reader
+from test_drawn_mouth_files import READERS as DRAWN
 from test_engine_files import READERS
-from test_glb import document_of, mesh, model_of, parts
 from test_godot import from_tres
-from test_held_files import READERS as DRAWN
 from test_line_page import data_of
+from test_subtitle_files import read
 from test_usd import from_usda
-from test_word_files import read
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from lanes import full, swept
 
 from lipsync_lang.coverage.page import page
-from lipsync_lang.coverage.page.wording import count, folder, gathered, hours, listed, percent
-from lipsync_lang.coverage.percentages import percent as exact
-from lipsync_lang.coverage.percentages import percentage_text
+from lipsync_lang.reports.percentages import percent as exact
+from lipsync_lang.reports.percentages import percentage_text
+from lipsync_lang.reports.wording import count, folder, gathered, hours, listed, percent
 
 SOUNDS = [
     "ah", "aa", "ao", "eh", "er", "ih", "w", "ow", "aw", "oy", "ay",

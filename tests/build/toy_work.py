@@ -6,9 +6,26 @@ import time
 from io import BytesIO
 from pathlib import Path
 
+from places import ROOT, TESTS
+
+import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
 
 FATAL = "fatal"
+
+WORKER_ENVIRONMENT = {
+    **os.environ,
+    "PYTHONPATH": os.pathsep.join(map(str, (ROOT, TESTS, TESTS / "build"))),
+}
+"""Environment of processes that import this module."""
+
+
+def lines():
+    sounds = ("M", "AA", "S", "UW", "F", "IY")
+    return [
+        (n, ll.Schedule((sounds[n % 6], "AA", sounds[(n + 1) % 6]), [0, 0.1, 0.3, 0.4]))
+        for n in range(24)
+    ]
 
 
 def doubled(batch):

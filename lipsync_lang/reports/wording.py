@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Sequence
 from os.path import commonprefix
 
-from lipsync_lang.coverage.percentages import percentage_text
+from lipsync_lang.reports.percentages import percentage_text
 
 NBSP = "\N{NO-BREAK SPACE}"
-MAX_NAMES = 3
+MAX_LISTED_NAMES = 3
 """Maximum number of names in a list."""
 
 TENTHS = 10
@@ -32,7 +32,7 @@ def count(number: int, noun: str, nouns: str = "") -> str:
     return f"{number:,}{NBSP}{noun if number == 1 else nouns or noun + 's'}"
 
 
-def listed(names: Sequence[str], shown: int = MAX_NAMES) -> str:
+def listed(names: Sequence[str], shown: int = MAX_LISTED_NAMES) -> str:
     """Format names as a list in a sentence: `a`, `a and b`, `a, b and 3 more`."""
     most = list(names[:shown])
     if len(names) > shown:

@@ -5,7 +5,7 @@ nothing: nearly all is `99.9 %`, and nearly nothing is `under 0.1 %`. JSON and C
 decimals by the same rule.
 """
 
-WHOLE = 100.0
+WHOLE_PERCENT = 100.0
 """Percent."""
 
 DOCUMENT_DECIMALS = 4
@@ -20,13 +20,17 @@ def percent(part: float, whole: float) -> float:
     >>> percent(2, 3), percent(999_999_999, 1_000_000_000), percent(1, 1_000_000_000)
     (66.6667, 99.9999, 0.0001)
     """
-    return rounded(WHOLE * part / whole, is_all=part >= whole) if whole else 0.0
+    return rounded(WHOLE_PERCENT * part / whole, is_all=part >= whole) if whole else 0.0
 
 
 def rounded(percentage: float, *, is_all: bool) -> float:
     """Round a percentage as documents hold it: 100 if it is all, and 0 if it is nothing."""
     whole = round(percentage, DOCUMENT_DECIMALS)
-    return whole if is_all or percentage <= 0 else min(max(whole, LEAST_STEP), WHOLE - LEAST_STEP)
+    return (
+        whole
+        if is_all or percentage <= 0
+        else min(max(whole, LEAST_STEP), WHOLE_PERCENT - LEAST_STEP)
+    )
 
 
 def percentage_text(percentage: float, space: str = " ") -> str:
@@ -39,12 +43,12 @@ def percentage_text(percentage: float, space: str = " ") -> str:
     >>> [percentage_text(one) for one in (0, 0.01, 27.94, 38, 99.99, 100)]
     ['0 %', 'under 0.1 %', '27.9 %', '38.0 %', '99.9 %', '100 %']
     """
-    if percentage in (0, WHOLE):
+    if percentage in (0, WHOLE_PERCENT):
         number = f"{percentage:.0f}"
     elif percentage < LEAST:
         number = "under 0.1"
     else:
-        number = "99.9" if MOST <= percentage < WHOLE else f"{percentage:.1f}"
+        number = "99.9" if MOST <= percentage < WHOLE_PERCENT else f"{percentage:.1f}"
     return f"{number}{space}%"
 
 

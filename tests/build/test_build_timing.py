@@ -6,7 +6,7 @@ from pathlib import Path
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.build.timing import schedules
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.speech import hearing
+from lipsync_lang.speech.hearing import alignment, recognition
 
 
 class Voice:
@@ -37,8 +37,8 @@ def test_each_line_is_timed_by_what_it_has(tmp_path, monkeypatch):
         taken.append("recognise")
         return (SpeechError(f"{audio.name} is silent") for audio in sounds)
 
-    monkeypatch.setattr(hearing, "align_many", align_many)
-    monkeypatch.setattr(hearing, "recognise_many", recognise_many)
+    monkeypatch.setattr(alignment, "align_many", align_many)
+    monkeypatch.setattr(recognition, "recognise_many", recognise_many)
     phonemes = [{"label": "AA", "start": 0, "end": 1}]
     (tmp_path / "d.json").write_text(json.dumps({"notation": "arpabet", "phonemes": phonemes}))
     voice = Voice()

@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from hashlib import blake2b
@@ -13,7 +12,6 @@ import numpy as np
 import pytest
 from build_project import BANK, PROJECT, Game
 from lanes import full
-from test_workers import cluster
 
 from lipsync_lang.build.records import NEED, Records
 
@@ -182,45 +180,6 @@ def test_two_builds_at_once_share_the_work(game):
     assert [one.returncode for one in both] == [0, 0]
     assert sorted(end["built"] for end in ends) == [0, LINES]
     assert len(contents(game.folder)) == 2 * LINES
-
-
-def test_a_cluster_that_loses_a_worker_writes_the_same_bytes(game):
-    assert len(game.build("--workers", "1").built) == LINES
-    one = contents(game.folder)
-    unbuilt(game.folder)
-    with cluster(2) as (address, workers):
-        running = subprocess.Popen(
-            command("--scheduler", address), stdout=subprocess.PIPE, text=True
-        )
-        assert running.stdout is not None
-        running.stdout.readline()
-        workers[0].kill()
-        last = running.communicate()[0].splitlines()[-1]
-    assert (running.returncode, json.loads(last)["built"]) == (0, LINES)
-    assert contents(game.folder) == one
-
-
-def test_an_interrupted_build_of_a_cluster_resumes_there_and_leaves_nothing_behind(game):
-    before = {*game.folder.iterdir()}
-    assert len(game.build("--workers", "1").built) == LINES
-    one = contents(game.folder)
-    with cluster(2) as (address, _):
-        for number in (signal.SIGINT, signal.SIGKILL):
-            unbuilt(game.folder)
-            running = subprocess.Popen(
-                command("--scheduler", address), stdout=subprocess.PIPE, text=True
-            )
-            assert running.stdout is not None
-            running.stdout.readline()
-            running.send_signal(number)
-            running.communicate()
-            told = subprocess.run(
-                command("--scheduler", address), capture_output=True, text=True, check=True
-            )
-            assert 0 < json.loads(told.stdout.splitlines()[-1])["built"] < LINES
-            assert contents(game.folder) == one, "the workers outlive the build, not its files"
-    made = {game.folder / name for name in (".lipsync_lang", "takes", "glb")}
-    assert {*game.folder.iterdir()} == before | made
 
 
 @pytest.mark.usefixtures("game")

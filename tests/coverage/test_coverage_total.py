@@ -8,24 +8,22 @@ from collections import Counter
 from xml.etree import ElementTree as ET
 
 import pytest
+from coverage_packs import LANGUAGE, bank, lines, write
 from hypothesis import given
 from hypothesis import strategies as st
-from test_coverage import LANGUAGE, bank, lines, packs, write
 
 from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage
 from lipsync_lang.coverage.changes import since
-from lipsync_lang.coverage.drafting import draft_calls
 from lipsync_lang.coverage.facts import Authored, Left, NextHour
 from lipsync_lang.coverage.forms import FORMS, Asked
+from lipsync_lang.coverage.forms.total_text import draft_calls
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport
 from lipsync_lang.coverage.script_changes import ScriptDigests, script_changes
 from lipsync_lang.coverage.total import WorkItem, total_of
 from lipsync_lang.lines import Line
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
-
-__all__ = ["packs"]
 
 STATES = [("draft", "drafted"), ("shared", "edited"), ("language", "drafted"), ("gap", "")]
 
