@@ -6,15 +6,14 @@ numbers before the second bytes of all: smooth curves then pack to a third. `unp
 
 import zlib
 from base64 import b64encode
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-KINDS = ("u1", "i1", "u2", "i2", "u4", "f4")
+NUMBER_TYPES = ("u1", "i1", "u2", "i2", "u4", "f4")
 """Types of numbers, little-endian."""
 
-LEVEL = 6
+COMPRESSION_LEVEL = 6
 """Level of the compression, from 1 to 9."""
 
 REFERENCE = "$array"
@@ -43,18 +42,21 @@ class ArrayPack:
         Parameters
         ----------
         values : of any shape; the page sees them in one row
-        kind : a name in `KINDS`; integers are rounded, and clipped to their range
+        kind : a name in `NUMBER_TYPES`; integers are rounded, and clipped to their range
         scale : factor of each value before rounding
         """
-        flat = np.asarray(values).ravel()
-        dtype = np.dtype(f"<{kind}")
+        flat, dtype = np.asarray(values).ravel(), np.dtype(f"<{kind}")
         if dtype.kind == "f":
-            whole = flat.astype(dtype)
+            content = flat.astype(dtype).tobytes()
         else:
-            range_ = np.iinfo(dtype)
+            range_, size = np.iinfo(dtype), dtype.itemsize
             whole = np.rint(flat * scale).clip(range_.min, range_.max).astype(dtype)
-        self._rows.append((kind, len(whole)))
-        self._data.append(_coded(whole))
+            if size > 1:  # unsigned differences wrap around, as `unpack.js` expects
+                unsigned = whole.view(f"<u{size}")
+                whole = np.diff(unsigned, prepend=unsigned.dtype.type(0)).astype(f"<u{size}")
+            content = whole.view(np.uint8).reshape(-1, size).T.tobytes()
+        self._rows.append((kind, flat.size))
+        self._data.append(content)
         return {REFERENCE: len(self._rows) - 1}
 
     def add_bytes(self, content: bytes) -> dict[str, int]:
@@ -71,14 +73,4 @@ class ArrayPack:
 
     def text(self) -> str:
         """Return the block, compressed, in base64."""
-        return b64encode(zlib.compress(self.block(), LEVEL)).decode("ascii")
-
-
-def _coded(values: npt.NDArray[Any]) -> bytes:
-    if values.dtype.itemsize == 1 or values.dtype.kind == "f":
-        return values.tobytes()
-    unsigned = values.view(f"<u{values.dtype.itemsize}")
-    steps = np.diff(unsigned, prepend=unsigned.dtype.type(0))  # wraps around, as `unpack.js` does
-    return (
-        steps.astype(unsigned.dtype).view(np.uint8).reshape(-1, values.dtype.itemsize).T.tobytes()
-    )
+        return b64encode(zlib.compress(self.block(), COMPRESSION_LEVEL)).decode("ascii")

@@ -15,7 +15,7 @@ PROJECT_BANK = "common"
 
 
 def bigram_home(
-    shelf: PairPacks, pair: Pair, project: Path, own: Callable[[Path], bool]
+    packs: PairPacks, pair: Pair, project: Path, own: Callable[[Path], bool]
 ) -> tuple[Path, bool]:
     """Return the target file for an edit of a bigram, and True if that file has the bigram.
 
@@ -32,8 +32,8 @@ def bigram_home(
         An installed character or a bank of one language states the bigram, and would take
         precedence over a common bank.
     """
-    row = shelf.row(pair)
-    if row.place is not None and stated(shelf, row) == "-".join(pair):
+    row = packs.row(pair)
+    if row.place is not None and stated(packs, row) == "-".join(pair):
         if own(row.place.file):
             return row.place.file, True
         if row.origin.layer != "shared":
@@ -41,11 +41,11 @@ def bigram_home(
                 f"{shown(row.place.file)} is installed and precedes the banks of this "
                 "project; copy it into the project to change it"
             )
-    poseset = shelf.poseset.model.name
+    poseset = packs.poseset.model.name
     common = project / FOLDERS["poseset"] / poseset / "banks" / f"{PROJECT_BANK}.yaml"
     mine = [
         bank.path
-        for bank in shelf.banks
+        for bank in packs.banks
         if own(bank.path) and bank.model.language is None and bank.model.style == NEUTRAL
     ]
     return common if common in mine or not mine else mine[0], False

@@ -14,13 +14,13 @@ from weakref import finalize
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.files.locking import claim
+from lipsync_lang.json_object import Json
 from lipsync_lang.packs.splicing import SplicedText, get
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.studio.edit_journal import (
     JournalError,
     JournalKeeper,
-    Line,
     edit_of,
     line_of,
     put_aside,
@@ -37,10 +37,10 @@ from lipsync_lang.studio.merging import (
     told,
 )
 from lipsync_lang.studio.sheets import (
-    Edit,
-    Parts,
-    Sheet,
+    EditedFile,
+    PackEdit,
     Step,
+    TextParts,
     by_file,
     in_parts,
     on_disk,
@@ -83,7 +83,7 @@ class Desk:
         self.revision = 0
         self.restored = 0
         self.notes: list[str] = []
-        self._sheets: dict[Path, Sheet] = {}
+        self._sheets: dict[Path, EditedFile] = {}
         self._done: list[Step] = []
         self._undone: list[Step] = []
         self._touched: deque[tuple[int, str, Path, Loc]] = deque(maxlen=MAX_TOUCHED)
@@ -158,7 +158,7 @@ class Desk:
     def change(  # noqa: PLR0913 the fields of an edit
         self,
         title: str,
-        edits: Sequence[Edit],
+        edits: Sequence[PackEdit],
         *,
         seen: int | None = None,
         tab: str = "",
@@ -240,7 +240,7 @@ class Desk:
         self._done.append(step)
         return self._back_to(step, step.after, {"redo": step.title}, tab)
 
-    def _back_to(self, step: Step, parts: Mapping[Path, Parts], line: Line, tab: str) -> str:
+    def _back_to(self, step: Step, parts: Mapping[Path, TextParts], line: Json, tab: str) -> str:
         self._put({path: SplicedText(path, some) for path, some in parts.items()})
         self._touch(step.locs, tab)
         self._write(step, line)
@@ -283,7 +283,7 @@ class Desk:
                         "check the change, and edit again"
                     )
 
-    def _sheet(self, path: Path) -> Sheet:
+    def _sheet(self, path: Path) -> EditedFile:
         """Return a file, which is read first if it has no edits yet."""
         sheet = self._sheets.get(path)
         if sheet is not None and sheet.edited:
@@ -300,7 +300,7 @@ class Desk:
         saved = in_parts(path, disk)
         if sheet is not None:
             self._rebase(sheet, saved, saved)
-        return Sheet(path, disk, saved, saved)
+        return EditedFile(path, disk, saved, saved)
 
     def _refuse(self, path: Path) -> None:
         refuse(path, self._shipped, self._sheets)
@@ -348,12 +348,12 @@ class Desk:
             if disk != sheet.base:
                 self._rebase(sheet, plan.theirs, text, plan.dropped)
             base = text.content if text.parts else None
-            self._sheets[sheet.path] = Sheet(sheet.path, base, text, text)
+            self._sheets[sheet.path] = EditedFile(sheet.path, base, text, text)
         self._compact()
         return list(written)
 
     def _rebase(
-        self, sheet: Sheet, theirs: SplicedText, now: SplicedText, dropped: Sequence[Loc] = ()
+        self, sheet: EditedFile, theirs: SplicedText, now: SplicedText, dropped: Sequence[Loc] = ()
     ) -> None:
         """Merge changes on the disk into every text that undo and redo reach."""
         taken = differences(sheet.saved.data, theirs.data)
@@ -370,7 +370,7 @@ class Desk:
 
     # The journal
 
-    def _write(self, step: Step, line: Line) -> None:
+    def _write(self, step: Step, line: Json) -> None:
         """Keep an edit in the journal."""
         if self._journal is None:
             return
@@ -389,7 +389,7 @@ class Desk:
 
     def _restore(self, journal: Path) -> int:
         """Restore the edits of a journal, and count its lines; a damaged journal is renamed."""
-        lines: list[Line] = []
+        lines: list[Json] = []
         try:
             lines = read_journal(journal)
             self._replaying = True
@@ -412,13 +412,13 @@ class Desk:
         self.restored = len(self._done)
         return len(lines)
 
-    def _replay(self, line: Line) -> None:
+    def _replay(self, line: Json) -> None:
         """Repeat one line of a journal."""
         if "base" in line:
             path, text = Path(line["base"]), line["text"]
             base = None if text is None else text.encode()
             saved = in_parts(path, base)
-            self._sheets[path] = Sheet(path, base, saved, saved)
+            self._sheets[path] = EditedFile(path, base, saved, saved)
         elif "put" in line:
             sheet = self._sheets[Path(line["put"])]
             after = SplicedText.read(sheet.path, line["text"].encode()).checked()
@@ -441,7 +441,7 @@ class Desk:
 
 
 def _edited(
-    sheets: Mapping[Path, Sheet], edits: Sequence[Edit], create: Mapping[Path, str]
+    sheets: Mapping[Path, EditedFile], edits: Sequence[PackEdit], create: Mapping[Path, str]
 ) -> dict[Path, SplicedText]:
     """Return the texts of files after edits."""
     texts = {path: sheet.text for path, sheet in sheets.items()}

@@ -12,10 +12,11 @@ from typing import Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import atomic
+from lipsync_lang.json_object import Json
 from lipsync_lang.packs.splicing import ABSENT, plain
-from lipsync_lang.studio.sheets import Edit, Sheet
+from lipsync_lang.studio.sheets import EditedFile, PackEdit
 
-HEADER = {"journal": "lipsync-lang studio", "format": 1}
+JOURNAL_HEADER = {"journal": "lipsync-lang studio", "format": 1}
 """First line of a journal."""
 
 MAX_JOURNAL_BYTES = 64 * 2**20
@@ -23,8 +24,6 @@ MAX_JOURNAL_BYTES = 64 * 2**20
 
 MAX_JOURNAL_LINES = 250
 """Lines after which a journal is rewritten with texts only; a line takes 10 ms to read."""
-
-Line = dict[str, Any]
 
 
 class JournalError(LipsyncError):
@@ -50,14 +49,14 @@ class JournalKeeper:
         self.stale = False
         self._lines = lines
         self._opened = opened
-        self._last: tuple[Line, int] | None = None
+        self._last: tuple[Json, int] | None = None
 
     @property
     def full(self) -> bool:
         """True if the journal should be rewritten for the next edit."""
         return self.stale or self._lines >= MAX_JOURNAL_LINES
 
-    def add(self, line: Line, sheets: Iterable[Sheet]) -> None:
+    def add(self, line: Json, sheets: Iterable[EditedFile]) -> None:
         """Append a line, after the contents of files that are new to the journal."""
         new = [sheet for sheet in sheets if sheet.path not in self._opened]
         self._opened |= {sheet.path for sheet in new}
@@ -66,7 +65,7 @@ class JournalKeeper:
         at = self._last[1] if self._last is not None and again else None
         self._last = line, append(self.path, [*map(base_line, new), line], at)
 
-    def rewrite(self, edited: Iterable[Sheet]) -> None:
+    def rewrite(self, edited: Iterable[EditedFile]) -> None:
         """Rewrite the journal with only the texts of files."""
         kept = [*edited]
         write_journal(self.path, (line for sheet in kept for line in whole(sheet)))
@@ -74,7 +73,7 @@ class JournalKeeper:
         self._lines, self.stale, self._last = 2 * len(kept), False, None
 
 
-def read_journal(path: Path) -> list[Line]:
+def read_journal(path: Path) -> list[Json]:
     """Return the lines of a journal without its header; a torn last line is cut off the file.
 
     Raises
@@ -98,22 +97,22 @@ def read_journal(path: Path) -> list[Line]:
         header, *lines = map(json.loads, rows)
     except (ValueError, RecursionError):
         raise JournalError("is damaged") from None
-    if header != HEADER or not all(isinstance(line, dict) for line in lines):
+    if header != JOURNAL_HEADER or not all(isinstance(line, dict) for line in lines):
         raise JournalError("is not a journal of the studio")
     if torn:
         write_journal(path, lines)
     return lines
 
 
-def write_journal(path: Path, lines: Iterable[Line]) -> None:
+def write_journal(path: Path, lines: Iterable[Json]) -> None:
     """Rewrite a journal; raise `OutputError` if that fails."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic(path, durable=True) as stream:
-        for line in (HEADER, *lines):
+        for line in (JOURNAL_HEADER, *lines):
             stream.write(_row(line))
 
 
-def append(path: Path, lines: Iterable[Line], at: int | None = None) -> int:
+def append(path: Path, lines: Iterable[Json], at: int | None = None) -> int:
     """Append lines to a journal, and return the position of the last one.
 
     Parameters
@@ -141,7 +140,7 @@ def _row(line: Mapping[str, Any]) -> bytes:
     return json.dumps(line, ensure_ascii=False, separators=(",", ":")).encode() + b"\n"
 
 
-def _states_again(last: Line, line: Line) -> bool:
+def _states_again(last: Json, line: Json) -> bool:
     """Return True if a line replaces the one before it, as the next move of the same drag."""
     drag = "merge" in line and line["merge"] and not last.get("create", True)
     keys = ("change", "merge", "tab")
@@ -157,19 +156,19 @@ def _states_again(last: Line, line: Line) -> bool:
 # Lines
 
 
-def line_of(edit: Edit) -> Line:
+def line_of(edit: PackEdit) -> Json:
     """Return an edit as JSON."""
     path, loc, value = edit
     stated = {} if value is ABSENT else {"value": plain(value)}
     return {"file": str(path), "at": list(loc), **stated}
 
 
-def edit_of(line: Line) -> Edit:
+def edit_of(line: Json) -> PackEdit:
     """Return the edit in a line."""
     return Path(line["file"]), tuple(line["at"]), line.get("value", ABSENT)
 
 
-def whole(sheet: Sheet) -> list[Line]:
+def whole(sheet: EditedFile) -> list[Json]:
     """Return the lines that restore a file: its saved content, and its content with edits."""
     text = sheet.text.content.decode()
     return [
@@ -178,6 +177,6 @@ def whole(sheet: Sheet) -> list[Line]:
     ]
 
 
-def base_line(sheet: Sheet) -> Line:
+def base_line(sheet: EditedFile) -> Json:
     """Return the line with the saved content of a file."""
     return {"base": str(sheet.path), "text": None if sheet.base is None else sheet.base.decode()}

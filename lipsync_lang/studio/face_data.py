@@ -7,25 +7,23 @@ Conventions: V points, C channels (columns of the animation); matrices act on ro
 """
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import ModelError, OutputError
+from lipsync_lang.json_object import Json
 from lipsync_lang.render.model import light
-from lipsync_lang.render.model.camera import FIELD, Camera, close_up, framed
-from lipsync_lang.render.model.material import Material
+from lipsync_lang.render.model.camera import FIELD_DEGREES, Camera, close_up, framed
 from lipsync_lang.render.model.picture import BEHIND
-from lipsync_lang.render.model.scene import Part, Scene
+from lipsync_lang.render.model.scene import Primitive, Scene
 from lipsync_lang.render.staging import staged, sweep
-from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 
 SHORT = 32767
 """Number of steps of a coordinate on each side of the middle of its mesh."""
 
-SMALLEST = 1e-5
+MIN_MOVEMENT_SHARE = 1e-5
 """Minimum movement of a point in a shape, as a share of the size of the mesh."""
 
 SMALL_MODEL = 2**16
@@ -44,10 +42,8 @@ BEYOND = {
 }
 """Properties of a material that are not drawn."""
 
-Face = dict[str, Any]
 
-
-def face_data(animation: Animation, pack: ArrayPack) -> Face:
+def face_data(animation: Animation, pack: ArrayPack) -> Json:
     """Return the model of an animation as JSON data, with its arrays in a pack.
 
     `unshown` lists the parts of the model that the page cannot show; it is the only field if the
@@ -59,16 +55,17 @@ def face_data(animation: Animation, pack: ArrayPack) -> Face:
         with np.errstate(over="raise", invalid="raise"):
             return _face(animation, pack)
     except (ModelError, OutputError) as error:
-        told = str(error).replace(str(animation.model), animation.model.name)
-        return {"unshown": [told]}  # nobody's folders are sent
+        message = str(error).replace(str(animation.model), animation.model.name)
+        return {"unshown": [message]}  # nobody's folders are sent
     except FloatingPointError:
         return {"unshown": [f"{animation.model.name}: a point moves too far to be drawn"]}
 
 
-def _face(animation: Animation, pack: ArrayPack) -> Face:
+def _face(animation: Animation, pack: ArrayPack) -> Json:
     scene = staged(sweep(animation))
     order = np.argsort(scene.material, kind="stable")
     normals = np.nan_to_num(light.unit(scene.directions(scene.normals)))
+    textured = any(material.image is not None for material in scene.materials)
     kind = "u2" if scene.count <= SMALL_MODEL else "u4"
     return {
         "unshown": list(_unshown(scene)),
@@ -82,7 +79,7 @@ def _face(animation: Animation, pack: ArrayPack) -> Face:
         "groups": pack.add(light.groups(scene), kind),
         "normals": pack.add(normals, "i1", 127),
         "colours": pack.add(scene.colours, "u2", 65535),
-        "places": pack.add(scene.places, "f4") if _textured(scene) else None,
+        "places": pack.add(scene.places, "f4") if textured else None,
         "moving": pack.add(scene.moving, "u1"),
         "materials": list(_materials(scene, pack)),
     }
@@ -94,7 +91,7 @@ def _camera(camera: Camera) -> Json:
         "turn": camera.turn.tolist(),
         "distance": camera.distance,
         "half": camera.half,
-        "field": FIELD,
+        "field": FIELD_DEGREES,
     }
 
 
@@ -139,12 +136,12 @@ def _nodes(scene: Scene, animation: Animation) -> list[Json]:
                 "scale": node.get("scale", [1, 1, 1]),
             }
         else:
-            row["matrix"] = scene.local(number).ravel().tolist()
+            row["matrix"] = scene.gltf.local(number).ravel().tolist()
         rows.append(row)
     return rows
 
 
-def _part(scene: Scene, part: Part, pack: ArrayPack, kind: str) -> Json:
+def _part(scene: Scene, part: Primitive, pack: ArrayPack, kind: str) -> Json:
     """Return a primitive: its points at rest, and the points that each shape moves."""
     rank = {number: place for place, number in enumerate(scene.order)}
     low, high = part.base.min(axis=0), part.base.max(axis=0)
@@ -170,11 +167,11 @@ def _part(scene: Scene, part: Part, pack: ArrayPack, kind: str) -> Json:
     }
 
 
-def _shapes(part: Part, reach: float, pack: ArrayPack, kind: str) -> Iterator[Json]:
+def _shapes(part: Primitive, reach: float, pack: ArrayPack, kind: str) -> Iterator[Json]:
     """Yield the shapes that channels move, and those that are visible at rest."""
     rest, moved = part.weights.values[0], part.weights.values[1:] - part.weights.values[0]
     for row, target in zip(part.deltas, part.active, strict=True):
-        points = np.flatnonzero(np.abs(row).max(axis=1) > SMALLEST * reach)
+        points = np.flatnonzero(np.abs(row).max(axis=1) > MIN_MOVEMENT_SHARE * reach)
         channels = np.flatnonzero(moved[:, target]).tolist()
         if not len(points):
             continue
@@ -191,10 +188,6 @@ def _shapes(part: Part, reach: float, pack: ArrayPack, kind: str) -> Iterator[Js
 # Surfaces
 
 
-def _textured(scene: Scene) -> bool:
-    return any(one.image is not None for one in scene.materials)
-
-
 def _materials(scene: Scene, pack: ArrayPack) -> Iterator[Json]:
     """Yield the materials in use, each with its run of triangles."""
     counts = np.bincount(scene.material, minlength=len(scene.materials)).tolist()
@@ -208,15 +201,11 @@ def _materials(scene: Scene, pack: ArrayPack) -> Iterator[Json]:
                 "double": one.double,
                 "gloss": one.gloss,
                 "lit": one.lit,
-                "image": _image(one, pack),
+                "image": None
+                if one.image is None or len(one.image) > MAX_IMAGE_BYTES
+                else pack.add_bytes(one.image),
             }
         first += count
-
-
-def _image(material: Material, pack: ArrayPack) -> dict[str, int] | None:
-    if material.image is None or len(material.image) > MAX_IMAGE_BYTES:
-        return None
-    return pack.add_bytes(material.image)
 
 
 def _unshown(scene: Scene) -> Iterator[str]:

@@ -6,6 +6,7 @@ their hashes, and no requests.
 """
 
 import json
+import re
 from base64 import b64encode
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,18 +15,25 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.json_object import Json
+from lipsync_lang.performing.performed_line import PerformedLine, performer_of
 from lipsync_lang.quality.check_animation import check
 from lipsync_lang.quality.figures import Quality
-from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.module_bundle import bundle, static
-from lipsync_lang.studio.take_data import curves_data, settings_told, take_data
+from lipsync_lang.studio.take_data import curves_data, settings_texts, take_data
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
-FORMAT = "lipsync-lang page 1"
+PAGE_FORMAT = "lipsync-lang page 1"
+
+POLICY = (
+    "default-src 'none'; script-src 'sha256-{}'; style-src 'sha256-{}'; media-src blob:; "
+    "img-src data:; base-uri 'none'; form-action 'none'"
+)
+"""Content policy of the page: a browser runs only the script and the style with these hashes."""
 
 
 def line_page(
@@ -52,22 +60,18 @@ def line_page(
     True
     """
     pack = ArrayPack()
-    document = _document(animation, performer or animation.performer, pack, qualities)
+    document = _document(animation, performer or performer_of(animation), pack, qualities)
     document["arrays"] = pack.layout()
-    script, style = bundle("page"), static("page.css")
+    script, style = bundle("line/page"), static("line/page.css")
+    hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in (script, style)]
     parts = {
-        "POLICY": _policy(script, style),
+        "POLICY": POLICY.format(*hashes),
         "STYLE": style,
         "SCRIPT": script,
         "DOCUMENT": json.dumps(document, separators=(",", ":")).replace("<", "\\u003c"),
         "BLOCK": pack.text(),
     }
-    head, *rest = static("page.html").split("{{")
-    pieces = [head]
-    for part in rest:
-        name, _, after = part.partition("}}")
-        pieces += [parts[name], after]
-    return "".join(pieces)
+    return re.sub(r"\{\{(\w+)\}\}", lambda place: parts[place[1]], static("page.html"))
 
 
 def _document(
@@ -78,9 +82,10 @@ def _document(
 ) -> Json:
     takes: list[Json] = []
     faces: list[Json] = []
+    line = PerformedLine.of(animation)
     known: dict[Any, int] = {}
-    for name, one in {"": animation, **animation.against}.items():
-        own, posed = one.performer or performer, _posed(one)
+    for name, one in {"": animation, **animation.export.against}.items():
+        own, posed = performer_of(one) or performer, _posed(one)
         quality = _judged(posed, own) if qualities is None else qualities.get(name)
         take = take_data(posed, own, pack, quality)
         key = (one.model, one.columns)
@@ -91,9 +96,9 @@ def _document(
         takes.append(take | {"name": name, "face": known[key], "channels": channels})
     audio = animation.schedule.audio
     return {
-        "format": FORMAT,
+        "format": PAGE_FORMAT,
         "title": animation.title,
-        "settings": settings_told(animation.asked),
+        "settings": settings_texts(line.settings if line else {}),
         "sound": None
         if audio is None
         else {"rate": audio.rate, "samples": pack.add(audio.samples, "i2")},
@@ -104,10 +109,10 @@ def _document(
 
 def _posed(animation: Animation) -> Animation:
     """Return the poses from which a rig made an animation, or the animation itself."""
-    performer: Performer | None = animation.performer
-    if performer is None or animation.poses[: len(performer.poses)] == performer.poses:
+    line = PerformedLine.of(animation)
+    if line is None or animation.poses[: len(line.performer.poses)] == line.performer.poses:
         return animation
-    posed = performer.perform(animation.schedule, animation.fps, **animation.asked)
+    posed = line.performer.perform(animation.schedule, animation.fps, **line.settings)
     half = 0.5 / animation.fps
     low, high = animation.times[0] - half, animation.times[-1] + half
     inside = (posed.times > low) & (posed.times < high)
@@ -122,11 +127,3 @@ def _judged(animation: Animation, performer: "Performer | None") -> Quality | No
         return check(animation, performer=performer)
     except LipsyncError:
         return None
-
-
-def _policy(script: str, style: str) -> str:
-    hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in (script, style)]
-    return (
-        f"default-src 'none'; script-src 'sha256-{hashes[0]}'; style-src 'sha256-{hashes[1]}'; "
-        "media-src blob:; img-src data:; base-uri 'none'; form-action 'none'"
-    )

@@ -13,9 +13,9 @@ from lipsync_lang.packs.splicing import ABSENT, Change, SplicedText, get
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import Data, Loc
 
-Side = Literal["mine", "theirs"]
+MergeSide = Literal["mine", "theirs"]
 
-Choices = Mapping[tuple[Path, Loc], Side]
+Choices = Mapping[tuple[Path, Loc], MergeSide]
 """Side to keep for an entry that edits and the disk both changed; () is the whole file."""
 
 WHOLE_FILE: Loc = ()

@@ -1,17 +1,19 @@
 """Bundle of ES modules in one script, for self-contained pages.
 
-Each module becomes a function, so that names never clash. Only two forms are supported:
-``import { a, b } from "./other.js";`` and ``export`` before a function, a class or a constant.
-Comments in the form of JSDoc, which hold the types, stay in the source.
+Each module becomes a function, so that names never clash; the names of the files are unique. Only
+two forms are supported: ``import { a, b } from "../folder/other.js";`` and ``export`` before a
+function, a class or a constant. Comments in the form of JSDoc, which hold the types, stay in the
+source.
 """
 
+import posixpath
 import re
 from importlib.resources import files
 
-_IMPORT = re.compile(r'^import \{([\w\s,]+)\} from "\./(\w+)\.js";\n', re.MULTILINE)
-_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
-_COMMENT = re.compile(r"/\*\*.*?\*/[ \n]?", re.DOTALL)
-_OTHER = re.compile(r"^\s*(?:import|export)\b|</script|<!--", re.MULTILINE)
+_IMPORTS = re.compile(r'^import \{([\w\s,]+)\} from "(\.[./\w]+)\.js";\n', re.MULTILINE)
+_EXPORTS = re.compile(r"^export (?=(?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
+_JSDOC = re.compile(r"/\*\*.*?\*/[ \n]?", re.DOTALL)
+_UNSUPPORTED = re.compile(r"^\s*(?:import|export)\b|</script|<!--", re.MULTILINE)
 
 
 def static(name: str) -> str:
@@ -24,7 +26,7 @@ def bundle(entry: str) -> str:
 
     Parameters
     ----------
-    entry : name of the module, without its suffix
+    entry : path of the module in `static`, without its suffix
 
     Raises
     ------
@@ -32,33 +34,42 @@ def bundle(entry: str) -> str:
         A module imports or exports in another form, or a name that is not exported, or modules
         import each other in a ring.
     """
-    done: dict[str, str] = {}
-    _collect(entry, done, ())
-    body = "".join(f"const ${name} = (() => {{\n{text}\n}})();\n" for name, text in done.items())
+    texts: dict[str, str] = {}
+    _collect(entry, texts, ())
+    body = "".join(
+        f"const {_variable(path)} = (() => {{\n{text}\n}})();\n" for path, text in texts.items()
+    )
     return f'"use strict";\n{body}'
 
 
-def _collect(name: str, done: dict[str, str], path: tuple[str, ...]) -> None:
-    """Add a module to `done`, after the modules that it imports."""
-    if name in path:
-        raise ValueError(f"modules import each other: {' -> '.join((*path, name))}")
-    if name in done:
+def _collect(module: str, texts: dict[str, str], importers: tuple[str, ...]) -> None:
+    """Add a module to `texts`, after the modules that it imports."""
+    if module in importers:
+        raise ValueError(f"modules import each other: {' -> '.join((*importers, module))}")
+    if module in texts:
         return
-    source = static(f"{name}.js")
-    for names, other in _IMPORT.findall(source):
-        _collect(other, done, (*path, name))
-        missing = {one.strip() for one in names.split(",")} - {"", *_exported(other)}
+    source = static(f"{module}.js")
+    for names, where in _IMPORTS.findall(source):
+        other = posixpath.normpath(posixpath.join(posixpath.dirname(module), where))
+        _collect(other, texts, (*importers, module))
+        missing = {name.strip() for name in names.split(",")} - {"", *_exported(other)}
         if missing:
-            raise ValueError(f"{name}.js: {other}.js does not export {', '.join(sorted(missing))}")
-    text = _COMMENT.sub("", _IMPORT.sub(r"const {\1} = $\2;\n", source))
-    exported = _exported(name)
-    text = _EXPORT.sub("", text)
-    strange = _OTHER.search(text)
+            raise ValueError(
+                f"{module}.js: {other}.js does not export {', '.join(sorted(missing))}"
+            )
+    text = _IMPORTS.sub(lambda found: f"const {{{found[1]}}} = {_variable(found[2])};\n", source)
+    text = _EXPORTS.sub("", _JSDOC.sub("", text))
+    strange = _UNSUPPORTED.search(text)
     if strange:
-        raise ValueError(f"{name}.js: '{strange[0].strip()}' has a form that cannot be bundled")
-    done[name] = f"{text}return {{ {', '.join(exported)} }};"
+        raise ValueError(f"{module}.js: '{strange[0].strip()}' has a form that cannot be bundled")
+    texts[module] = f"{text}return {{ {', '.join(_exported(module))} }};"
 
 
-def _exported(name: str) -> list[str]:
+def _variable(path: str) -> str:
+    """Return the constant that holds what a module exports, such as ``$take``."""
+    return f"${posixpath.basename(path)}"
+
+
+def _exported(module: str) -> list[str]:
     """Return the names that a module exports; of ``const a = 1, b = 2`` the first alone."""
-    return _EXPORT.findall(_COMMENT.sub("", static(f"{name}.js")))
+    return _EXPORTS.findall(_JSDOC.sub("", static(f"{module}.js")))

@@ -1,12 +1,10 @@
 """Control points of performed curves, as a start for curve edits."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.curve import bspline
 
 if TYPE_CHECKING:
@@ -22,7 +20,7 @@ MOST_POINTS, LEAST_POINTS = 32, 5
 LEAST_WEIGHT = 0.02
 """Minimum weight of a pose; a pose that stays below is left out."""
 
-ROUNDS = 6
+CORRECTIONS = 6
 """Number of corrections of the control points, since a curve stays below its polygon."""
 
 
@@ -60,15 +58,10 @@ def performed_curves(
         if weights[(animation.times >= start) & (animation.times <= end), number].max(initial=0)
         > LEAST_WEIGHT
     }
-    return _control_points(at, moving)
-
-
-def _control_points(at: Floats, performed: Mapping[str, Floats]) -> dict[str, list[list[float]]]:
-    """Return control points whose smooth curves pass close to values at times."""
     found = {}
-    for pose, values in performed.items():
+    for pose, values in moving.items():
         points = np.column_stack((at, values))
-        for _ in range(ROUNDS):
+        for _ in range(CORRECTIONS):
             missing = values - bspline(points[None], at)[0]
             points[:, 1] = np.clip(points[:, 1] + missing, 0, 1)
         found[pose] = [[round(float(t), 3), round(float(v), 3)] for t, v in points]

@@ -14,12 +14,12 @@ from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.build.script import read_script
 from lipsync_lang.build.timing import schedules
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.json_object import Json
 from lipsync_lang.packs.project import load_project
-from lipsync_lang.rigs.container import Json
 
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
-    from lipsync_lang.speech.speaking import Speaker
+    from lipsync_lang.speech.speaking.speaker import Speaker
 
 MAX_LISTED = 100
 """Maximum number of lines in a response."""
@@ -77,7 +77,12 @@ class ProjectLines:
         language = language or next(iter(self._lines), "")
         words = sought.casefold().split()
         own = self._lines.get(language, {})
-        found = [(n, by) for n, by in enumerate(own.values(), 1) if _has(by, words)]
+        found = []
+        for number, by in enumerate(own.values(), 1):
+            line = next(iter(by.values()))
+            text = f"{line.name} {line.speaker} {line.text}".casefold()
+            if all(word in text for word in words):
+                found.append((number, by))
         return {
             "language": language,
             "count": len(own),
@@ -153,9 +158,3 @@ class ProjectLines:
             "recording": line.audio is not None,
             "timings": line.timings is not None,
         }
-
-
-def _has(by: ByCharacter, words: Iterable[str]) -> bool:
-    line = next(iter(by.values()))
-    text = f"{line.name} {line.speaker} {line.text}".casefold()
-    return all(word in text for word in words)

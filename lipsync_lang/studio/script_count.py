@@ -43,12 +43,12 @@ JOIN_SECONDS = 600.0
 """Maximum waiting time of `wait`."""
 
 
-class _Dropped(Exception):  # noqa: N818 no error: another script took its place
+class _CountCancelled(Exception):  # noqa: N818 no error: another script took its place
     """The count is no longer needed."""
 
 
 @dataclass(eq=False)
-class _Run:
+class _CountRun:
     """A running count, or its result."""
 
     key: object
@@ -82,7 +82,7 @@ class _Run:
                 self.figures = CountFigures(counts[0], pages)
             else:
                 self.fault = f"{path.name} has no lines to count"
-        except _Dropped:
+        except _CountCancelled:
             pass
         except LipsyncError as error:
             self.fault = str(error).replace(f"{path.parent}{os.sep}", "")
@@ -95,7 +95,7 @@ class _Run:
     def _seen(self, lines: "Iterable[Line]") -> "Iterator[Line]":
         for line in lines:
             if self.dropped:
-                raise _Dropped
+                raise _CountCancelled
             self.lines += 1
             yield line
 
@@ -115,7 +115,7 @@ class ScriptCount:
         self.column: str | None = None
         self._path: Path | None = None
         self._discard: finalize[..., ScriptCount] | None = None
-        self._run: _Run | None = None
+        self._run: _CountRun | None = None
 
     def choose(self, workshop: Workshop, name: str, column: str | None) -> None:
         """Use a file of the project as the script.
@@ -181,7 +181,7 @@ class ScriptCount:
             return
         if self._run is not None:
             self._run.dropped = True
-        run = self._run = _Run(key, replace(performer))
+        run = self._run = _CountRun(key, replace(performer))
         pack = workshop.library().language(performer.compiled.language)
         run.thread = Thread(
             target=run.work, args=(self._path, reading, scripts_of(pack.model)), daemon=True
@@ -211,8 +211,12 @@ class ScriptCount:
         if run is None:
             return {"state": "none", "lines": 0, "fault": "", "remarks": []}
         state = "failed" if run.fault else "ready" if run.figures is not None else "counting"
-        told = {"state": state, "lines": run.lines, "fault": run.fault}
-        return told | {"remarks": run.remarks[:3]}
+        return {
+            "state": state,
+            "lines": run.lines,
+            "fault": run.fault,
+            "remarks": run.remarks[:3],
+        }
 
     def report(
         self, workshop: Workshop, minutes: float, *, sentences: bool = False

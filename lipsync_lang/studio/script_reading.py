@@ -10,7 +10,6 @@ from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.corpus import Takes
-    from lipsync_lang.packs.finding import Finder
     from lipsync_lang.packs.models import Project
     from lipsync_lang.studio.workshop import Workshop
 
@@ -84,11 +83,11 @@ def _names(workshop: "Workshop", project: "Project | None") -> tuple[str, tuple[
     given, finder = workshop.language, workshop.library().finder
     paths = () if ":" in given else finder.lookup("language", given)
     languages = {} if project is None else project.languages
-    own = [one for one in languages if one == given or (paths and _finds(finder, one) == paths)]
+    own = [
+        name
+        for name in languages
+        if name == given or (paths and ":" not in name and finder.lookup("language", name) == paths)
+    ]
     word = next((languages[one] or one for one in own), given)
     known = column_names(Path(paths[0])) if paths else []
     return word, tuple(dict.fromkeys([word, given, *known]))
-
-
-def _finds(finder: "Finder", language: str) -> tuple[str, ...]:
-    return () if ":" in language else finder.lookup("language", language)

@@ -1,19 +1,17 @@
-"""Server of the studio: its address, its guard, its files and its routes.
+"""Server of the studio: its address, its checks of requests, its files and its routes.
 
 The address contains a random token. A page of another site cannot guess it, and cannot use it with
 another `Host` or `Origin`. Every response forbids scripts, styles and requests of other sites.
 """
 
 import gzip
-import json
 import logging
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from functools import cache
-from importlib import import_module
-from importlib.resources import files
+from pathlib import Path
 from secrets import compare_digest
 from threading import Lock, Thread
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from starlette.applications import Starlette
@@ -27,39 +25,35 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.studio.merging import EditConflict
 from lipsync_lang.studio.module_bundle import bundle
-from lipsync_lang.studio.routes.asking import Answer, Packed, Refused, Route, Wish
+from lipsync_lang.studio.routes.requests import (
+    PackedResponse,
+    Route,
+    RouteResult,
+    StudioRequest,
+    UnresolvedConflict,
+)
+from lipsync_lang.studio.routes.table import ROUTES
 from lipsync_lang.studio.workshop import Workshop
 
-_log = logging.getLogger(__name__)
+if TYPE_CHECKING:
+    from lipsync_lang.json_object import Json
 
-VIEWS = (
-    "project_routes",
-    "line_routes",
-    "script_routes",
-    "sentence_routes",
-    "bigram_routes",
-    "character_routes",
-    "language_routes",
-    "coverage_routes",
-    "words_routes",
-)
-"""Names of modules of `routes`."""
+_log = logging.getLogger(__name__)
 
 MAX_REQUEST_BYTES = 64 * 2**20
 """Maximum size of a request: a recording of some minutes."""
 
-SCRIPT = "studio.bundle.js"
+STUDIO_SCRIPT = "studio.bundle.js"
 """Name of the script that `studio.html` loads."""
 
-KINDS = {
-    "html": "text/html; charset=utf-8",
-    "js": "text/javascript; charset=utf-8",
-    "css": "text/css; charset=utf-8",
-    "json": "application/json",
+MEDIA_TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
 }
-"""Media types of files, by suffix."""
+"""Media types of files, by suffix; the registry of Windows can have others."""
 
-HEADERS = {
+SECURITY_HEADERS = {
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
     "connect-src 'self'; img-src 'self' data: blob:; media-src blob:; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'",
@@ -83,19 +77,16 @@ def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
     """
     lock = Lock()
     Thread(target=_script, daemon=True).start()  # ready by the time a browser asks
-    routes = [WebRoute("/", _file("studio.html")), WebRoute("/{name}", _named)]
-    for view in VIEWS:
-        table = import_module(f"lipsync_lang.studio.routes.{view}").ROUTES
-        for path, route in table.items():
-            method, _, where = path.partition(" ")
-            where = where.replace("{name}", "{name:path}")
-            routes.append(
-                WebRoute(f"/api/{where}", _asking(workshop, route, lock), methods=[method])
-            )
-    return Guard(Starlette(routes=routes), token, frozenset(hosts))
+    routes = []
+    for path, route in ROUTES.items():
+        method, _, where = path.replace("{name}", "{name:path}").partition(" ")
+        endpoint = _endpoint(workshop, route, lock)
+        routes.append(WebRoute(f"/api/{where}", endpoint, methods=[method]))
+    routes += [WebRoute("/", _static_file), WebRoute("/{name:path}", _static_file)]
+    return RequestCheck(Starlette(routes=routes), token, frozenset(hosts))
 
 
-class Guard:
+class RequestCheck:
     """Refuses requests without the token, from other sites, or of too many bytes."""
 
     def __init__(self, inner: ASGIApp, token: str, hosts: frozenset[str]) -> None:
@@ -108,9 +99,9 @@ class Guard:
         headers = {key.decode("latin-1"): v.decode("latin-1") for key, v in scope["headers"]}
         refused = self._refusal(scope["path"], headers)
 
-        async def guarded(message: Message) -> None:
+        async def send_secured(message: Message) -> None:
             if message["type"] == "http.response.start":
-                own = [(k.encode(), v.encode()) for k, v in HEADERS.items()]
+                own = [(k.encode(), v.encode()) for k, v in SECURITY_HEADERS.items()]
                 message = {**message, "headers": [*message["headers"], *own]}
             await send(message)
 
@@ -123,19 +114,18 @@ class Guard:
             answer = self.inner
             start = scope["path"].removeprefix(f"/{self.token}")
             scope = {**scope, "path": start, "raw_path": start.encode()}
-        await answer(scope, _limited(receive), guarded)
+        await answer(scope, receive, send_secured)
 
     def _refusal(self, path: str, headers: dict[str, str]) -> Response | None:
         """Return the response to a refused request; None for other requests."""
-        origin = headers.get("origin")
         if headers.get("host") not in self.hosts:
             return _error(
                 421,
                 "this address is not that of the studio; use the address that the studio printed",
             )
-        if origin is not None and urlsplit(origin).netloc not in self.hosts:
-            return _error(403, "requests from other sites are refused")
-        if headers.get("sec-fetch-site", "none") not in {"none", "same-origin"}:
+        origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
+        foreign = origin is not None and urlsplit(origin).netloc not in self.hosts
+        if foreign or site not in {"none", "same-origin"}:
             return _error(403, "requests from other sites are refused")
         token = path.split("/", 2)[1] if path.startswith("/") else ""
         if not compare_digest(token.encode(), self.token.encode()):
@@ -144,100 +134,93 @@ class Guard:
             )
         length = headers.get("content-length", "0")
         if not length.isdecimal() or int(length) > MAX_REQUEST_BYTES:
-            return _error(413, f"the request is larger than {MAX_REQUEST_BYTES >> 20} MB")
+            return _too_large()
         return None
 
 
-class _TooLargeError(Exception):
-    """A request without a stated length exceeds the limit."""
-
-
-def _limited(receive: Receive) -> Receive:
-    seen = 0
-
-    async def limited() -> Message:
-        nonlocal seen
-        message = await receive()
-        seen += len(message.get("body", b""))
-        if seen > MAX_REQUEST_BYTES:
-            raise _TooLargeError
-        return message
-
-    return limited
-
-
-def _asking(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request], Any]:
+def _endpoint(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request], Any]:
     """Return the endpoint of a route; requests are answered one at a time."""
 
-    def call(asked: Wish) -> Answer:
+    def call(asked: StudioRequest) -> RouteResult:
         with lock:
             return route(workshop, asked)
 
     async def endpoint(request: Request) -> Response:
+        content = bytearray()
         try:
-            content = await request.body()
-            asked = Wish(request.path_params.get("name", ""), dict(request.query_params), content)
-            answer = await run_in_threadpool(call, asked)
-        except (_TooLargeError, ClientDisconnect):
-            return _error(413, f"the request is larger than {MAX_REQUEST_BYTES >> 20} MB")
+            async for chunk in request.stream():  # a request without a stated length has no end
+                content += chunk
+                if len(content) > MAX_REQUEST_BYTES:
+                    return _too_large()
+            name, query = request.path_params.get("name", ""), dict(request.query_params)
+            answer = await run_in_threadpool(call, StudioRequest(name, query, bytes(content)))
+        except ClientDisconnect:
+            return _too_large()
         except LipsyncError as error:
-            return _told(error)
+            return _error_response(error)
         except Exception:  # noqa: BLE001 no traceback reaches a user; the log has it
             _log.exception("%s failed", request.url.path)
             return _error(
                 500, "the studio has failed; see its terminal for details. No edits are lost"
             )
-        if isinstance(answer, Packed):
+        if isinstance(answer, PackedResponse):
             return Response(answer.content(), media_type="application/octet-stream")
         return JSONResponse(answer)
 
     return endpoint
 
 
-def _told(error: LipsyncError) -> Response:
+def _error_response(error: LipsyncError) -> Response:
     """Return an error as JSON: its message, its faults, and the entries of a conflict."""
-    told: dict[str, Any] = {"error": str(error)}
+    data: Json = {"error": str(error)}
     if isinstance(error, PackFaults):
-        told["faults"] = [
+        data["faults"] = [
             {
-                "place": f"{f.file}:{f.line}:{f.column}",
-                "code": f.code,
-                "what": f.what,
-                "hint": f.hint,
+                "place": f"{fault.file}:{fault.line}:{fault.column}",
+                "code": fault.code,
+                "what": fault.what,
+                "hint": fault.hint,
             }
-            for f in error.faults
+            for fault in error.faults
         ]
-    if isinstance(error, Refused):
-        return JSONResponse(told | {"conflict": error.conflict}, 409)
-    return JSONResponse(told, 409 if isinstance(error, EditConflict) else 422)
+    if isinstance(error, UnresolvedConflict):
+        return JSONResponse(data | {"conflict": error.conflict}, 409)
+    return JSONResponse(data, 409 if isinstance(error, EditConflict) else 422)
 
 
 def _error(status: int, what: str) -> Response:
-    return Response(json.dumps({"error": what}), status, media_type="application/json")
+    return JSONResponse({"error": what}, status)
 
 
-def _file(name: str) -> Callable[[Request], Any]:
-    async def endpoint(_: Request) -> Response:
-        kind = KINDS[name.rpartition(".")[2]]
-        content = (files("lipsync_lang.studio") / "static" / name).read_bytes()
-        return Response(content, media_type=kind)
+def _too_large() -> Response:
+    return _error(413, f"the request is larger than {MAX_REQUEST_BYTES >> 20} MB")
 
-    return endpoint
+
+async def _static_file(request: Request) -> Response:
+    """Serve a file of `static`, or the studio's script."""
+    name = request.path_params.get("name", "studio.html")
+    if name == STUDIO_SCRIPT:
+        return Response(
+            _script(), headers={"content-encoding": "gzip"}, media_type=MEDIA_TYPES[".js"]
+        )
+    file = _static_files().get(name)
+    if file is None:
+        return _error(404, "there is no such file")
+    return Response(file.read_bytes(), media_type=MEDIA_TYPES[file.suffix])
 
 
 @cache
 def _script() -> bytes:
     """Return the studio's modules as one compressed script, for a single small request."""
-    return gzip.compress(bundle("studio").encode(), mtime=0)
+    return gzip.compress(bundle("shell/studio").encode(), mtime=0)
 
 
-async def _named(request: Request) -> Response:
-    """Serve a file of `static`; the route excludes names with folders."""
-    name = request.path_params["name"]
-    if name == SCRIPT:
-        return Response(_script(), headers={"content-encoding": "gzip"}, media_type=KINDS["js"])
-    known = {one.name for one in (files("lipsync_lang.studio") / "static").iterdir()}
-    if name not in known or name.rpartition(".")[2] not in KINDS:
-        return _error(404, "there is no such file")
-    answer: Response = await _file(name)(request)
-    return answer
+@cache
+def _static_files() -> Mapping[str, Path]:
+    """Return the files of `static` by their paths, so that a request can name no other file."""
+    folder = Path(__file__).parent / "static"
+    return {
+        file.relative_to(folder).as_posix(): file
+        for file in folder.rglob("*")
+        if file.suffix in MEDIA_TYPES
+    }

@@ -17,15 +17,15 @@ from lipsync_lang.studio.merging import (
     overlap,
 )
 
-Parts = tuple[TextPart, ...]
+TextParts = tuple[TextPart, ...]
 """A text in parts; empty for a file that does not exist."""
 
-Edit = tuple[Path, Loc, Any]
+PackEdit = tuple[Path, Loc, Any]
 """File, location and new value (`ABSENT` deletes the entry)."""
 
 
 @dataclass
-class Sheet:
+class EditedFile:
     """A file that can have unsaved edits."""
 
     path: Path
@@ -50,8 +50,8 @@ class Step:
     merge: str
     tab: str
     locs: list[tuple[Path, Loc]]
-    before: dict[Path, Parts] = field(default_factory=dict)
-    after: dict[Path, Parts] = field(default_factory=dict)
+    before: dict[Path, TextParts] = field(default_factory=dict)
+    after: dict[Path, TextParts] = field(default_factory=dict)
     journaled: bool = True
     """False for a step that the journal contains only as part of a text."""
 
@@ -67,7 +67,7 @@ class Plan:
     dropped: Sequence[Loc] = ()
 
 
-def planned(sheet: Sheet, disk: bytes | None, keep: Choices) -> Plan:
+def planned(sheet: EditedFile, disk: bytes | None, keep: Choices) -> Plan:
     """Merge a file's edits with the content on the disk."""
     mine, whole = sheet.text, keep.get((sheet.path, WHOLE_FILE))
     if disk == sheet.base:
@@ -88,7 +88,7 @@ def planned(sheet: Sheet, disk: bytes | None, keep: Choices) -> Plan:
 
 def rebase(
     steps: Iterable[Step],
-    sheet: Sheet,
+    sheet: EditedFile,
     theirs: SplicedText,
     now: SplicedText,
     dropped: Sequence[Loc],
@@ -132,7 +132,7 @@ def in_parts(path: Path, content: bytes | None) -> SplicedText:
     return SplicedText(path, ()) if content is None else SplicedText.read(path, content)
 
 
-def by_file(edits: Sequence[Edit]) -> dict[Path, list[Change]]:
+def by_file(edits: Sequence[PackEdit]) -> dict[Path, list[Change]]:
     """Group edits by their file."""
     changes: dict[Path, list[Change]] = {}
     for path, loc, value in edits:

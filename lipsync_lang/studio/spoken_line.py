@@ -12,13 +12,13 @@ import numpy as np
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule
 
-LEAST_SECONDS = 0.005
+MIN_SPAN_SECONDS = 0.005
 """Minimum length of a phoneme beside a moved boundary."""
 
-MAX_FRAMES = 7200
+MAX_PART_FRAMES = 7200
 """Maximum number of frames in the shown part: 2 minutes at 60 per second."""
 
-SEARCHED = 0.25
+PAUSE_SEARCH_SHARE = 0.25
 """Share at the end of a part in which a pause may end it."""
 
 
@@ -52,7 +52,7 @@ class SpokenLine:
     def number(self, seconds: float) -> int:
         """Return the number of the shown part among those of at most some seconds."""
         starts = self.whole.times[self.cuts(seconds)[:-1]]
-        return max(0, int(starts.searchsorted(self.at + LEAST_SECONDS / 2, "right")) - 1)
+        return max(0, int(starts.searchsorted(self.at + MIN_SPAN_SECONDS / 2, "right")) - 1)
 
     def show(self, number: int, seconds: float) -> None:
         """Show another part."""
@@ -84,19 +84,18 @@ class SpokenLine:
         if not 0 <= boundary <= stop - first:
             raise LipsyncError(f"there is no boundary {boundary}; the last is {stop - first}")
         at, times = first + boundary, self.whole.times.copy()
-        low = times[at - 1] + LEAST_SECONDS if at else min(0.0, times[0])
-        high = times[at + 1] - LEAST_SECONDS if at + 1 < len(times) else self._latest()
+        low = times[at - 1] + MIN_SPAN_SECONDS if at else min(0.0, times[0])
+        audio = self.whole.audio
+        if at + 1 < len(times):
+            high = times[at + 1] - MIN_SPAN_SECONDS
+        else:
+            high = max(self.whole.end, float("inf") if audio is None else audio.seconds)
         if low <= high:  # phonemes below the minimum length keep it
             times[at] = min(max(to, low), high)
         cuts = self.cuts(seconds)
         self.whole = replace(self.whole, times=times)
         self._cut = self.whole, seconds, cuts  # an edit does not change the parts
         self.at = float(times[first])
-
-    def _latest(self) -> float:
-        """Return the latest possible end of the line, the end of its sound."""
-        audio = self.whole.audio
-        return max(self.whole.end, float("inf") if audio is None else audio.seconds)
 
     def retime(self, times: Sequence[float], seconds: float) -> None:
         """Set all boundaries of the shown part.
@@ -155,7 +154,7 @@ def _cuts(schedule: Schedule, seconds: float) -> "list[int]":
     while times[-1] - times[found[-1]] > seconds:
         begin = found[-1]
         most = int(times.searchsorted(times[begin] + seconds, "right")) - 1
-        least = int(times.searchsorted(times[begin] + (1 - SEARCHED) * seconds))
+        least = int(times.searchsorted(times[begin] + (1 - PAUSE_SEARCH_SHARE) * seconds))
         places = np.arange(max(least, begin + 1), max(most, begin + 1) + 1)
         if not len(places):
             places = np.array([max(most, begin + 1)])

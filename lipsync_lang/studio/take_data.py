@@ -11,19 +11,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.json_object import Json
+from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.performing.trace import (
     DONE,
     VISIBLE,
     constraint_reason,
     held_reason,
 )
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
 from lipsync_lang.quality.figures import Quality, describe
 from lipsync_lang.render.plot import STAGES
-from lipsync_lang.rigs.container import Json
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 
@@ -31,10 +32,10 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.resolver.compiled import Origin
 
-FULL = 65535
+WEIGHT_STEPS = 65535
 """Number of steps of a weight from 0 to 1."""
 
-ABSENT = FULL
+NO_POSITION = WEIGHT_STEPS
 """Position in a bigram for frames outside it."""
 
 SHOWN_FOLDERS = 2
@@ -54,7 +55,7 @@ def take_data(
     performer : performer of this face, for stages and explanations of its own animation
     quality : figures of the animation, for the timeline
     """
-    made = _Making.of(animation)
+    made = _Stages.of(animation)
     data: Json = {
         "fps": animation.fps,
         "start": round(float(animation.times[0]), 6),
@@ -82,7 +83,7 @@ def curves_data(animation: Animation, pack: ArrayPack) -> Json:
                 "high": high,
                 "moves": bool(np.ptp(curve) > VISIBLE),
                 "bone": animation.columns[number].node is not None,
-                "values": pack.add((curve - low) / (high - low), "u2", FULL),
+                "values": pack.add((curve - low) / (high - low), "u2", WEIGHT_STEPS),
             }
         )
     return {"poses": list(animation.poses), "curves": rows}
@@ -113,11 +114,13 @@ def figures_data(quality: Quality) -> list[Json]:
     ]
 
 
-class _Making:
+class _Stages:
     """The stages of a performance on the frames of its animation."""
 
-    def __init__(self, animation: Animation, performance: Performance) -> None:
-        self._performer: Performer = animation.performer
+    def __init__(
+        self, animation: Animation, performer: "Performer", performance: Performance
+    ) -> None:
+        self._performer = performer
         self._performance, self._schedule = performance, animation.schedule
         frames = performance.frames
         first = round((float(animation.times[0]) - float(frames.times(0, 1)[0])) * frames.fps)
@@ -131,18 +134,15 @@ class _Making:
         self.stages = [Stage(n, c[:, own]) for n, c in performance.stages(begin, stop)]
 
     @classmethod
-    def of(cls, animation: Animation) -> "_Making | None":
+    def of(cls, animation: Animation) -> "_Stages | None":
         """Repeat the performance of an animation; None for an animation of another program."""
-        performer = animation.performer
-        if performer is None:
+        line = PerformedLine.of(animation)
+        if line is None:
             return None
         try:
-            performance = performer.performance(
-                animation.schedule, animation.fps, **animation.asked
-            )
+            return cls(animation, line.performer, line.performance(animation))
         except LipsyncError:
             return None
-        return cls(animation, performance)
 
     def data(self, pack: ArrayPack) -> Json:
         """Return the stages, bigrams and reasons as JSON data."""
@@ -160,11 +160,18 @@ class _Making:
             "bounds": [round(float(time), 5) for time in track.bounds],
             "stages": list(self._stages(moving, pack)),
             "phoneme": pack.add(place.phoneme, "u2"),
-            "places": [pack.add(one, "u2", FULL) for one in self._places(place)],
+            "places": [pack.add(one, "u2", WEIGHT_STEPS) for one in self._places(place)],
             "bigrams": [self._bigram(number) for number in range(len(track.rows))],
-            "given": [[pack.add(side[:, p], "u2", FULL) for p in moving]
+            "given": [[pack.add(side[:, p], "u2", WEIGHT_STEPS) for p in moving]
                       for side in (ending, beginning)],
-            "dials": [self._dial(dial, pack) for dial in self._performance.dials],
+            "dials": [
+                {
+                    "name": dial.name,
+                    "poses": np.flatnonzero(dial.poses).tolist(),
+                    "level": pack.add(dial.level.at(self.times), "f4"),
+                }
+                for dial in self._performance.dials
+            ],
         }  # fmt: skip
 
     def _stages(self, moving: Any, pack: ArrayPack) -> Iterator[Json]:
@@ -179,7 +186,9 @@ class _Making:
                 "colour": colour,
                 "why": DONE.get(stage.name, ""),
                 "curves": [
-                    pack.add(stage.curves[pose], "u2", FULL) if changed[pose].any() else None
+                    pack.add(stage.curves[pose], "u2", WEIGHT_STEPS)
+                    if changed[pose].any()
+                    else None
                     for pose in moving
                 ],
                 "reasons": [list(self._reasons(stage, pose, changed[pose])) for pose in moving],
@@ -210,14 +219,14 @@ class _Making:
         track = self._performance.track
         boundary = track.boundary(self._performer.compiled.tables.neutral)
         at, last = place.phoneme, len(track.rows)
-        absent = ABSENT / FULL
+        absent = NO_POSITION / WEIGHT_STEPS
         if not last:
             return np.full(len(at), absent), np.full(len(at), absent)
         pin = boundary[np.maximum(at - 1, 0)]
         coming = np.where((at > 0) & (place.coming <= 1), pin + (1 - pin) * place.coming, absent)
         begins = (at < last) & (place.going >= 0)
         going = np.where(begins, boundary[np.minimum(at, last - 1)] * place.going, absent)
-        almost = (FULL - 1) / FULL  # the end of a bigram is no absence
+        almost = (WEIGHT_STEPS - 1) / WEIGHT_STEPS  # the end of a bigram is no absence
         return (
             np.where(coming < absent, np.minimum(coming, almost), absent),
             np.where(going < absent, np.minimum(going, almost), absent),
@@ -241,13 +250,6 @@ class _Making:
             data["drawn_as"] = "-".join(origin.pair)
         return data
 
-    def _dial(self, dial: Any, pack: ArrayPack) -> Json:
-        return {
-            "name": dial.name,
-            "poses": np.flatnonzero(dial.poses).tolist(),
-            "level": pack.add(dial.level.at(self.times), "f4"),
-        }
-
 
 @cache
 def _short(place: str) -> str:
@@ -255,6 +257,6 @@ def _short(place: str) -> str:
     return "/".join(PurePath(place.replace("\\", "/")).parts[-SHOWN_FOLDERS:])
 
 
-def settings_told(asked: Mapping[str, Any]) -> list[str]:
+def settings_texts(asked: Mapping[str, Any]) -> list[str]:
     """Return the options of a performance as text."""
     return [f"{name}: {value}" for name, value in asked.items() if value]

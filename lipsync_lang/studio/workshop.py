@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.json_object import Json
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
@@ -21,14 +22,13 @@ from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.resolver.settings import motion_with
-from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.bigram_home import bigram_home
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.edited_pair import EditedPair
 from lipsync_lang.studio.merging import Choices
 from lipsync_lang.studio.project_lines import ProjectLines
-from lipsync_lang.studio.sheets import Edit
-from lipsync_lang.studio.spoken_line import MAX_FRAMES, SpokenLine
+from lipsync_lang.studio.sheets import PackEdit
+from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -139,7 +139,7 @@ class Workshop:
             self.language, self.character = before
             raise
         if performer.compiled.language != before[0]:
-            self._put_by()
+            self._keep_corrections()
             self.line = self.script_line = None
         if (self.language, self.character) != before:  # styles and regions are a character's own
             self.settings = LineSettings(fps=self.settings.fps)
@@ -182,13 +182,6 @@ class Workshop:
             known = None if self._pair is None else self._pair.current(self.desk)
             self._pair = known or EditedPair.of(self._open(self.desk.contents), self.desk)
         return self._pair.pair
-
-    def _with(self, changed: Mapping[Path, SplicedText]) -> OpenPair:
-        """Return the open pair with changed texts: with new bigrams, or compiled again."""
-        contents = {**self.desk.contents, **{path: text.content for path, text in changed.items()}}
-        self.pair()
-        made = None if self._pair is None else self._pair.changed(contents, changed)
-        return made or self._open(contents)
 
     def _open(self, contents: Mapping[Path, bytes]) -> OpenPair:
         library = Library(self.paths, self.project, unsaved=contents, earlier=self._earlier())
@@ -239,19 +232,24 @@ class Workshop:
         motion = motion_with(compiled.motion, self.motion)
         return Performer(compiled, motion, "rest", self.paths, cleaning=self.cleaning)
 
-    def edit(self, title: str, edits: Sequence[Edit], **more: Any) -> None:
+    def edit(self, title: str, edits: Sequence[PackEdit], **more: Any) -> None:
         """Change packs; an edit that makes the pair unperformable is refused.
 
         Parameters
         ----------
         more : keywords of `Desk.change`
         """
+        # The pair is compiled with the edits before the desk takes them, and kept if it does.
         rehearsed: list[OpenPair] = []
         if any(self.homes.get(str(loc[1]) if loc[1:] else "") != path for path, loc, _ in edits):
             self.homes.clear()
 
         def rehearse(texts: Mapping[Path, SplicedText]) -> None:
-            rehearsed.append(self._with(texts))
+            contents = {path: text.content for path, text in texts.items()}
+            contents = {**self.desk.contents, **contents}
+            self.pair()  # so that there is one to change
+            pair = None if self._pair is None else self._pair.changed(contents, texts)
+            rehearsed.append(pair or self._open(contents))
 
         self.desk.change(title, edits, check=rehearse if self.language else None, **more)
         for pair in rehearsed:
@@ -299,7 +297,7 @@ class Workshop:
             f"{self.shown(path)} belongs to the installed packs; copy it into the project first"
         )
 
-    def shelf(self) -> PairPacks:
+    def packs(self) -> PairPacks:
         """Return the packs of the open pair with the unsaved edits, to look up bigrams in."""
         return self.pair().shelf
 
@@ -312,7 +310,7 @@ class Workshop:
 
         if pair not in self.homes:
             first, _, second = pair.partition("-")
-            path, _ = bigram_home(self.shelf(), (first, second), self.project, self.own)
+            path, _ = bigram_home(self.packs(), (first, second), self.project, self.own)
             self.homes[pair] = path
         path = self.homes[pair]
         known = path.exists() or path in self.desk.contents
@@ -337,7 +335,7 @@ class Workshop:
     @property
     def part_seconds(self) -> float:
         """Maximum length of the shown part of a line, in seconds."""
-        return MAX_FRAMES / max(self.settings.fps, 1.0)
+        return MAX_PART_FRAMES / max(self.settings.fps, 1.0)
 
     @property
     def schedule(self) -> "Schedule | None":
@@ -350,11 +348,11 @@ class Workshop:
 
     def take_up(self, schedule: "Schedule", text: str) -> None:
         """Open a line, and drop levels over the time of the line before it."""
-        self._put_by()
+        self._keep_corrections()
         self.line, self.text, self.script_line = SpokenLine(schedule), text, None
         self.settings = self.settings.steady()
 
-    def _put_by(self) -> None:
+    def _keep_corrections(self) -> None:
         """Keep the open line of the script if it was corrected."""
         if self.line is not None and self.script_line is not None and self.line.corrected:
             self._corrected[self.script_line] = self.line
@@ -367,7 +365,7 @@ class Workshop:
         """
         performer = self.performer
         line = self.script.line(performer.compiled.language, name, performer.compiled.character)
-        self._put_by()
+        self._keep_corrections()
         corrected = self._corrected.get(line)
         schedule = (
             self.script.schedule(line, performer.speaker, self.engine)
@@ -413,7 +411,7 @@ class Workshop:
     def state(self) -> Json:
         """Return the state for all views as JSON data."""
         desk = self.desk
-        told: Json = {
+        data: Json = {
             "revision": desk.revision,
             "language": self.language,
             "character": self.character,
@@ -424,11 +422,11 @@ class Workshop:
             "notes": desk.notes,
         }
         if not self.language:
-            return told
+            return data
         performer = self.performer
         compiled = performer.compiled
         poseset = self.library().poseset(compiled.poseset).model
-        return told | {
+        return data | {
             "poseset": compiled.poseset,
             "poses": [
                 {"name": name, "title": pose.title or "", "region": pose.region or ""}

@@ -12,10 +12,10 @@ const [modules, chromium, folder, pictures] = process.argv.slice(2);
 
 const PAGE = `<!DOCTYPE html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <meta name="color-scheme" content="light dark"><link rel="icon" href="data:,"><title>Curves</title>
-<link rel="stylesheet" href="page.css"><link rel="stylesheet" href="curves.css"><link rel="stylesheet" href="own.css">
+<link rel="stylesheet" href="line/page.css"><link rel="stylesheet" href="curves/curves.css"><link rel="stylesheet" href="own.css">
 <div id="here"></div><script type="module" src="own.js"></script></html>`;
 const STYLE = "#here { height: 32rem; padding: 1rem }";
-const SCRIPT = `import { CurveEditor } from "./curve_editor.js";
+const SCRIPT = `import { CurveEditor } from "./curves/curve_editor.js";
 window.changes = [];
 window.tells = [];
 const editor = new CurveEditor(document.getElementById("here"), {
@@ -29,7 +29,7 @@ editor.show({
 });
 window.editor = editor;
 document.documentElement.dataset.ready = "";`;
-const MATRIX = `import { BigramMatrix } from "./bigram_matrix.js";
+const MATRIX = `import { BigramMatrix } from "./views/bigram_matrix.js";
 window.opened = [];
 const matrix = new BigramMatrix(document.getElementById("here"), { open: (pair) => opened.push(pair) });
 const pairs = {
@@ -43,7 +43,7 @@ const OWN = { "": PAGE, matrix: PAGE.replace("own.js", "matrix.js"), "own.js": S
 
 const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src data:";
 const server = await serve(
-  (path) => OWN[basename(path)] ?? readFileSync(join(folder, basename(path))), { "content-security-policy": POLICY },
+  (path) => OWN[basename(path)] ?? readFileSync(join(folder, path)), { "content-security-policy": POLICY },
 );
 const browser = await launch(modules, chromium, ...FLAT);
 const said = [];

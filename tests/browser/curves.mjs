@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 const [folder, file] = process.argv.slice(2);
-const { valuesAt } = await import(pathToFileURL(`${folder}/bspline.js`));
+const { valuesAt } = await import(pathToFileURL(`${folder}/curves/bspline.js`));
 const asked = JSON.parse(readFileSync(file, "utf8"));
 const all = (kind) => asked.map(({ points, times }) => [...valuesAt(points, kind, times)]);
 console.log(JSON.stringify({ bspline: all("bspline"), linear: all("linear") }));

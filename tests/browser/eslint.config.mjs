@@ -18,4 +18,5 @@ export default [
       "prefer-const": "error",
     },
   },
+  { files: ["**/studio/static/**"], rules: { "max-len": ["error", { code: 120 }] } },
 ];

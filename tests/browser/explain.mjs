@@ -4,8 +4,8 @@ import { pathToFileURL } from "node:url";
 
 const [folder, file, ...frames] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${folder}/${name}.js`));
-const { unpack } = await load("unpack");
-const { Take } = await load("take");
+const { unpack } = await load("line/unpack");
+const { Take } = await load("line/take");
 
 const html = readFileSync(file, "utf8");
 const element = (id) => html.match(new RegExp(`id="${id}">([^]*?)</script>`))[1];

@@ -4,9 +4,9 @@ import { pathToFileURL } from "node:url";
 
 const [folder, file, ...seconds] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${folder}/${name}.js`));
-const { unpack } = await load("unpack");
-const { Take } = await load("take");
-const { FaceShape } = await load("face_shape");
+const { unpack } = await load("line/unpack");
+const { Take } = await load("line/take");
+const { FaceShape } = await load("face/face_shape");
 
 const html = readFileSync(file, "utf8");
 const element = (id) => html.match(new RegExp(`id="${id}">([^]*?)</script>`))[1];

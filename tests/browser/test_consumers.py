@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from glb_files import FACE, JAW, SLIDE, model_of, with_jaw
 from lanes import full
-from test_glb import FACE, JAW, SLIDE, model_of, with_jaw
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation

@@ -13,6 +13,7 @@ from test_line_page import NASTY, schedule
 
 import lipsync_lang as ll
 from lipsync_lang import studio, study
+from lipsync_lang.animations.animation import ExportSettings
 from lipsync_lang.quality.baselines import keyframes
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist
@@ -50,7 +51,7 @@ def performed(character, *texts):
 
 def moments(animation, measure="aperture"):
     """Return the times at which the mouth is most closed and most open."""
-    gains = animation.performer.compiled.measures[measure]
+    gains = animation.source.performer.compiled.measures[measure]
     opening = np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)
     return [round(float(animation.times[at]), 2) for at in (opening.argmin(), opening.argmax())]
 
@@ -96,10 +97,12 @@ def assert_alike(pixels, animation, seconds):
 @pytest.mark.parametrize("character", ["facefx", "rhubarb"])
 def test_a_viewer_sees_the_mouth_move_and_its_reasons(show, character):
     animation = performed(character, "pie", "boof")
-    plain = keyframes(animation.performer, animation.schedule, animation.fps)
+    plain = keyframes(animation.source.performer, animation.schedule, animation.fps)
     plain = replace(plain, channels=animation.channels, model=animation.model)
     closed, opened = moments(animation)
-    shown = show(replace(animation, against={"plain": plain}), closed, opened)
+    shown = show(
+        replace(animation, export=ExportSettings(against={"plain": plain})), closed, opened
+    )
     assert shown["title"] == "pie boof"
     assert shown["at"] == pytest.approx([closed, opened], abs=1.1 / animation.fps)
     assert shown["moved"] > 20

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lanes import full
+from study_answers import submissions_in
 from test_consumers import chromium, found, run
 
 import lipsync_lang as ll
@@ -14,7 +15,7 @@ from lipsync_lang.study import study_clips
 from lipsync_lang.study.answer_server import answer_server
 from lipsync_lang.study.answer_sorting import SortingRules, sort_answers
 from lipsync_lang.study.methods import StudyCharacter, parse_methods
-from lipsync_lang.study.study_file import Submission, faults_against, parsed, read_answers
+from lipsync_lang.study.study_file import Submission, faults_against, parsed
 from lipsync_lang.study.study_lines import StudyLine
 from lipsync_lang.study.study_maker import StudyPlan, make_study
 from lipsync_lang.study.study_page import PageTexts, parse_asked
@@ -87,8 +88,7 @@ def test_a_rater_answers_reloads_and_exports(study, tmp_path):
     assert shown["asks"].startswith("Press again")
     assert shown["anew"] == [True, False], "the next person begins with consent"
     assert shown["others"]["rater"] != saved["rater"]
-    export = read_answers(tmp_path / "answers.json")
-    assert len(export.submissions) == 1
+    assert len(submissions_in(tmp_path / "answers.json")) == 1
     rules = SortingRules(failed_checks=1, least_seconds=0.5)
     counted = sort_answers([tmp_path / "answers.json"], study.study, rules)
     assert (counted.raters, len(counted.choices), counted.checks) == (1, 4, 2)
@@ -97,15 +97,14 @@ def test_a_rater_answers_reloads_and_exports(study, tmp_path):
 
 def test_a_served_page_sends_its_answers(study, tmp_path):
     with answer_server(study.folder, "127.0.0.1", 0) as server:
-        thread = threading.Thread(target=server.serve_forever, args=(0.05,))
+        thread = threading.Thread(target=server.run)
         thread.start()
         try:
-            shown = answered(study, f"http://127.0.0.1:{server.server_address[1]}/", tmp_path)
+            shown = answered(study, f"http://127.0.0.1:{server.port}/", tmp_path)
         finally:
-            server.shutdown()
+            server.stop()
             thread.join()
     assert shown["sent"] == "The answers were sent. You can close this page."
     assert set(shown["asked"]) == {"GET /", "POST /answers"}
-    taken = read_answers(study.folder / "answers.jsonl")
-    assert not taken.faults
-    assert [one.model_dump(mode="json") for one in taken.submissions] == [shown["saved"]]
+    taken = submissions_in(study.folder / "answers.jsonl")
+    assert [one.model_dump(mode="json") for one in taken] == [shown["saved"]]

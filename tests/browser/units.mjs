@@ -4,20 +4,20 @@ import { pathToFileURL } from "node:url";
 
 const [folder] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${folder}/${name}.js`));
-const { clock, outline, ticks, within } = await load("scales");
-const { arraysOf, filled } = await load("unpack");
-const { composed, placed, times, FaceShape } = await load("face_shape");
-const { turned } = await load("gl_face");
-const { mouthOf } = await load("drawn_mouth");
-const { wave } = await load("player");
-const { sphere } = await load("ambient");
-const { Take } = await load("take");
-const { beside, editsOf, spoken } = await load("bigram_state");
-const { levelAt, movedPoint, withoutPoint, withPoint, withWord } = await load("level_points");
-const { LineSteps } = await load("line_steps");
-const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curve_points");
-const { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } = await load("target_forms");
-const { innerKinds, NEAR, OUTER, TONGUE } = await load("inner_mouth");
+const { clock, outline, ticks, within } = await load("timeline/scales");
+const { arraysOf, filled } = await load("line/unpack");
+const { composed, placed, times, FaceShape } = await load("face/face_shape");
+const { turned } = await load("face/gl_face");
+const { mouthOf } = await load("face/drawn_mouth");
+const { wave } = await load("line/player");
+const { sphere } = await load("face/ambient");
+const { Take } = await load("line/take");
+const { beside, editsOf, spoken } = await load("views/bigram_state");
+const { levelAt, movedPoint, withoutPoint, withPoint, withWord } = await load("timeline/level_points");
+const { LineSteps } = await load("views/line_steps");
+const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curves/curve_points");
+const { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } = await load("views/target_forms");
+const { innerKinds, NEAR, OUTER, TONGUE } = await load("face/inner_mouth");
 
 const near = (a, b, most = 1e-6) => {
   assert.equal(a.length, b.length);

@@ -5,33 +5,33 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.coverage.facts import authored
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.json_object import Json
 from lipsync_lang.packs.splicing import get
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.resolver.bigram_sources import beneath, stated, target_curves
 from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import BigramRow, PairPacks
-from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.bigram_home import bigram_home
-from lipsync_lang.studio.routes.asking import Routes, Wish
+from lipsync_lang.studio.routes.requests import StudioRequest
 from lipsync_lang.studio.script_count import script_needs
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Pack
 
-DIGITS = 4
+CURVE_DIGITS = 4
 """Decimal places of times and values."""
 
 MAX_WANTED = 200
 """Maximum number of bigrams in the list of the next ones to draw."""
 
-MAX_NAME_CHARS = 40
+MAX_BIGRAM_CHARS = 40
 """Maximum length of an unknown bigram's name in a message."""
 
 
-def matrix(workshop: Workshop, _: Wish) -> Json:
+def matrix(workshop: Workshop, _: StudioRequest) -> Json:
     """Return the status and the need of every bigram, and the next ones to draw.
 
     The `source` of the need is the script with the last count, or else the line.
@@ -45,10 +45,10 @@ def matrix(workshop: Workshop, _: Wish) -> Json:
             if i == j == compiled.tables.silence:
                 continue
             origin = compiled.origins[int(compiled.tables.pairs[i, j])]
-            told = {"status": origin.status or "gap", "layer": origin.layer}
+            state = {"status": origin.status or "gap", "layer": origin.layer}
             count, word = needs.get(f"{first}-{second}", (0, ""))
             found = {"need": count, "word": origin.word or word}
-            pairs[f"{first}-{second}"] = told | {key: one for key, one in found.items() if one}
+            pairs[f"{first}-{second}"] = state | {key: one for key, one in found.items() if one}
     wanted = [
         {"pair": pair, "count": count, "word": pairs[pair].get("word", "")}
         for pair, (count, _) in sorted(needs.items(), key=lambda need: -need[1][0])
@@ -81,33 +81,40 @@ def _needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
     return {pair: (count, words.get(pair, "")) for pair, count in counts.items()}
 
 
-def bigram(workshop: Workshop, asked: Wish) -> Json:
+def bigram(workshop: Workshop, request: StudioRequest) -> Json:
     """Return a bigram: its curves and fields, its file, and curves for comparison.
 
     The query may name the bigrams `before` and `after` it in the line.
     """
-    shelf = workshop.shelf()
-    pair = _pair(shelf, asked.name)
-    row = shelf.row(pair)
-    key = stated(shelf, row)
-    own = _written(workshop, shelf, row) if key == asked.name else {}
-    told = _drawn(shelf, row) | _fields(row, own) | _home(workshop, shelf, pair)
-    told |= {
-        "pair": asked.name,
+    packs = workshop.packs()
+    pair = _pair(packs, request.name)
+    row = packs.row(pair)
+    key = stated(packs, row)
+    # A bigram that copies another has no fields of its own.
+    own = _written(workshop, packs, row) if key == request.name else {}
+    data = _drawn(packs, row) | _home(workshop, packs, pair)
+    data |= {
+        "status": row.origin.status or "drafted",
+        "word": row.origin.word or "",
+        "why": own.get("why") or "",
+        "contact": "free" if row.free else "hold",
+        "interpolation": own.get("interpolation") or "",
+        "kind": "linear" if row.linear else "bspline",
+        "pair": request.name,
         "layer": row.origin.layer,
         "place": row.place and f"{workshop.shown(row.place.file)}:{row.place.line}",
-        "drawn_as": key if key and key != asked.name else "",
-        "ghosts": list(_ghosts(shelf, row, pair)),
+        "drawn_as": key if key and key != request.name else "",
+        "ghosts": list(_ghosts(packs, row, pair)),
     }
     for side in ("before", "after"):
-        name = asked.query.get(side, "")
-        beside = _parted(shelf, name)
+        name = request.query.get(side, "")
+        beside = _parted(packs, name)
         if beside:
-            told[side] = {"pair": name} | _drawn(shelf, shelf.row(beside))
-    return told
+            data[side] = {"pair": name} | _drawn(packs, packs.row(beside))
+    return data
 
 
-def _home(workshop: Workshop, shelf: PairPacks, pair: Pair) -> Json:
+def _home(workshop: Workshop, packs: PairPacks, pair: Pair) -> Json:
     """Return the target file for edits; `locked` is the reason if there is none.
 
     `character` is the user's file of the character, for edits of this face only, and `bank_kind`
@@ -116,10 +123,10 @@ def _home(workshop: Workshop, shelf: PairPacks, pair: Pair) -> Json:
     who = workshop.files().get("character")
     own = {"character": workshop.shown(who) if who and workshop.own(who) else ""}
     try:
-        path, here = bigram_home(shelf, pair, workshop.project, workshop.own)
+        path, here = bigram_home(packs, pair, workshop.project, workshop.own)
     except LipsyncError as error:
         return own | {"stated": False, "file": "", "bank_kind": "bspline", "locked": str(error)}
-    kinds = {pack.path: pack.model.interpolation for pack in (*shelf.own_banks, *shelf.banks)}
+    kinds = {pack.path: pack.model.interpolation for pack in (*packs.own_banks, *packs.banks)}
     return own | {
         "stated": here,
         "file": workshop.shown(path),
@@ -128,73 +135,60 @@ def _home(workshop: Workshop, shelf: PairPacks, pair: Pair) -> Json:
     }
 
 
-def _parted(shelf: PairPacks, name: str) -> Pair | None:
+def _parted(packs: PairPacks, name: str) -> Pair | None:
     """Return the two phonemes of a bigram; None if there is no such bigram."""
     first, _, second = name.partition("-")
-    known = shelf.numbered
+    known = packs.numbered
     there = first in known and second in known and {first, second} != {known[0]}
     return (first, second) if there else None
 
 
-def _pair(shelf: PairPacks, name: str) -> Pair:
+def _pair(packs: PairPacks, name: str) -> Pair:
     """Return the two phonemes of a bigram, or refuse it."""
-    found = _parted(shelf, name)
+    found = _parted(packs, name)
     if found:
         return found
-    short, known = name[:MAX_NAME_CHARS], shelf.numbered
+    short, known = name[:MAX_BIGRAM_CHARS], packs.numbered
     every = [f"{a}-{b}" for a in known for b in known if a != b or a != known[0]]
-    language = shelf.language.model.name
+    language = packs.language.model.name
     raise LipsyncError(f"unknown bigram '{short}' in {language}; {did_you_mean(short, every)}")
 
 
-def _written(workshop: Workshop, shelf: PairPacks, row: BigramRow) -> Json:
+def _written(workshop: Workshop, packs: PairPacks, row: BigramRow) -> Json:
     """Return the fields of a row as in its file, with the unsaved edits."""
-    packs: tuple[Pack[Any], ...] = (shelf.character, *shelf.own_banks, *shelf.banks)
-    data = {pack.path: pack.source.data for pack in packs}
     if row.place is None:
         return {}
+    files: tuple[Pack[Any], ...] = (packs.character, *packs.own_banks, *packs.banks)
+    data = {pack.path: pack.source.data for pack in files}
     text = workshop.desk.text(row.place.file)
     stated_in = data.get(row.place.file) if text is None else text.data
     found = get(stated_in, ("bigrams", "-".join(row.origin.pair)))
     return found if isinstance(found, dict) else {}
 
 
-def _fields(row: BigramRow, own: Json) -> Json:
-    """Return the fields other than the curves; a bigram that copies another has none."""
-    return {
-        "status": row.origin.status or "drafted",
-        "word": row.origin.word or "",
-        "why": own.get("why") or "",
-        "contact": "free" if row.free else "hold",
-        "interpolation": own.get("interpolation") or "",
-        "kind": "linear" if row.linear else "bspline",
-    }
+def _drawn(packs: PairPacks, row: BigramRow) -> Json:
+    return {"boundary": row.boundary, "curves": _curves(packs, row.curves)}
 
 
-def _drawn(shelf: PairPacks, row: BigramRow) -> Json:
-    return {"boundary": row.boundary, "curves": _curves(shelf, row.curves)}
-
-
-def _curves(shelf: PairPacks, curves: Mapping[int, Floats]) -> Json:
+def _curves(packs: PairPacks, curves: Mapping[int, Floats]) -> Json:
     """Return control points by pose."""
     return {
-        shelf.poses[pose]: [[round(t, DIGITS), round(v, DIGITS)] for t, v in points.tolist()]
+        packs.poses[pose]: [
+            [round(t, CURVE_DIGITS), round(v, CURVE_DIGITS)] for t, v in points.tolist()
+        ]
         for pose, points in sorted(curves.items())
     }
 
 
-def _ghosts(shelf: PairPacks, row: BigramRow, pair: Pair) -> Iterator[Json]:
+def _ghosts(packs: PairPacks, row: BigramRow, pair: Pair) -> Iterator[Json]:
     """Yield the draft, the layer below, and the targets, if they differ from the row."""
-    draft = shelf.drafts([pair]).get(pair)
+    draft = packs.drafts([pair]).get(pair)
     if draft is not None:
-        yield {"name": "draft", "kind": "draft"} | _drawn(shelf, draft)
-    under = beneath(shelf, row)
+        yield {"name": "draft", "kind": "draft"} | _drawn(packs, draft)
+    under = beneath(packs, row)
     if under is not None and under.place is not None:
-        yield {"name": "beneath", "kind": "beneath"} | _drawn(shelf, under)
-    targets = target_curves(shelf, pair, row.boundary)
+        yield {"name": "beneath", "kind": "beneath"} | _drawn(packs, under)
+    targets = target_curves(packs, pair, row.boundary)
     if targets:
-        curves = _curves(shelf, targets)
+        curves = _curves(packs, targets)
         yield {"name": "targets", "kind": "targets", "boundary": row.boundary, "curves": curves}
-
-
-ROUTES: Routes = {"GET matrix": matrix, "GET bigram/{name}": bigram}

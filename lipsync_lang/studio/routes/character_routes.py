@@ -10,39 +10,36 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, ModelError
 from lipsync_lang.files import write_all
+from lipsync_lang.json_object import Json
 from lipsync_lang.packs.finding import FOLDERS
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.performing.trace import VISIBLE
 from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.resolver.pose_arrays import SOFTNESS_SECONDS
 from lipsync_lang.resolver.settings import RANGES
-from lipsync_lang.rigs.container import Json
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
-from lipsync_lang.studio.routes.asking import Routes, Wish, listed, sent_file
+from lipsync_lang.studio.routes.requests import StudioRequest, listed, sent_file
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
-    from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.tables import Tables
-    from lipsync_lang.rigs.channel import Channel
 
 MAX_MIXES = 400
 """Maximum number of mixes of poses in a request, such as one for each pose."""
 
-VISIBLE = 5e-4
-"""Minimum change of a weight to show, as in `performing.trace`."""
-
-STATED = ("constraints", "priority", "contacts", "softness", "motion", "targets", "poses")
+EDITED_FIELDS = ("constraints", "priority", "contacts", "softness", "motion", "targets", "poses")
 """Fields of a pose set that the character view edits."""
 
 _NOT_IN_A_NAME = re.compile(r"[^A-Za-z0-9_-]+")
 
 
-def character(workshop: Workshop, _: Wish) -> Json:
+def character(workshop: Workshop, _: StudioRequest) -> Json:
     """Return the pose set as in its file, and the values in effect."""
     performer, library = workshop.performer, workshop.library()
     compiled = performer.compiled
@@ -50,12 +47,14 @@ def character(workshop: Workshop, _: Wish) -> Json:
     rule = {p: n for n, c in poseset.model.contacts.items() for p in c.phonemes}
     common = library.common().model
     who = library.character(compiled.character).model
+    phonemes = dict.fromkeys((*compiled.counted, *compiled.shades, *poseset.model.targets))
+    motion = asdict(performer.motion)
     return {
         "poseset": compiled.poseset,
         "title": poseset.model.title,
         "file": workshop.shown(poseset.path),
         "own": workshop.own(poseset.path),
-        "stated": {key: poseset.source.data.get(key) for key in STATED},
+        "stated": {key: poseset.source.data.get(key) for key in EDITED_FIELDS},
         "phonemes": [
             {
                 "name": name,
@@ -65,9 +64,9 @@ def character(workshop: Workshop, _: Wish) -> Json:
                 "contact": rule.get(name, ""),
                 "replaced": name in who.targets,
             }
-            for name in _phonemes(workshop, list(poseset.model.targets))
+            for name in phonemes
         ],
-        "motion": _plain(asdict(performer.motion)),
+        "motion": {name: None if value == np.inf else value for name, value in motion.items()},
         "ranges": {name: list(span) for name, span in RANGES.items()},
         "softness": SOFTNESS_SECONDS,
         "rig": None if compiled.rig is None else compiled.rig["name"],
@@ -75,28 +74,16 @@ def character(workshop: Workshop, _: Wish) -> Json:
     }
 
 
-def _phonemes(workshop: Workshop, targeted: list[str]) -> list[str]:
-    """List the phonemes of the open language with shades, then those of other languages."""
-    compiled = workshop.performer.compiled
-    return list(dict.fromkeys([*compiled.counted, *compiled.shades, *targeted]))
-
-
-def _plain(settings: Json) -> Json:
-    """Return settings as JSON data: an infinite number is None."""
-    endless = {key for key, value in settings.items() if value == np.inf}
-    return {key: None if key in endless else value for key, value in settings.items()}
-
-
 # Mixes of poses
 
 
-def pose(workshop: Workshop, wish: Wish) -> Json:
+def pose(workshop: Workshop, request: StudioRequest) -> Json:
     """Convert mixes of poses to channels of the model, and list the rules that apply to them.
 
     Each of `mixes` is an object of poses and weights; `within` keeps them within the constraints.
     """
-    performer, within = workshop.performer, wish.body.get("within") is True
-    mixes = listed(wish.body.get("mixes"), "mixes")
+    performer, within = workshop.performer, request.body.get("within") is True
+    mixes = listed(request.body.get("mixes"), "mixes")
     if len(mixes) > MAX_MIXES:
         raise LipsyncError(f"give at most {MAX_MIXES} mixes at once")
     weights = np.array([_mix(performer, one) for one in mixes]).reshape(-1, len(performer.poses)).T
@@ -121,8 +108,7 @@ def _mix(performer: "Performer", mix: Any) -> Floats:
     if not isinstance(mix, dict):
         raise LipsyncError("a mix must be an object of poses and weights")
     for name, weight in mix.items():
-        number = isinstance(weight, (int, float)) and not isinstance(weight, bool)
-        if name not in performer.poses or not number or not 0 <= weight <= 1:
+        if name not in performer.poses or type(weight) not in {int, float} or not 0 <= weight <= 1:
             raise LipsyncError(f"'{name}' must be a pose of this face with a weight from 0 to 1")
     return np.array([mix.get(name, 0.0) for name in performer.poses], float)
 
@@ -148,7 +134,7 @@ def _acting(
 # Packs of the project
 
 
-def own(workshop: Workshop, _: Wish) -> Json:
+def own(workshop: Workshop, _: StudioRequest) -> Json:
     """Copy the pose set into the project for edits, and open the pair again."""
     from lipsync_lang.authoring.poseset_copy import copy_poseset
 
@@ -161,7 +147,7 @@ def own(workshop: Workshop, _: Wish) -> Json:
     return {"wrote": [workshop.shown(path) for path in written], "state": workshop.state()}
 
 
-def model(workshop: Workshop, wish: Wish) -> Json:
+def model(workshop: Workshop, request: StudioRequest) -> Json:
     """Put a model beside the character's pack in the project, and measure its fit.
 
     The answer has `name`, the value of the character's `model`.
@@ -171,16 +157,19 @@ def model(workshop: Workshop, wish: Wish) -> Json:
 
     performer = workshop.performer
     with TemporaryDirectory() as folder:
-        path = _glb(wish, Path(folder))
-        with _told_without(folder):
+        path = _glb(request, Path(folder))
+        with _without_folder(folder):
             sent = read_model(path, bones=performer.compiled.rig is not None)
-            channels = _face_channels(performer, path)
+            rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
+            animation = replace(performer.rigged(performer.perform(rest)), model=path)
+            _draw(animation)
+            channels = animation.columns
             found = find(channels, sent)
         names = [channel.name for channel in channels]
         missing = [name for name in names if name not in found.places]
         pack, _ = workshop.editable("character")
         target = pack.with_name(path.name)
-        _keep(target, path.read_bytes())
+        _write_new(target, path.read_bytes())
     return {
         "name": target.name,
         "shown": len(names) - len(missing),
@@ -189,16 +178,19 @@ def model(workshop: Workshop, wish: Wish) -> Json:
     }
 
 
-def drafted(workshop: Workshop, wish: Wish) -> Json:
+def drafted(workshop: Workshop, request: StudioRequest) -> Json:
     """Draft a character from a model, with the pose set and the rig that fit it best."""
     from lipsync_lang.authoring.character_draft import CharacterWish, draft
 
     with TemporaryDirectory() as folder:
-        path = _glb(wish, Path(folder))
-        name = wish.query.get("as", "") or _NOT_IN_A_NAME.sub("-", path.stem).strip("-")
-        with _told_without(folder):
+        path = _glb(request, Path(folder))
+        name = request.query.get("as", "") or _NOT_IN_A_NAME.sub("-", path.stem).strip("-")
+        with _without_folder(folder):
             made = draft(workshop.library(), CharacterWish(name, path), workshop.project)
-            _draw(_trial(path, [one for own in made.match.found.places.values() for one in own]))
+            shapes = [shape for own in made.match.found.places.values() for shape in own]
+            times, still = np.array([0, 0.1]), np.zeros((2, len(shapes)))
+            rest = Schedule(("_",), times)
+            _draw(Animation(times, tuple(shapes), still, 10.0, rest, model=path))
             made.write()
     workshop.open(workshop.language, workshop.character)  # to find the new packs
     return {
@@ -209,9 +201,9 @@ def drafted(workshop: Workshop, wish: Wish) -> Json:
     }
 
 
-def _glb(wish: Wish, folder: Path) -> Path:
+def _glb(request: StudioRequest, folder: Path) -> Path:
     """Write a sent model into a folder; only GLB has all parts in one file."""
-    path = sent_file(wish, folder)
+    path = sent_file(request, folder)
     if path.suffix.lower() != ".glb":
         raise LipsyncError(
             f"{path.name}: export the model as GLB, which contains all parts in one file"
@@ -221,7 +213,7 @@ def _glb(wish: Wish, folder: Path) -> Path:
 
 
 @contextmanager
-def _told_without(folder: str) -> Iterator[None]:
+def _without_folder(folder: str) -> Iterator[None]:
     """Leave a temporary folder out of messages about a model."""
     try:
         yield
@@ -229,24 +221,7 @@ def _told_without(folder: str) -> Iterator[None]:
         raise LipsyncError(str(error).replace(f"{folder}/", "")) from None
 
 
-def _face_channels(performer: "Performer", path: Path) -> "tuple[Channel, ...]":
-    """Return the channels of a face on another model, after a test drawing."""
-    rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
-    animation = replace(performer.rigged(performer.perform(rest)), model=path)
-    _draw(animation)
-    return animation.columns
-
-
-def _trial(path: Path, shapes: list[str]) -> "Animation":
-    """Return an animation of a model's own shapes and bones at rest."""
-    from lipsync_lang.animations.animation import Animation
-
-    still = np.zeros((2, len(shapes)))
-    schedule = Schedule(("_",), np.array([0, 0.1]))
-    return Animation(np.array([0, 0.1]), tuple(shapes), still, 10.0, schedule, model=path)
-
-
-def _draw(animation: "Animation") -> None:
+def _draw(animation: Animation) -> None:
     """Draw a model once.
 
     Raises
@@ -254,12 +229,12 @@ def _draw(animation: "Animation") -> None:
     ModelError
         The model cannot be drawn.
     """
-    told = face_data(animation, ArrayPack())
-    if "parts" not in told:
-        raise ModelError("; ".join(told["unshown"]))
+    face = face_data(animation, ArrayPack())
+    if "parts" not in face:
+        raise ModelError("; ".join(face["unshown"]))
 
 
-def _keep(path: Path, content: bytes) -> None:
+def _write_new(path: Path, content: bytes) -> None:
     """Write a model, but never replace another one."""
     if path.exists():
         if path.read_bytes() != content:
@@ -269,12 +244,3 @@ def _keep(path: Path, content: bytes) -> None:
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     write_all({path: lambda stream: stream.write(content)}, durable=True)
-
-
-ROUTES: Routes = {
-    "GET character": character,
-    "POST pose": pose,
-    "POST own": own,
-    "POST model": model,
-    "POST drafted": drafted,
-}

@@ -4,14 +4,17 @@ from pathlib import Path
 
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Tally
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.json_object import Json
 from lipsync_lang.resolver.layers import DRAFTED, FITTED
-from lipsync_lang.rigs.container import Json
-from lipsync_lang.studio.routes.asking import Routes, Wish, sent_file
+from lipsync_lang.studio.routes.requests import StudioRequest, sent_file
 from lipsync_lang.studio.script_count import script_of, scripts_in
 from lipsync_lang.studio.workshop import Workshop
 
 MINUTES = 5.0
 """Default minutes to author a bigram, as in `coverage`."""
+
+MAX_MINUTES = 600.0
+"""Maximum number of minutes to author a bigram."""
 
 MAX_PLANNED = 300
 """Maximum number of bigrams in the plan."""
@@ -23,40 +26,40 @@ MAX_SENTENCES = 60
 """Maximum number of lines that together contain the bigrams left to draw."""
 
 
-def coverage(workshop: Workshop, wish: Wish) -> Json:
+def coverage(workshop: Workshop, request: StudioRequest) -> Json:
     """Return the script, the state of its count, and the bigrams left to draw."""
     script = script_of(workshop)
     script.update(workshop)
-    report = script.report(workshop, _minutes(wish))
+    report = script.report(workshop, _minutes(request))
     return {
         "script": {"name": script.name, "sent": script.sent, "column": script.column or ""},
         "offered": scripts_in(workshop.project),
-        "report": None if report is None else _told(report),
+        "report": None if report is None else _report_data(report),
     } | script.progress
 
 
-def choose(workshop: Workshop, wish: Wish) -> Json:
+def choose(workshop: Workshop, request: StudioRequest) -> Json:
     """Use a file of the project as the script; an empty name stands for no script."""
-    name, column = wish.text("name"), wish.body.get("column")
+    name, column = request.text("name"), request.body.get("column")
     if column is not None and not isinstance(column, str):
         raise LipsyncError("`column` must be the name or the number of a column")
     if name:
         script_of(workshop).choose(workshop, name, column or None)
     else:
         script_of(workshop).clear()
-    return coverage(workshop, wish)
+    return coverage(workshop, request)
 
 
-def receive(workshop: Workshop, wish: Wish) -> Json:
+def receive(workshop: Workshop, request: StudioRequest) -> Json:
     """Use a sent file as the script."""
     script = script_of(workshop)
-    script.receive(lambda folder: sent_file(wish, folder), wish.query.get("column") or None)
-    return coverage(workshop, wish)
+    script.receive(lambda folder: sent_file(request, folder), request.query.get("column") or None)
+    return coverage(workshop, request)
 
 
-def sentences(workshop: Workshop, wish: Wish) -> Json:
+def sentences(workshop: Workshop, request: StudioRequest) -> Json:
     """Return a short list of lines that together show every bigram that is not authored."""
-    report = script_of(workshop).report(workshop, _minutes(wish), sentences=True)
+    report = script_of(workshop).report(workshop, _minutes(request), sentences=True)
     if report is None:
         raise LipsyncError("no script is counted; choose a script first")
     found = [
@@ -66,17 +69,17 @@ def sentences(workshop: Workshop, wish: Wish) -> Json:
     return {"sentences": found[:MAX_SENTENCES], "count": len(found)}
 
 
-def _minutes(wish: Wish) -> float:
+def _minutes(request: StudioRequest) -> float:
     try:
-        minutes = float(wish.query.get("minutes", MINUTES))
+        minutes = float(request.query.get("minutes", MINUTES))
     except ValueError:
         minutes = 0.0
-    if not 0 < minutes <= 600:  # noqa: PLR2004 ten hours for one bigram
+    if not 0 < minutes <= MAX_MINUTES:
         raise LipsyncError("minutes for a bigram: give a number above 0 and up to 600")
     return minutes
 
 
-def _told(report: CoverageReport) -> Json:
+def _report_data(report: CoverageReport) -> Json:
     """Return a report as JSON data for the view."""
     missing = [row for row in report.bigrams if not row.authored]
     status: dict[str, list[int]] = {}
@@ -122,11 +125,3 @@ def _tallies(found: "tuple[Tally, ...]") -> list[Json]:
         {"what": one.what, "count": one.count, "place": Path(one.place).name}
         for one in found[:MAX_TALLIES]
     ]
-
-
-ROUTES: Routes = {
-    "GET coverage": coverage,
-    "POST coverage": choose,
-    "POST coverage/script": receive,
-    "GET coverage/sentences": sentences,
-}

@@ -1,4 +1,4 @@
-"""Routes of the line: its text, timings and sound, its curves, its face and its figures."""
+"""Routes of the line and the script: text, timings and sound, curves, face and figures."""
 
 from dataclasses import asdict, fields
 from math import isfinite
@@ -9,11 +9,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.json_object import Json
 from lipsync_lang.performing.label_remarks import label_remarks
-from lipsync_lang.rigs.container import Json
+from lipsync_lang.performing.performed_line import performer_of
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
-from lipsync_lang.studio.routes.asking import Packed, Routes, Wish, listed, sent_file
+from lipsync_lang.studio.routes.requests import (
+    MAX_PATH_DIGITS,
+    PackedResponse,
+    StudioRequest,
+    listed,
+    sent_file,
+    whole_number,
+)
 from lipsync_lang.studio.take_data import curves_data, take_data
 from lipsync_lang.studio.workshop import LineSettings, Workshop
 
@@ -22,50 +30,53 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.schedules.schedule import Schedule
 
-AROUND_SECONDS = 1.0
+SOUND_MARGIN_SECONDS = 1.0
 """Seconds of sound to send before and after a line."""
 
-MAX_TEXT_CHARS = 2000
+MAX_TYPED_CHARS = 2000
 """Maximum length of a typed line."""
+
+MAX_SOUGHT_CHARS = 200
+"""Maximum length of a text to search for in the script."""
 
 SAVED = "saved"
 """Name of the take with the packs on the disk."""
 
 
-def speak(workshop: Workshop, asked: Wish) -> Packed:
+def speak(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Speak a text, and return its sound and its take."""
-    text = asked.text("text").strip()
-    if len(text) > MAX_TEXT_CHARS:
+    text = request.text("text").strip()
+    if len(text) > MAX_TYPED_CHARS:
         raise LipsyncError(
-            f"the line is longer than {MAX_TEXT_CHARS} characters; speak it in parts"
+            f"the line is longer than {MAX_TYPED_CHARS} characters; speak it in parts"
         )
     workshop.speak(text)
     return whole(workshop)
 
 
-def timings(workshop: Workshop, asked: Wish) -> Packed:
+def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Read timed phonemes of a file, and keep the sound that was opened before."""
     from lipsync_lang.schedules.timed_words import TimedWords
     from lipsync_lang.schedules.timing_readers import read_timings
     from lipsync_lang.speech.filling import filled
 
     with TemporaryDirectory() as folder:
-        found = read_timings(sent_file(asked, Path(folder)), asked.query.get("notation"))
+        found = read_timings(sent_file(request, Path(folder)), request.query.get("notation"))
     speaker = workshop.performer.speaker
     schedule = filled(speaker, found) if isinstance(found, TimedWords) else found
     workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
     text = " ".join(word.text for word in schedule.words)
-    workshop.take_up(schedule, text if len(text) <= MAX_TEXT_CHARS else "")
+    workshop.take_up(schedule, text if len(text) <= MAX_TYPED_CHARS else "")
     return whole(workshop)
 
 
-def sound(workshop: Workshop, asked: Wish) -> Packed:
+def sound(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Add the sound of the line; with a text, align its phonemes with the sound."""
-    from lipsync_lang.speech.hearing import aligned
+    from lipsync_lang.speech.hearing.alignment import aligned
     from lipsync_lang.speech.sound import read_audio
 
     with TemporaryDirectory() as folder:
-        path, text = sent_file(asked, Path(folder)), asked.query.get("text", "").strip()
+        path, text = sent_file(request, Path(folder)), request.query.get("text", "").strip()
         if text:
             workshop.take_up(aligned(workshop.performer.speaker, path, text), text)
         elif workshop.line is not None:
@@ -75,18 +86,18 @@ def sound(workshop: Workshop, asked: Wish) -> Packed:
     return whole(workshop)
 
 
-def line(workshop: Workshop, _: Wish) -> Packed:
+def line(workshop: Workshop, _: StudioRequest) -> PackedResponse:
     """Return the sound and the take of the open line."""
     return whole(workshop)
 
 
-def take(workshop: Workshop, asked: Wish) -> Packed:
+def take(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Perform the line with the requested settings, and return the takes."""
-    stated, before = asked.body.get("settings"), workshop.settings
+    stated, before = request.body.get("settings"), workshop.settings
     if stated is not None:
         workshop.settings = _settings(stated)
     try:
-        return takes(workshop, asked.body.get("against"))
+        return takes(workshop, request.body.get("against"))
     except LipsyncError:
         workshop.settings = before
         raise
@@ -108,18 +119,14 @@ def _settings(stated: Any) -> LineSettings:
         for level in table.values():
             points = level if isinstance(level, list) else [[level]]
             numbers += [number for point in points for number in listed(point, "numbers")]
-    if not all(_real(number) for number in numbers):
+    if not all(type(number) in {int, float} and isfinite(number) for number in numbers):
         raise LipsyncError("frame rate, intensity and levels must be numbers")
     if given.line is not None and not isinstance(given.line, str):
         raise LipsyncError("`line` must be the name of a line")
     return given
 
 
-def _real(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)
-
-
-def whole(workshop: Workshop) -> Packed:
+def whole(workshop: Workshop) -> PackedResponse:
     """Return the sound and the take of the line, or of its shown part."""
     packed = takes(workshop, None)
     schedule = workshop.schedule
@@ -127,7 +134,7 @@ def whole(workshop: Workshop) -> Packed:
     labels = workshop.performer.labels
     remarks = [] if schedule is None else [*schedule.remarks, *label_remarks(labels, schedule)]
     unread = "" if schedule is None else " ".join(schedule.unread)
-    told = {
+    data = {
         "sound": sound,
         "remarks": remarks,
         "unread": unread,
@@ -135,7 +142,7 @@ def whole(workshop: Workshop) -> Packed:
         "settings": asdict(workshop.settings),
         "script": workshop.script.place(workshop.script_line, workshop.opened_pair()[1]),
     }
-    return Packed(packed.document | told, packed.arrays)
+    return PackedResponse(packed.document | data, packed.arrays)
 
 
 def _sound(schedule: "Schedule", pack: ArrayPack) -> Json | None:
@@ -143,30 +150,27 @@ def _sound(schedule: "Schedule", pack: ArrayPack) -> Json | None:
     audio = schedule.audio
     if audio is None:
         return None
-    first = max(0, int((schedule.start - AROUND_SECONDS) * audio.rate))
-    stop = max(first, int((schedule.end + AROUND_SECONDS) * audio.rate))
+    first = max(0, int((schedule.start - SOUND_MARGIN_SECONDS) * audio.rate))
+    stop = max(first, int((schedule.end + SOUND_MARGIN_SECONDS) * audio.rate))
     samples = pack.add(audio.samples[first:stop], "i2")
     return {"rate": audio.rate, "start": first / audio.rate, "samples": samples}
 
 
-def takes(workshop: Workshop, against: Any) -> Packed:
+def takes(workshop: Workshop, against: Any) -> PackedResponse:
     """Return the take, and the take to compare it with."""
     pack = ArrayPack()
     made = [_take(workshop.perform(), workshop.performer, pack, "")]
     if isinstance(against, str) and against:
         made.append(_take(_other(workshop, against), workshop.performer, pack, against))
-    told = {"revision": workshop.desk.revision, "takes": made, "part": _part(workshop)}
-    return Packed(told, pack)
-
-
-def _part(workshop: Workshop) -> Json | None:
-    """Return the shown part of a long line; None if the whole line is shown."""
     line, seconds = workshop.spoken, workshop.part_seconds
-    count = len(line.cuts(seconds)) - 1
-    if count == 1:
-        return None
-    length = line.whole.end - line.whole.start
-    return {"number": line.number(seconds), "count": count, "seconds": length}
+    count, length = len(line.cuts(seconds)) - 1, line.whole.end - line.whole.start
+    part = {"number": line.number(seconds), "count": count, "seconds": length}
+    data = {
+        "revision": workshop.desk.revision,
+        "takes": made,
+        "part": part if count > 1 else None,
+    }
+    return PackedResponse(data, pack)
 
 
 def _other(workshop: Workshop, name: str) -> "Animation":
@@ -183,28 +187,28 @@ def _other(workshop: Workshop, name: str) -> "Animation":
 
 def _take(animation: "Animation", own: "Performer", pack: ArrayPack, name: str) -> Json:
     """Return a take as JSON; for a plain method, the open performer drives the model."""
-    performer = animation.performer
+    performer = performer_of(animation)
     rigged = (performer or own).rigged(animation)
     channels = None if rigged is animation else curves_data(rigged, pack)
-    told = take_data(animation, performer, pack)
-    return told | {"name": name, "face": 0, "channels": channels}
+    data = take_data(animation, performer, pack)
+    return data | {"name": name, "face": 0, "channels": channels}
 
 
-def face(workshop: Workshop, _: Wish) -> Packed:
+def face(workshop: Workshop, _: StudioRequest) -> PackedResponse:
     """Return the model of the character, for `gl_face.js`, and a take of rest."""
     from lipsync_lang.schedules.schedule import Schedule
 
     if not workshop.language:
-        return Packed({"face": None}, ArrayPack())
+        return PackedResponse({"face": None}, ArrayPack())
     performer = workshop.performer
     rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
     pack = ArrayPack()
     animation = performer.perform(rest)
     shown = face_data(performer.rigged(animation), pack)
-    return Packed({"face": shown, "take": _take(animation, performer, pack, "")}, pack)
+    return PackedResponse({"face": shown, "take": _take(animation, performer, pack, "")}, pack)
 
 
-def figures(workshop: Workshop, _: Wish) -> Json:
+def figures(workshop: Workshop, _: StudioRequest) -> Json:
     """Return the figures of the take with findings; none while a pair without a line is open."""
     if workshop.line is None:
         return {"figures": []}
@@ -214,12 +218,23 @@ def figures(workshop: Workshop, _: Wish) -> Json:
     return {"figures": figures_data(check(workshop.perform()))}
 
 
-ROUTES: Routes = {
-    "GET line": line,
-    "POST line": speak,
-    "POST timings": timings,
-    "POST sound": sound,
-    "POST take": take,
-    "GET face": face,
-    "GET figures": figures,
-}
+# The script
+
+
+def script_lines(workshop: Workshop, request: StudioRequest) -> Json:
+    """List lines of the script; without a query, the script is read first."""
+    if not request.query:
+        workshop.script.read()
+    text, sought = request.query.get("first", "0"), request.query.get("sought", "")
+    first = whole_number(text)
+    if first is None:
+        raise LipsyncError(f"'{text[:MAX_PATH_DIGITS]}' is not the number of a line")
+    return workshop.script.listed(
+        *workshop.opened_pair(), sought=sought[:MAX_SOUGHT_CHARS], first=first
+    )
+
+
+def open_script_line(workshop: Workshop, request: StudioRequest) -> PackedResponse:
+    """Open a line of the script in the open language, and return its sound and take."""
+    workshop.open_script_line(request.text("name"))
+    return whole(workshop)

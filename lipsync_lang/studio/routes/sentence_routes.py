@@ -1,56 +1,53 @@
 """Routes of the sentence view: boundaries, emphasis, parts of a long line, and its timings."""
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.rigs.container import Json
+from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, MAX_SCHEDULE_SECONDS
 from lipsync_lang.schedules.timing_writers import TIMING_WRITERS
-from lipsync_lang.studio.routes.asking import Packed, Routes, Wish, listed
 from lipsync_lang.studio.routes.line_routes import takes, whole
+from lipsync_lang.studio.routes.requests import PackedResponse, StudioRequest, listed, whole_number
 from lipsync_lang.studio.workshop import Workshop
 
-MAX_DIGITS = 6
-"""Maximum number of digits of a number in a path."""
 
-
-def boundary(workshop: Workshop, asked: Wish) -> Packed:
+def boundary(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Move a boundary between phonemes, and return the takes."""
-    number = _number(asked)
-    seconds = asked.number("seconds", -MAX_SCHEDULE_SECONDS, MAX_SCHEDULE_SECONDS)
+    number = _number(request)
+    seconds = request.number("seconds", -MAX_SCHEDULE_SECONDS, MAX_SCHEDULE_SECONDS)
     workshop.spoken.move(number, seconds, workshop.part_seconds)
-    return takes(workshop, asked.body.get("against"))
+    return takes(workshop, request.body.get("against"))
 
 
-def times(workshop: Workshop, asked: Wish) -> Packed:
+def times(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Set all boundaries of the shown part, and return the takes."""
-    given = listed(asked.body.get("times"), "times")
+    given = listed(request.body.get("times"), "times")
     if not all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in given):
         raise LipsyncError("times must be numbers of seconds")
     workshop.spoken.retime(given, workshop.part_seconds)
-    return takes(workshop, asked.body.get("against"))
+    return takes(workshop, request.body.get("against"))
 
 
-def original(workshop: Workshop, asked: Wish) -> Packed:
+def original(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Restore the original times, and return the takes."""
     workshop.spoken.restore()
-    return takes(workshop, asked.body.get("against"))
+    return takes(workshop, request.body.get("against"))
 
 
-def emphasis(workshop: Workshop, asked: Wish) -> Packed:
+def emphasis(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Set the emphasis of a word, and return the takes."""
-    level = asked.number("level", 0, MAX_EMPHASIS)
-    workshop.spoken.emphasise(_number(asked), level, workshop.part_seconds)
-    return takes(workshop, asked.body.get("against"))
+    level = request.number("level", 0, MAX_EMPHASIS)
+    workshop.spoken.emphasise(_number(request), level, workshop.part_seconds)
+    return takes(workshop, request.body.get("against"))
 
 
-def part(workshop: Workshop, asked: Wish) -> Packed:
+def part(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Show another part of a long line, and return its sound and take."""
-    workshop.spoken.show(_number(asked), workshop.part_seconds)
+    workshop.spoken.show(_number(request), workshop.part_seconds)
     return whole(workshop)
 
 
-def written(workshop: Workshop, asked: Wish) -> Json:
+def written(workshop: Workshop, request: StudioRequest) -> Json:
     """Return the timings of the whole line as a file, named like its line in the script."""
-    suffix = asked.name
+    suffix = request.name
     if suffix not in TIMING_WRITERS:
         raise LipsyncError(
             f"unknown format of timings '{suffix}'; {did_you_mean(suffix, TIMING_WRITERS)}"
@@ -60,18 +57,11 @@ def written(workshop: Workshop, asked: Wish) -> Json:
     return {"name": f"{name}.{suffix}", "content": TIMING_WRITERS[suffix](workshop.spoken.whole)}
 
 
-def _number(asked: Wish) -> int:
+def _number(request: StudioRequest) -> int:
     """Return the number in the path."""
-    if not (asked.name.isascii() and asked.name.isdecimal() and len(asked.name) <= MAX_DIGITS):
-        raise LipsyncError(f"'{asked.name[:20]}' is not the number of a boundary, a word or a part")
-    return int(asked.name)
-
-
-ROUTES: Routes = {
-    "POST boundary/{name}": boundary,
-    "POST times": times,
-    "POST original": original,
-    "POST emphasis/{name}": emphasis,
-    "POST part/{name}": part,
-    "GET timings/{name}": written,
-}
+    number = whole_number(request.name)
+    if number is None:
+        raise LipsyncError(
+            f"'{request.name[:20]}' is not the number of a boundary, a word or a part"
+        )
+    return number

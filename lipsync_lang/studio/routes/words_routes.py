@@ -3,16 +3,16 @@
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.rigs.container import Json
+from lipsync_lang.json_object import Json
 from lipsync_lang.studio.performed_curves import performed_curves
-from lipsync_lang.studio.routes.asking import Routes, Wish
+from lipsync_lang.studio.routes.requests import StudioRequest, whole_number
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Character
 
 
-def words(workshop: Workshop, _: Wish) -> Json:
+def words(workshop: Workshop, _: StudioRequest) -> Json:
     """Return the words, pronunciations and lines of the character, and the spoken line's sounds."""
     library, compiled = workshop.library(), workshop.performer.compiled
     pack = library.character(compiled.character)
@@ -22,7 +22,9 @@ def words(workshop: Workshop, _: Wish) -> Json:
     return {
         "character": compiled.character,
         "file": workshop.shown(path) if path is not None else "",
-        "words": [{"word": word, "curves": _curves(one)} for word, one in model.words.items()],
+        "words": [
+            {"word": word, "curves": _points(one.curves)} for word, one in model.words.items()
+        ],
         "pronunciations": [
             {"language": name, "word": word, "phonemes": list(sounds)}
             for name, said in model.pronunciations.items()
@@ -33,11 +35,11 @@ def words(workshop: Workshop, _: Wish) -> Json:
             {
                 "name": name,
                 "edits": [
-                    {"word": edit.word, "phoneme": edit.phoneme, "curves": _curves(edit)}
+                    {"word": edit.word, "phoneme": edit.phoneme, "curves": _points(edit.curves)}
                     for edit in line.edits
                 ],
-                "styles": _levels(line.styles),
-                "dials": _levels(line.dials),
+                "styles": _points(line.styles),
+                "dials": _points(line.dials),
             }
             for name, line in model.lines.items()
         ],
@@ -49,12 +51,9 @@ def words(workshop: Workshop, _: Wish) -> Json:
     }
 
 
-def _curves(stated: Any) -> dict[str, list[list[float]]]:
-    return {pose: [list(point) for point in points] for pose, points in stated.curves.items()}
-
-
-def _levels(stated: Any) -> dict[str, list[list[float]]]:
-    return {name: [list(point) for point in points] for name, points in stated.items()}
+def _points(curves: Any) -> dict[str, list[list[float]]]:
+    """Return the points of curves or levels by pose, style or region."""
+    return {name: [list(point) for point in points] for name, points in curves.items()}
 
 
 def _sounds(workshop: Workshop) -> list[list[str]]:
@@ -71,7 +70,7 @@ def _sounds(workshop: Workshop) -> list[list[str]]:
     return sounds
 
 
-def start(workshop: Workshop, wish: Wish) -> Json:
+def start(workshop: Workshop, request: StudioRequest) -> Json:
     """Return curves as a start for edits: those of the character without its curve edits.
 
     The query names a word of the line, a phoneme of that word or of the line, or neither for all.
@@ -79,7 +78,7 @@ def start(workshop: Workshop, wish: Wish) -> Json:
     schedule = workshop.schedule
     if schedule is None:
         raise LipsyncError("there is no line; type a line that contains the word")
-    word, phoneme = (_number(wish, name) for name in ("word", "phoneme"))
+    word, phoneme = (_query_number(request, name) for name in ("word", "phoneme"))
     first, stop = 0, len(schedule)
     if word is not None:
         if word >= len(schedule.words):
@@ -98,14 +97,9 @@ def start(workshop: Workshop, wish: Wish) -> Json:
     return {"curves": performed_curves(workshop.performer, schedule, first, stop, fps)}
 
 
-def _number(wish: Wish, name: str) -> int | None:
-    text = wish.query.get(name, "")
-    if text and not (text.isdecimal() and len(text) < 7):  # noqa: PLR2004 longer lines are refused
+def _query_number(request: StudioRequest, name: str) -> int | None:
+    text = request.query.get(name, "")
+    number = whole_number(text)
+    if text and number is None:
         raise LipsyncError(f"`{name}` must be a whole number from 0 on")
-    return int(text) if text else None
-
-
-ROUTES: Routes = {
-    "GET words": words,
-    "GET words/start": start,
-}
+    return number

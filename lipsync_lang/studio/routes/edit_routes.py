@@ -1,0 +1,116 @@
+"""Routes of edits: their undo and redo, and saving."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.json_object import Json
+from lipsync_lang.packs.splicing import ABSENT
+from lipsync_lang.studio.merging import MergeSide, SaveConflict
+from lipsync_lang.studio.routes.requests import StudioRequest, UnresolvedConflict, listed
+from lipsync_lang.studio.workshop import Workshop
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.yaml.source import Loc
+
+MAX_TITLE_CHARS = 80
+"""Maximum length of the title of an edit."""
+
+MAX_TAB_CHARS = 40
+"""Maximum length of the name of a tab."""
+
+
+def edit(workshop: Workshop, request: StudioRequest) -> Json:
+    """Change values of packs."""
+    body = request.body
+    edits = [_edit(workshop, one) for one in listed(body.get("edits"), "edits")]
+    seen, merge = body.get("seen"), body.get("merge")
+    if not edits:
+        raise LipsyncError("the request has no edits")
+    workshop.edit(
+        request.text("title")[:MAX_TITLE_CHARS],
+        [(path, loc, value) for path, loc, value, _ in edits],
+        seen=seen if isinstance(seen, int) else None,
+        tab=_tab(request),
+        merge=merge if isinstance(merge, str) else "",
+        create={path: text for path, _, _, text in edits if text is not None},
+    )
+    return workshop.state()
+
+
+def _edit(workshop: Workshop, one: Any) -> tuple[Path, tuple[str | int, ...], Any, str | None]:
+    """Read an edit: file, place, value, and the initial text of a new file."""
+    if not isinstance(one, dict):
+        raise LipsyncError("an edit must be an object with `file`, `at` and `value`")
+    loc = tuple(listed(one.get("at"), "steps"))
+    if not loc or not all(isinstance(step, (str, int)) for step in loc):
+        raise LipsyncError("`at` must be a list of keys and numbers, the place of the edit")
+    value = one.get("value", ABSENT)
+    if one.get("file") == "bank":
+        path, text = workshop.bank_for(str(loc[1]) if len(loc) > 1 else "")
+        return path, loc, value, text
+    path, text = workshop.editable(str(one.get("file")))
+    return path, loc, value, text
+
+
+def undo(workshop: Workshop, request: StudioRequest) -> Json:
+    """Undo the last edit."""
+    workshop.desk.undo(tab=_tab(request))
+    workshop.homes.clear()
+    return workshop.state()
+
+
+def redo(workshop: Workshop, request: StudioRequest) -> Json:
+    """Redo the edit that was undone last."""
+    workshop.desk.redo(tab=_tab(request))
+    workshop.homes.clear()
+    return workshop.state()
+
+
+def warm(workshop: Workshop, _: StudioRequest) -> Json:
+    """Read the files of the first edit in advance."""
+    if workshop.language:
+        for path in workshop.pair().data:
+            if workshop.own(path):
+                workshop.desk.read(path)
+    return {}
+
+
+def save(workshop: Workshop, request: StudioRequest) -> Json:
+    """Save every edit; for entries that also changed on the disk, `keep` names the side."""
+    keep = request.body.get("keep") or {}
+    if not isinstance(keep, dict) or not {*keep.values()}.issubset(get_args(MergeSide)):
+        raise LipsyncError("`keep` must be an object with `mine` or `theirs` for each entry")
+    known = {workshop.shown(path): path for path in workshop.desk.contents}
+    choices: dict[tuple[Path, Loc], MergeSide] = {}
+    for text, side in keep.items():
+        try:
+            file, *loc = json.loads(text)
+            choices[known[file], tuple(loc)] = side
+        except (ValueError, KeyError, TypeError):
+            raise LipsyncError(f"there is no unsaved entry {text}") from None
+    try:
+        written = workshop.save(choices)
+    except SaveConflict as error:
+        rows = []
+        for one in error.conflicts:
+            file, where = workshop.shown(one.path), ": ".join(map(str, one.loc))
+            rows.append(
+                {
+                    "key": json.dumps([file, *one.loc]),  # names the entry in the next request
+                    "what": f"{file}: {where or 'the whole file'}",
+                    "mine": _words(one.mine),
+                    "theirs": _words(one.theirs),
+                }
+            )
+        raise UnresolvedConflict(str(error), rows) from None
+    return {"saved": [workshop.shown(path) for path in written], "state": workshop.state()}
+
+
+def _words(value: Any) -> str:
+    return "(deleted)" if value is ABSENT else json.dumps(value, ensure_ascii=False, indent=1)
+
+
+def _tab(request: StudioRequest) -> str:
+    return str(request.body.get("tab", ""))[:MAX_TAB_CHARS]

@@ -1,0 +1,108 @@
+/** Values of a take at a moment: the sound, its bigrams, and a row for each pose with its reasons. */
+
+import { made } from "../shell/elements.js";
+
+/** Lists beside a timeline. */
+export class TakeValues {
+  /**
+   * @param {{moment: HTMLElement, bigrams: HTMLElement, poses: HTMLElement}} places
+   * @param {{pick: (row: number) => void, more?: (bigram: import("../payloads.js").PlacedBigram) => Node[]}} does
+   *   `more` adds to a bigram's line
+   */
+  constructor(places, does) {
+    this.places = places;
+    this.does = does;
+    /** @type {import("./take.js").Take | null} */
+    this.take = null;
+    /** @type {string[]} */
+    this.rows = [];
+    this.row = -1;
+    this.drawn = Number.NaN;
+    this.playing = false;
+  }
+
+  /** @param {import("./take.js").Take} take @param {string[]} rows names of the poses */
+  show(take, rows) {
+    this.take = take;
+    this.drawn = Number.NaN;
+    if (rows.length === this.rows.length && rows.every((one, n) => one === this.rows[n])) return;
+    [this.rows, this.row] = [rows, -1];
+    this.places.poses.replaceChildren(...rows.map((name, row) => {
+      const button = made(
+        "button",
+        { type: "button", "aria-expanded": "false" },
+        made("span", { dir: "auto", title: name }, name),
+        made("i"),
+        made("span", {}, ""),
+      );
+      button.addEventListener("click", () => this.does.pick(row === this.row ? -1 : row));
+      return made("li", {}, button);
+    }));
+  }
+
+  /** @param {number} row whose reasons are shown; -1 for none */
+  pick(row) {
+    this.row = row;
+    [...this.places.poses.children].forEach((one, n) =>
+      one.firstElementChild?.setAttribute("aria-expanded", String(n === row)),
+    );
+    this.drawn = Number.NaN;
+  }
+
+  /** @param {number} frame @param {boolean} playing then no reasons are listed */
+  draw(frame, playing) {
+    const { take } = this;
+    if (!take || (frame === this.drawn && playing === this.playing)) return;
+    [this.drawn, this.playing] = [frame, playing];
+    const sound = take.soundAt(frame);
+    const as = sound.common && sound.common !== sound.label ? ` as ${sound.common}` : "";
+    this.places.moment.replaceChildren(
+      made("b", { dir: "auto" }, sound.label),
+      `${as}${sound.word ? ", in " : ""}`,
+      made("bdi", {}, sound.word),
+    );
+    this.places.bigrams.replaceChildren(...take.bigramsAt(frame).map((one) => {
+      const drawn = one.drawn_as ? `, drawn as ${one.drawn_as}` : "", word = one.word ? `, as in ${one.word}` : "";
+      const half = one.trigram ? `, in the trigram ${one.trigram}` : "";
+      return made(
+        "li",
+        {},
+        `${one.pair} at ${one.position.toFixed(2)}: ${one.layer}, ${one.status || "none"}${drawn}${half}${word} `,
+        made("small", {}, one.from.join(", ")),
+        ...(this.does.more?.(one) ?? []),
+      );
+    }));
+    this.rows.forEach((name, row) => this.#value(take, name, row, frame, playing));
+  }
+
+  /**
+   * @param {import("./take.js").Take} take
+   * @param {string} name
+   * @param {number} row
+   * @param {number} frame
+   * @param {boolean} playing
+   */
+  #value(take, name, row, frame, playing) {
+    const item = this.places.poses.children[row], own = take.rows.get(name);
+    const [, bar, number] = /** @type {HTMLElement[]} */ ([
+      .../** @type {Element} */ (item.firstElementChild).children,
+    ]);
+    const weight = take.weight(name, frame), { low, high } = own?.curve ?? { low: 0, high: 1 };
+    bar.style.setProperty("--share", String((weight - low) / (high - low)));
+    number.textContent = weight.toFixed(2);
+    item.querySelector("ol")?.remove();
+    if (row !== this.row || playing) return;
+    const steps = own ? take.stepsAt(own.pose, frame) : [];
+    const told = steps.map((step) =>
+      made(
+        "li",
+        {},
+        made("span", {}, step.label),
+        made("span", {}, step.weight.toFixed(3)),
+        made("span", {}, step.why),
+      ),
+    );
+    const rest = own?.pose === -1 ? "played from the poses by the rig" : "at rest";
+    item.append(made("ol", {}, ...(told.length ? told : [made("li", {}, rest)])));
+  }
+}

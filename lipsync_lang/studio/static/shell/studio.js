@@ -1,0 +1,497 @@
+/** The shell of the studio: one pair, one line, one clock, and a view at a time. */
+
+import { api, Refusal } from "./api.js";
+import { BigramView } from "../views/bigram_view.js";
+import { CharacterView } from "../views/character_view.js";
+import { CoverageView } from "../views/coverage_view.js";
+import { made, the } from "./elements.js";
+import { LanguageView } from "../views/language_view.js";
+import { chosen, fillNames } from "./form_fields.js";
+import { PlayerBar } from "./player_bar.js";
+import { Edits } from "./studio_edits.js";
+import { Player } from "../line/player.js";
+import { Portrait } from "../face/portrait.js";
+import { clock } from "../timeline/scales.js";
+import { ScriptLines } from "./script_lines.js";
+import { SentenceView } from "../views/sentence_view.js";
+import { shellKeys } from "./studio_keys.js";
+import { Take } from "../line/take.js";
+import { Timeline } from "../timeline/timeline.js";
+import { Tour } from "./tour.js";
+import { WordsView } from "../views/words_view.js";
+
+/** @typedef {"state" | "take" | "time" | "theme" | "face"} Change a new state, curves, playhead, colours or model */
+/**
+ * @typedef {object} View
+ * @property {(argument: string) => Promise<void>} show become visible, with what follows the view's name in the address
+ * @property {() => void} hide
+ * @property {(event: KeyboardEvent) => boolean} key true if the key was used
+ * @property {(what: Change) => void} changed
+ * @property {{undo: string | null, redo: string | null}} [steps] titles of steps of the view's own, which are undone
+ *   first
+ * @property {(way: "undo" | "redo") => void} [history] undo such a step, or do it again
+ */
+/** @typedef {import("../payloads.js").Fault} Fault */
+/** @typedef {{file: string, at: (string | number)[], value?: unknown}} Edit without a value it deletes */
+
+/** Names in the address, titles and classes of the views. */
+const VIEWS = /** @type {[string, string, new (studio: Studio, place: HTMLElement) => View][]} */ ([
+  ["sentence", "Sentence", SentenceView],
+  ["bigrams", "Bigrams", BigramView],
+  ["character", "Character", CharacterView],
+  ["words", "Words & lines", WordsView],
+  ["coverage", "Coverage", CoverageView],
+  ["language", "Language", LanguageView],
+]);
+
+/** Milliseconds for which a message stays. */
+const TOLD = 6000;
+/** Milliseconds between looks for edits of another tab. */
+const LOOK = 3000;
+/** Milliseconds after which a face is shaded. */
+const SHADE_LATER = 600;
+/** Milliseconds after which the server prepares for edits: the first picture does not wait for it. */
+const WARM_LATER = 800;
+/** Degrees of the view for a pixel of a drag. */
+const TURN = 0.5;
+/** The studio as a whole; views get it. */
+export class Studio {
+  constructor() {
+    this.api = api;
+    /** The server's state: the pair, its poses and phonemes, unsaved edits. */
+    this.state = /** @type {import("../payloads.js").State} */ ({});
+    /** Languages and characters to choose from. */
+    this.project = /** @type {import("../payloads.js").Project} */ ({});
+    /** The line's curves. @type {Take | null} */
+    this.take = null;
+    /** The take to compare with. @type {Take | null} */
+    this.other = null;
+    /** @type {import("../line/player.js").Sound | null} */
+    this.sound = null;
+    /**
+     * The model, and a take of rest.
+     * @type {{face: import("../payloads.js").Face, take: import("../payloads.js").TakeData} | null}
+     */
+    this.model = null;
+    /** How the line is performed: fps, line, styles, dials, intensity. @type {import("../payloads.js").Settings} */
+    this.settings = {};
+    this.against = "";
+    this.player = new Player(0, 1, null, () => this.#playing());
+    /** @type {Portrait | null} */
+    this.portrait = null;
+    /** Weights of the model's channels shown in place of the take's. @type {Float32Array | null} */
+    this.posed = null;
+    this.tab = crypto.randomUUID();
+    this.strip = new Timeline(/** @type {HTMLCanvasElement} */ (the("strip")), {
+      seek: (seconds) => this.seek(seconds),
+      hover: () => {},
+      pick: () => {},
+      moved: () => this.wake(),
+    });
+    /** @type {Map<string, {view: View, place: HTMLElement}>} */
+    this.views = new Map();
+    /** @type {View | null} */
+    this.view = null;
+    this.viewName = "";
+    /** @type {number | undefined} */
+    this.asked = undefined;
+    this.edits = new Edits(this);
+    this.bar = new PlayerBar(this);
+    this.script = new ScriptLines(this);
+    this.performing = false;
+    /** Wishes for another take: the newest of each path. @type {Map<string, object>} */
+    this.wishes = new Map();
+    /**
+     * Which part of a long line is shown, of how many.
+     * @type {{number: number, count: number, seconds: number} | null}
+     */
+    this.part = null;
+  }
+
+  async start() {
+    this.#listen();
+    const face = this.api.packed("face").catch(() => null); // asked for at once: it takes longest
+    this.project = await this.api.get("project");
+    this.state = this.project.state;
+    fillNames(the("of-language"), this.project.languages, this.state.language);
+    fillNames(the("of-character"), this.project.characters, this.state.character);
+    if (this.state.restored) this.tell(`Restored ${this.state.restored} unsaved edits of the last session`);
+    for (const one of this.state.notes ?? []) this.tell(one, "fault");
+    if (this.state.language) await this.#opened(await face);
+    await this.script.start();
+    if (!this.state.language) this.#choose();
+    document.documentElement.dataset.ready = "";
+    setTimeout(() => this.api.post("warm").catch(() => {}), WARM_LATER);
+  }
+
+  // The pair
+
+  /**
+   * @param {string} language
+   * @param {string} character
+   * @param {boolean} [scripted] a line of the script is opened if the pair leaves none
+   */
+  async open(language, character, scripted = true) {
+    await this.attempt(async () => {
+      this.state = await this.api.post("open", { language, character });
+      fillNames(the("of-language"), this.project.languages, this.state.language);
+      fillNames(the("of-character"), this.project.characters, this.state.character);
+      await this.#opened();
+    });
+    if (scripted) await this.script.start();
+  }
+
+  /**
+   * Show the face and the line of the pair.
+   * @param {{face: import("../payloads.js").Face | null} | null} [face] that was asked for already
+   */
+  async #opened(face) {
+    the("main").querySelector(".empty")?.remove();
+    this.take = this.other = null;
+    this.script.opened(null);
+    this.settings = this.state.settings ?? {};
+    await this.loadFace(face);
+    if (this.state.line) await this.attempt(async () => this.#heard(await this.api.packed("line")));
+    this.edits.show();
+    await this.#go();
+    this.notify("state");
+    this.wake();
+  }
+
+  /**
+   * Draw the model again after it was opened or replaced.
+   * @param {{face: import("../payloads.js").Face | null} | null} [face] that was asked for already
+   */
+  async loadFace(face) {
+    const model = face?.face ? face : await this.api.packed("face");
+    this.model = model;
+    this.posed = null;
+    const rest = new Take(model.take);
+    this.portrait = new Portrait({ faces: [model.face] }, this.take ?? rest);
+    const { canvas, data, trouble } = this.portrait;
+    canvas.setAttribute("aria-label", `Face of ${this.state.character}`);
+    canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+    canvas.addEventListener("pointermove", (event) => {
+      if (!canvas.hasPointerCapture(event.pointerId)) return;
+      this.portrait?.turn(event.movementX * TURN, event.movementY * TURN);
+      this.wake();
+    });
+    the("faces").replaceChildren(this.portrait.figure);
+    the("tongue").setAttribute("aria-pressed", "false");
+    const notes = [...data.unshown, ...(trouble ? [trouble] : [])];
+    the("notes").hidden = !notes.length;
+    the("notes").replaceChildren(...notes.map((/** @type {string} */ one) => made("li", {}, one)));
+    const shown = this.portrait;
+    setTimeout(() => { shown.shade(); this.wake(); }, SHADE_LATER);
+    this.notify("face");
+  }
+
+  /** Ask for a pair if no pair is open. */
+  #choose() {
+    const start = made("button", { type: "button", class: "main" }, "Open");
+    start.addEventListener("click", () => this.open(chosen("of-language"), chosen("of-character")));
+    const tours = this.project.tours.map((/** @type {string} */ name) => {
+      const one = made("button", { type: "button" }, `Take the tour: ${name}`);
+      one.addEventListener("click", () => this.tour(name));
+      return one;
+    });
+    the("view").replaceChildren(
+      made(
+        "section",
+        { class: "empty" },
+        made("h2", {}, "Choose a language and a character"),
+        made(
+          "p",
+          {},
+          "The lists above hold all languages and characters of this folder and of the installed packs. " +
+            "Edits are saved in this folder only.",
+        ),
+        made("p", { class: "row" }, start, ...tours),
+      ),
+    );
+  }
+
+  /** @param {string} character that has a tour */
+  async tour(character) {
+    await this.busy(async () => {
+      const { language, line, steps } = await this.api.get(`tour/${encodeURIComponent(character)}`);
+      await this.open(language, character);
+      if (!this.take) await this.speak(line);
+      new Tour(this, steps);
+    });
+  }
+
+  // The line
+
+  /** @param {string} text */
+  async speak(text) {
+    await this.busy(async () => this.#heard(await this.api.sent("line", { text })));
+  }
+
+  /** @param {string} path of the request @param {object} body */
+  async openLine(path, body) {
+    await this.busy(async () => this.#heard(await this.api.sent(path, body)));
+  }
+
+  /** @param {import("../payloads.js").Line} told take and sound of a new line */
+  #heard(told) {
+    this.sound = told.sound;
+    this.state.text = told.text;
+    this.settings = told.settings;
+    this.state.line = true;
+    this.script.opened(told.script);
+    /** @type {HTMLInputElement} */ (the("text")).value = told.text;
+    this.#taken(told);
+    const { rate } = this.player;
+    this.player.close();
+    const take = /** @type {Take} */ (this.take);
+    this.player = new Player(take.start, take.end, this.sound, () => this.#playing());
+    this.player.setRate(rate);
+    this.strip.shown = null;
+    this.#drawStrip();
+    for (const one of told.remarks) this.tell(one);
+    if (told.unread) this.tell(`Not read: ${told.unread}`, "fault");
+    this.notify("take");
+    this.wake();
+  }
+
+  /**
+   * Perform the line once more; the newest wish of each path wins, and one is in flight.
+   * @param {string} [path] what is changed of the line before, such as `boundary/3`
+   * @param {object} [body]
+   */
+  async perform(path = "take", body = { settings: this.settings }) {
+    if (!this.take) return;
+    this.wishes.set(path, body);
+    if (this.performing) return;
+    this.performing = true;
+    try {
+      for (let next = this.wishes.entries().next(); !next.done; next = this.wishes.entries().next()) {
+        const [where, wish] = next.value;
+        this.wishes.delete(where);
+        const told = await this.api.sent(where, { ...wish, against: this.against });
+        this.#taken(told);
+        this.#drawStrip();
+        this.notify("take");
+        this.wake();
+      }
+    } catch (error) {
+      this.wishes.clear();
+      this.tell(String(error instanceof Error ? error.message : error), "fault");
+    } finally {
+      this.performing = false;
+    }
+  }
+
+  /** @param {import("../payloads.js").Line} told */
+  #taken(told) {
+    this.part = told.part;
+    [this.take, this.other] = [new Take(told.takes[0]), told.takes[1] ? new Take(told.takes[1]) : null];
+    if (this.portrait) this.portrait.take = this.take;
+  }
+
+  /** The strip is seen beside every view but that of the whole timeline. */
+  #showStrip() {
+    the("strip").hidden = !this.take || this.viewName === "sentence";
+    this.strip.stale = true;
+  }
+
+  #drawStrip() {
+    this.#showStrip();
+    if (this.take) this.strip.show({ take: this.take, other: null, sound: this.sound, rows: [] });
+  }
+
+  // Edits
+
+  /**
+   * Change packs; resolves when the curves are new. The newest edits of one drag win.
+   * @param {Edit[]} edits
+   * @param {string} title of the step in undo
+   * @param {string} [merge] edits with one key are one step
+   * @returns {Promise<void>}
+   */
+  edit(edits, title, merge = "") {
+    return this.edits.make(edits, title, merge);
+  }
+
+  /** Take a new state of the server over. @param {import("../payloads.js").State} state */
+  stated(state) {
+    this.state = { ...state, text: this.state.text };
+    if (this.settings.line && !state.lines?.includes(this.settings.line))
+      this.settings = { ...this.settings, line: null };
+    this.edits.show();
+    this.notify("state");
+  }
+
+  /** Request the state, and perform again if another tab changed it. */
+  async look() {
+    await this.attempt(async () => {
+      const state = await this.api.get("state");
+      const moved = state.revision !== this.state.revision || state.unsaved.length !== this.state.unsaved?.length;
+      const other = state.language !== this.state.language || state.character !== this.state.character;
+      if (other) {
+        this.state = state;
+        await this.#opened();
+      } else if (moved) {
+        this.stated(state);
+        await this.perform();
+      }
+    });
+  }
+
+  // Views
+
+  /** @param {string} name @param {string} [argument] */
+  go(name, argument = "") {
+    const address = `#${name}${argument ? `/${encodeURIComponent(argument)}` : ""}`;
+    if (location.hash === address) this.#go();
+    else location.hash = address;
+  }
+
+  async #go() {
+    if (!this.state.language) return;
+    const [asked, argument = ""] = location.hash.slice(1).split("/");
+    const [name, , Kind] = VIEWS.find(([one]) => one === asked) ?? VIEWS[0];
+    let known = this.views.get(name);
+    if (!known) {
+      const place = made("section", { "aria-label": name });
+      known = { place, view: new Kind(this, place) };
+      this.views.set(name, known);
+    }
+    if (this.view !== known.view) {
+      this.view?.hide();
+      scrollTo(0, 0);
+    }
+    [this.view, this.viewName] = [known.view, name];
+    document.body.dataset.view = name;
+    the("view").replaceChildren(known.place);
+    for (const one of the("tabs").children) {
+      if (one.getAttribute("href") === `#${name}`) one.setAttribute("aria-current", "page");
+      else one.removeAttribute("aria-current");
+    }
+    this.#showStrip();
+    await this.attempt(() => known.view.show(decodeURIComponent(argument)));
+    this.edits.show();
+    this.strip.stale = true;
+    this.wake();
+  }
+
+  /** @param {Change} what */
+  notify(what) {
+    this.view?.changed(what);
+  }
+
+  // Time
+
+  /** @param {number} seconds */
+  seek(seconds) {
+    this.posed = null;
+    this.player.seek(seconds);
+    this.wake();
+  }
+
+  /** @param {number} seconds to go to, and to bring into view */
+  reveal(seconds) {
+    this.player.pause();
+    this.seek(seconds);
+    this.strip.follow(seconds);
+  }
+
+  /** @param {number} frames */
+  step(frames) {
+    if (!this.take) return;
+    this.player.pause();
+    this.reveal(this.take.timeOf(this.take.frameAt(this.player.time) + frames));
+  }
+
+  /** @param {Float32Array | null} weights of the model's channels to show in place of the take's */
+  pose(weights) {
+    this.posed = weights;
+    this.wake();
+  }
+
+  #playing() {
+    this.bar.show(this.player.playing);
+    if (this.player.playing) this.posed = null;
+    this.wake();
+  }
+
+  /** Draw a frame soon. */
+  wake() {
+    this.asked ??= requestAnimationFrame(() => {
+      this.asked = undefined;
+      const seconds = this.player.time;
+      if (this.player.playing) this.strip.follow(seconds);
+      this.portrait?.draw(seconds, this.posed);
+      if (this.strip.shown && !the("strip").hidden) this.strip.draw(seconds);
+      the("clock").textContent = this.take ? clock(seconds) : "";
+      this.notify("time");
+      if (this.player.playing) this.wake();
+    });
+  }
+
+  // Words
+
+  /** @param {string} text @param {"" | "fault"} [kind] */
+  tell(text, kind = "") {
+    const one = made("li", { class: kind }, text);
+    const close = made("button", { type: "button", "aria-label": "Close" }, "×");
+    close.addEventListener("click", () => one.remove());
+    one.append(close);
+    the("toasts").append(one);
+    setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
+  }
+
+  /** @param {() => Promise<void>} does @returns {Promise<void>} a refusal is told, not thrown */
+  async attempt(does) {
+    try {
+      await does();
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      const faults = (error.told.faults ?? [])
+        .slice(0, 3)
+        .map((/** @type {Fault} */ { place, what, hint }) => `${place}: ${what}${hint ? `\n${hint}` : ""}`);
+      this.tell(faults.length ? faults.join("\n") : error.message, "fault");
+    }
+  }
+
+  /** @param {() => Promise<void>} does what takes a while */
+  async busy(does) {
+    document.body.classList.add("busy");
+    await this.attempt(does);
+    document.body.classList.remove("busy");
+  }
+
+  // Hands
+
+  #listen() {
+    for (const [name, title] of VIEWS) the("tabs").append(made("a", { href: `#${name}` }, title));
+    for (const id of ["of-language", "of-character"])
+      the(id).addEventListener(
+        "change",
+        () => this.state.language && this.open(chosen("of-language"), chosen("of-character")),
+      );
+    the("pair").addEventListener("submit", (event) => event.preventDefault());
+    the("say").addEventListener("submit", (event) => {
+      event.preventDefault();
+      const text = /** @type {HTMLInputElement} */ (the("text")).value.trim();
+      if (text) this.speak(text);
+      else this.tell("Type a line first");
+    });
+    addEventListener("hashchange", () => this.#go());
+    addEventListener("resize", () => { this.strip.stale = true; this.notify("theme"); this.wake(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      this.strip.stale = true;
+      this.notify("theme");
+      this.wake();
+    });
+    document.addEventListener("keydown", (event) => shellKeys(this, event));
+    addEventListener("focus", () => this.state.language && this.look());
+    setInterval(() => { if (this.state.language && !document.hidden && !this.edits.sending) this.look(); }, LOOK);
+  }
+}
+
+new Studio().start().catch((error) => {
+  the("view").replaceChildren(made("p", { class: "note", role: "alert" }, `The studio cannot start: ${error.message}`));
+  throw error;
+});

@@ -1,0 +1,99 @@
+/** Hands on a timeline: scrub, pick a row, tap for a reason, zoom with two fingers or the wheel. */
+
+/** Pixels that a finger may move in a tap. */
+const TAP = 8;
+/** Pixels between two fingers, below which their distance says nothing. */
+const APART = 10;
+/** Pixels around a boundary in which it is taken: by a mouse or pen, and by a finger. */
+const REACH = 5, FINGER_REACH = 16;
+/** Pixels of a wheel for a zoom by e. */
+const WHEEL = 300;
+
+/**
+ * Listen to the pointers on a timeline.
+ * @param {import("./timeline.js").Timeline} timeline
+ */
+export function listen(timeline) {
+  const { canvas, does } = timeline;
+  /** @type {number[]} */
+  let pressed = [];
+  /** The boundary that is dragged; -1 for none, and the distance of the pointer from it. */
+  let dragged = -1, apart = 0;
+  /** @type {Map<number, PointerEvent>} */
+  const down = new Map();
+  const place = (/** @type {MouseEvent} */ event) => {
+    const box = canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  const taken = (/** @type {PointerEvent} */ event) => {
+    const [x, y] = place(event);
+    return does.drag ? timeline.boundaryAt(x, y, event.pointerType === "touch" ? FINGER_REACH : REACH) : -1;
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    if (event.button) return;
+    canvas.setPointerCapture(event.pointerId);
+    down.set(event.pointerId, event);
+    const [x, y] = place(event);
+    pressed = [x, y];
+    does.hover(null);
+    dragged = down.size === 1 ? taken(event) : -1;
+    if (dragged >= 0) {
+      apart = x - timeline.x(timeline.line.take.data.spoken.times[dragged]);
+      does.drag?.(dragged, timeline.at(x - apart), false);
+      return;
+    }
+    if (down.size === 1) {
+      does.seek(timeline.at(x));
+      does.word?.(timeline.wordAt(x, y));
+      const row = timeline.rowAt(y);
+      if (row >= 0) does.pick(row);
+    }
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const [x, y] = place(event);
+    const before = down.get(event.pointerId);
+    if (!before) {
+      if (does.drag) canvas.style.cursor = taken(event) >= 0 ? "ew-resize" : "";
+      if (event.pointerType === "mouse")
+        does.hover({ seconds: timeline.at(x), row: timeline.rowAt(y), x: event.clientX, y: event.clientY });
+      return;
+    }
+    if (dragged >= 0) does.drag?.(dragged, timeline.at(x - apart), false);
+    else if (down.size === 1) does.seek(timeline.at(x));
+    if (down.size === 2) {
+      const still = [...down.values()].find((one) => one.pointerId !== event.pointerId) ?? event;
+      const [fixed] = place(still), [old] = place(before);
+      if (Math.abs(old - fixed) > APART)
+        timeline.zoom(Math.abs(x - fixed) / Math.abs(old - fixed), timeline.at((x + fixed) / 2));
+    }
+    down.set(event.pointerId, event);
+  });
+  for (const name of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(name, (event) => {
+      const { pointerId, pointerType, clientX, clientY } = /** @type {PointerEvent} */ (event);
+      down.delete(pointerId);
+      const [x, y] = place(/** @type {PointerEvent} */ (event)), [a, b] = pressed;
+      if (dragged >= 0) {
+        does.drag?.(dragged, timeline.at(x - apart), true);
+        dragged = -1;
+        return;
+      }
+      const tap = name === "pointerup" && pointerType !== "mouse" && Math.hypot(x - a, y - b) < TAP;
+      if (tap) does.hover({ seconds: timeline.at(x), row: timeline.rowAt(y), x: clientX, y: clientY });
+    });
+  }
+  canvas.addEventListener("dblclick", (event) => {
+    const [x, y] = place(event);
+    does.open?.(timeline.at(x), timeline.rowAt(y));
+  });
+  canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && does.hover(null));
+  canvas.addEventListener("wheel", (event) => {
+    const [x] = place(event);
+    if (event.ctrlKey) timeline.zoom(Math.exp(-event.deltaY / WHEEL), timeline.at(x));
+    else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
+      const step = ((event.deltaX || event.deltaY) / timeline.plotWidth) * (timeline.to - timeline.from);
+      timeline.setView(timeline.from + step, timeline.to + step);
+    } else return;
+    event.preventDefault();
+  }, { passive: false });
+}

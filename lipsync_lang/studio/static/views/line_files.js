@@ -1,0 +1,111 @@
+/** Files of a line: timings and recordings that are opened or dropped, and timings that are saved. */
+
+import { made } from "../shell/elements.js";
+
+const SOUNDS = /\.(wav|flac|ogg|oga|opus|mp3|m4a|aac|aif|aiff)$/i;
+
+/** @param {File} file @returns {boolean} */
+function sounds(file) {
+  return SOUNDS.test(file.name) || file.type.startsWith("audio/");
+}
+
+/**
+ * @param {string} text
+ * @param {string} accept
+ * @param {(files: File[]) => void} does
+ * @returns {HTMLElement} a button that asks for a file
+ */
+export function fileButton(text, accept, does) {
+  const input = /** @type {HTMLInputElement} */ (
+    made("input", { type: "file", accept, multiple: "", hidden: "", "aria-label": text })
+  );
+  const button = made("button", { type: "button" }, text);
+  button.addEventListener("click", () => input.click());
+  input.addEventListener("change", () => {
+    does([...(input.files ?? [])]);
+    input.value = "";
+  });
+  return made("span", {}, button, input);
+}
+
+/** Opens and saves the files of a line. */
+export class LineFiles {
+  /** @param {import("../shell/studio.js").Studio} studio @param {HTMLElement} place */
+  constructor(studio, place) {
+    this.studio = studio;
+    place.addEventListener("dragover", (event) => {
+      if (!event.dataTransfer?.types.includes("Files")) return;
+      event.preventDefault();
+      place.classList.add("dropping");
+    });
+    for (const name of ["dragleave", "drop"]) place.addEventListener(name, () => place.classList.remove("dropping"));
+    place.addEventListener("drop", (event) => {
+      event.preventDefault();
+      this.open([...(event.dataTransfer?.files ?? [])]);
+    });
+  }
+
+  /** @param {File[]} files timings and their recording, or one of the two */
+  async open(files) {
+    const timings = files.find((one) => !sounds(one)), recording = files.find(sounds);
+    if (timings) await this.studio.openLine(`timings?${new URLSearchParams({ name: timings.name })}`, timings);
+    if (!recording) return;
+    const name = recording.name;
+    if (timings) {
+      await this.studio.openLine(`sound?${new URLSearchParams({ name })}`, recording);
+      return;
+    }
+    const text = await this.#asked(name);
+    if (text !== null)
+      await this.studio.openLine(`sound?${new URLSearchParams(text ? { name, text } : { name })}`, recording);
+  }
+
+  /**
+   * @param {string} name of a recording
+   * @returns {Promise<string | null>} its text; "" if the times of the line hold for it
+   */
+  #asked(name) {
+    const input = /** @type {HTMLInputElement} */ (
+      made("input", { type: "text", dir: "auto", "aria-label": "Words of the recording", maxlength: "2000" })
+    );
+    input.value = this.studio.state.text ?? "";
+    const button = (/** @type {string} */ value, /** @type {string} */ text) =>
+      made("button", { value, class: value === "find" ? "main" : "" }, text);
+    const form = made(
+      "form",
+      { method: "dialog" },
+      made("h2", {}, `Words of ${name}`),
+      input,
+      made(
+        "p",
+        { class: "row" },
+        button("find", "Find its phonemes"),
+        ...(this.studio.take ? [button("keep", "Keep the times of the line")] : []),
+        button("", "Cancel"),
+      ),
+    );
+    const dialog = /** @type {HTMLDialogElement} */ (
+      made("dialog", { class: "recording", "aria-label": "Recording" }, form)
+    );
+    document.body.append(dialog);
+    dialog.showModal();
+    return new Promise((done) => dialog.addEventListener("close", () => {
+      dialog.remove();
+      const { returnValue } = dialog, text = input.value.trim();
+      if (returnValue === "find" && !text)
+        this.studio.tell("Type the words of the recording to find its phonemes", "fault");
+      done(returnValue === "find" && text ? text : returnValue === "keep" ? "" : null);
+    }));
+  }
+
+  /** @param {string} suffix json or TextGrid */
+  async save(suffix) {
+    await this.studio.attempt(async () => {
+      const { name, content } = await this.studio.api.get(`timings/${suffix}`);
+      const address = URL.createObjectURL(new Blob([content], { type: "text/plain" }));
+      made("a", { href: address, download: name }).click();
+      URL.revokeObjectURL(address);
+      this.studio.tell(`Saved ${name} to your downloads`);
+    });
+  }
+}

@@ -1,0 +1,96 @@
+/** Keys of the sentence view. */
+
+import { tellKeys } from "../shell/studio_keys.js";
+
+/** Seconds that a boundary is moved by a key, with Shift, and with Alt. */
+const NUDGE = 0.005, FAR = 0.02, FINE = 0.001;
+
+tellKeys({
+  "[ ]": "Sentence: choose the previous or next boundary; ← → then move it by 5 ms, with Shift 20 ms, with Alt 1 ms",
+  "; '": "Sentence: choose the previous or next word",
+  "e": "Sentence: emphasise the word, or stop emphasising it",
+  "↑ ↓": "Sentence: choose a pose, and see its reasons",
+  "Enter": "Sentence: open the bigram of the pose at the playhead",
+  "a": "Sentence: switch between A and B",
+  "n": "Sentence: go to the next finding of the check",
+  "Esc": "Sentence: clear the choice",
+});
+
+/**
+ * @param {import("./sentence_view.js").SentenceView} view
+ * @param {KeyboardEvent} event
+ * @returns {boolean} true if used
+ */
+export function sentenceKey(view, event) {
+  const { timeline, studio } = view, { take } = studio;
+  if (!take || event.ctrlKey || event.metaKey || event.target instanceof HTMLInputElement) return false;
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if (
+    key === "Enter" &&
+    (event.target instanceof HTMLButtonElement ||
+      event.target instanceof HTMLAnchorElement ||
+      /** @type {Element} */ (event.target).localName === "summary")
+  )
+    return false;
+  if (timeline.boundary >= 0 && (key === "ArrowLeft" || key === "ArrowRight")) {
+    const by = event.shiftKey ? FAR : event.altKey ? FINE : NUDGE;
+    view.nudge(key === "ArrowLeft" ? -by : by);
+    return true;
+  }
+  if (event.altKey) return false;
+  /** @type {Record<string, () => void>} */
+  const does = {
+    "[": () => chooseBoundary(view, -1), "]": () => chooseBoundary(view, 1),
+    ";": () => chooseWord(view, -1), "'": () => chooseWord(view, 1),
+    "e": () => emphasise(view), "a": () => view.swap(), "n": () => view.nextFinding(),
+    "ArrowUp": () => view.pick(timeline.row - 1), "ArrowDown": () => view.pick(timeline.row + 1),
+    "Home": () => view.reveal(take.start), "End": () => view.reveal(take.end),
+    "Enter": () => view.openBigram(studio.player.time, timeline.row), "Escape": () => view.choose({}),
+  };
+  if (!does[key]) return false;
+  does[key]();
+  return true;
+}
+
+/** @param {import("./sentence_view.js").SentenceView} view @param {number} way */
+function chooseBoundary(view, way) {
+  const { times } = /** @type {import("../line/take.js").Take} */ (view.studio.take).data.spoken,
+    now = view.studio.player.time,
+    { boundary } = view.timeline;
+  const from =
+    boundary >= 0
+      ? boundary + way
+      : way > 0
+        ? times.findIndex((/** @type {number} */ one) => one > now)
+        : times.findLastIndex((/** @type {number} */ one) => one <= now);
+  const next = Math.max(0, Math.min(times.length - 1, from));
+  view.studio.player.pause();
+  view.choose({ boundary: next });
+  view.reveal(times[next]);
+}
+
+/** @param {import("./sentence_view.js").SentenceView} view @param {number} way */
+function chooseWord(view, way) {
+  const take = /** @type {import("../line/take.js").Take} */ (view.studio.take), { times, words } = take.data.spoken;
+  if (!words.length) return;
+  const at = view.timeline.word >= 0 ? view.timeline.word + way : wordNow(view);
+  const next = Math.max(0, Math.min(words.length - 1, at));
+  view.studio.player.pause();
+  view.choose({ word: next });
+  view.reveal(times[words[next][1]]);
+}
+
+/** @param {import("./sentence_view.js").SentenceView} view @returns {number} the word at the playhead, or the next */
+function wordNow(view) {
+  const take = /** @type {import("../line/take.js").Take} */ (view.studio.take),
+    { times, words } = take.data.spoken,
+    now = view.studio.player.time;
+  return words.findIndex((/** @type {[string, number, number]} */ [, , stop]) => times[stop] > now);
+}
+
+/** @param {import("./sentence_view.js").SentenceView} view */
+function emphasise(view) {
+  const take = /** @type {import("../line/take.js").Take} */ (view.studio.take);
+  if (view.timeline.word < 0) view.choose({ word: wordNow(view) });
+  if (view.timeline.word >= 0) view.emphasise(take.data.spoken.emphasis[view.timeline.word] ? 0 : 1, true);
+}

@@ -1,0 +1,560 @@
+/** The sentence view: a line on its timeline, corrected and delivered by hand; each value tells why. */
+
+import { DeliveryPanel } from "./delivery_panel.js";
+import { made } from "../shell/elements.js";
+import { withWord } from "../timeline/level_points.js";
+import { fileButton, LineFiles } from "./line_files.js";
+import { LineSteps } from "./line_steps.js";
+import { Overview } from "../timeline/overview.js";
+import { clock } from "../timeline/scales.js";
+import { sentenceKey } from "./sentence_keys.js";
+import { TakeValues } from "../line/take_values.js";
+import { findingTimes, listFigures, listStages, movingRows, tell, usedStages } from "../line/take_words.js";
+import { Timeline } from "../timeline/timeline.js";
+import { TrackLanes } from "../timeline/track_lanes.js";
+
+/** Milliseconds without a change, after which the line is checked. */
+const CHECK_LATER = 350;
+/** Pixels of a pose's row, at least and at most, and what is left below the legend. */
+const ROW = 50, MOST_ROW = 96, BELOW = 14;
+/** Files that a button asks for. */
+const TIMINGS = ".json,.textgrid,.TextGrid,.csv,.tsv,.txt,.xml,.ctm,.lab,.phn,.eaf,.pho,.bml,.vtt,.par",
+  RECORDINGS = "audio/*,.wav,.flac";
+
+/** @typedef {import("../timeline/track_lanes.js").Track} Track */
+/** @typedef {import("../timeline/level_points.js").Level} Level */
+
+export class SentenceView {
+  /** @param {import("../shell/studio.js").Studio} studio @param {HTMLElement} place */
+  constructor(studio, place) {
+    this.studio = studio;
+    this.place = place;
+    place.classList.add("sentence");
+    const part = (/** @type {string} */ name, /** @type {Record<string, string>} */ traits = {}) => made(name, traits);
+    const at = {
+      canvas: /** @type {HTMLCanvasElement} */ (part("canvas", { id: "timeline", role: "img", tabindex: "0" })),
+      overview: /** @type {HTMLCanvasElement} */ (
+        part("canvas", { id: "overview", "aria-hidden": "true", hidden: "" })
+      ),
+      lanes: part("div", { class: "lanes" }),
+      legend: part("ul", { id: "legend", "aria-label": "Stages: press one to hide it" }),
+      moment: part("p", { id: "moment", "aria-live": "polite" }),
+      bigrams: part("ul", { id: "bigrams" }),
+      poses: part("ul", { id: "poses" }),
+      word: part("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
+      line: part("div"),
+      parts: part("span", { class: "row parts", hidden: "" }),
+      figures: part("section", { id: "figures", "aria-labelledby": "judged" }),
+      judged: part("h2", { id: "judged" }),
+      missed: part("ul", { id: "missed" }),
+      measured: part("ul", { id: "measured" }),
+    };
+    this.at = at;
+    this.whole = made("div", { class: "sentence-desk" });
+    this.nothing = made("div", { class: "empty" });
+    this.swapButton = made("button");
+    this.original = made("button");
+    this.files = new LineFiles(studio, place);
+    this.steps = new LineSteps(() => studio.edits.show());
+    this.timeline = new Timeline(this.at.canvas, {
+      seek: (seconds) => studio.seek(seconds),
+      hover: (at) => tell(this.#tip, this.timeline, studio.player.playing ? null : at),
+      pick: (row) => this.pick(row),
+      moved: () => { this.moved = true; studio.wake(); },
+      drag: (boundary, seconds, done) => this.drag(boundary, seconds, done),
+      word: (word) => this.choose({ word }),
+      open: (seconds, row) => row >= 0 && this.openBigram(seconds, row),
+    });
+    this.overview = new Overview(this.at.overview, this.timeline);
+    this.values = new TakeValues(at, { pick: (row) => this.pick(row), more: (bigram) => [this.#opener(bigram)] });
+    this.lanes = new TrackLanes(this.at.lanes, this.timeline, {
+      set: (track, level, done) => this.setLevel(track, level, done),
+    });
+    this.panel = new DeliveryPanel(this.at.word, this.at.line, {
+      set: (track, level, done) => this.setLevel(track, level, done),
+      setWord: (track, value, done) => this.#setWord(track, value, done),
+      emphasise: (level, done) => this.emphasise(level, done),
+      state: (name, value, done) => this.#set({ ...studio.settings, [name]: value }, name, `${name} ${value}`, done),
+      open: (track) => this.#openTrack(track),
+    });
+    /** Keys of the tracks that are shown as lanes. @type {Set<string>} */
+    this.open = new Set();
+    /** The other take is on the face. */
+    this.swapped = false;
+    this.moved = true;
+    this.dragging = false;
+    this.dragTimes = [0];
+    /** Times of boundaries that were asked for, until the take with them is here. @type {Map<number, number>} */
+    this.sought = new Map();
+    /** Settings before a change that goes on. @type {import("../payloads.js").Settings | null} */
+    this.before = null;
+    this.emphasisBefore = -1;
+    /** @type {Level | undefined} */
+    this.wordBefore = undefined;
+    /** The player of the line that is shown. @type {import("../line/player.js").Player | null} */
+    this.player = null;
+    /** @type {import("../line/player.js").Sound | null} */
+    this.heard = null;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.later = undefined;
+    this.#furnish();
+  }
+
+  #furnish() {
+    const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ does) => {
+      const one = made("button", { type: "button", title }, text);
+      one.addEventListener("click", does);
+      return one;
+    };
+    const open = () => [
+      fileButton("Open timings…", TIMINGS, (files) => this.files.open(files)),
+      fileButton("Open sound…", RECORDINGS, (files) => this.files.open(files)),
+    ];
+    this.swapButton = button("A/B", "Switch between A and B (A)", () => this.swap());
+    this.original = button("Original times", "Restore the times as they were opened or spoken", () => this.restore());
+    const tools = made("div", { class: "row tools" }, ...open(),
+      made("span", { class: "group", role: "group", "aria-label": "Save the timings" },
+        button("Save timings", "As JSON, with emphasis and stress", () => this.files.save("json")),
+        button("TextGrid", "Save the timings as a TextGrid, for Praat", () => this.files.save("TextGrid"))),
+      this.original, this.swapButton, this.at.parts);
+    const figures = this.at.figures;
+    figures.append(
+      this.at.judged,
+      this.at.missed,
+      made("details", {}, made("summary", {}, "Other figures"), this.at.measured),
+    );
+    const aside = made(
+      "aside",
+      { class: "why", "aria-label": "Values and reasons" },
+      this.at.word,
+      this.at.moment,
+      this.at.bigrams,
+      this.at.poses,
+      made("details", { class: "delivery", open: "" }, made("summary", {}, "Delivery of the line"), this.at.line),
+      figures,
+    );
+    this.whole.append(
+      tools,
+      made("div", { class: "lines" }, this.at.overview, this.at.lanes, this.at.canvas, this.at.legend),
+      aside,
+    );
+    this.nothing.append(
+      made("h2", {}, "No line yet"),
+      made(
+        "p",
+        {},
+        "Type a line below and press Enter. Or drop timed phonemes (TextGrid, JSON, CSV …) and their recording here.",
+      ),
+      made("p", { class: "row" }, ...open()),
+    );
+    this.place.append(this.whole, this.nothing);
+  }
+
+  get #tip() {
+    return /** @type {HTMLElement} */ (document.getElementById("tip"));
+  }
+
+  /** @param {string} argument seconds to go to */
+  async show(argument) {
+    this.place.append(this.nothing);
+    this.#take();
+    if (argument && Number.isFinite(Number(argument))) this.reveal(Number(argument));
+  }
+
+  hide() {
+    this.#tip.hidden = true;
+    if (this.swapped) this.swap();
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    return sentenceKey(this, event);
+  }
+
+  /** @param {import("../shell/studio.js").Change} what */
+  changed(what) {
+    if (what === "take" || what === "state" || what === "face") this.#take();
+    if (what === "theme") {
+      this.timeline.stale = true;
+      this.moved = true;
+      this.#legend();
+    }
+    if (what === "time") this.#draw();
+  }
+
+  /**
+   * The take in front, and the one beside it.
+   * @returns {[import("../line/take.js").Take | null, import("../line/take.js").Take | null]}
+   */
+  get shown() {
+    const { take, other } = this.studio;
+    return this.swapped && other ? [other, take] : [take, other];
+  }
+
+  #take() {
+    const { studio } = this, { sound } = studio;
+    if (!studio.other) this.swapped = false;
+    const [take, other] = this.shown;
+    this.whole.hidden = !take;
+    this.nothing.hidden = Boolean(take);
+    if (!take) return;
+    if (studio.sound !== this.heard || this.player !== studio.player) this.#newLine();
+    for (const boundary of this.sought.keys())
+      if (!studio.wishes.has(`boundary/${boundary}`)) this.sought.delete(boundary);
+    const rows = movingRows(take, other), picked = this.timeline.shown?.rows[this.timeline.row];
+    this.timeline.show({ take, other, sound, rows });
+    this.values.show(take, rows);
+    this.pick(picked === undefined ? -1 : rows.indexOf(picked));
+    this.swapButton.hidden = !studio.other;
+    this.swapButton.setAttribute("aria-pressed", String(this.swapped));
+    if (studio.portrait) studio.portrait.take = take;
+    this.#legend();
+    this.#levels();
+    this.#parts();
+    this.at.canvas.setAttribute(
+      "aria-label",
+      `Timeline of: ${take.data.spoken.title}. ` +
+        "Brackets choose a boundary, and arrows move it. The values are beside it.",
+    );
+    clearTimeout(this.later);
+    this.later = setTimeout(() => this.#check(), CHECK_LATER);
+    this.moved = true;
+    studio.wake();
+  }
+
+  /** Forget what belongs to the line before. */
+  #newLine() {
+    this.heard = this.studio.sound;
+    this.player = this.studio.player;
+    this.timeline.shown = null;
+    this.timeline.loudest = 0;
+    this.overview.shape = [];
+    this.timeline.boundary = this.timeline.word = -1;
+    this.dragging = false;
+    this.before = null;
+    this.steps.clear();
+    this.open = new Set(this.tracks().filter((one) => typeof one.level !== "number").map(keyOf));
+  }
+
+  async #check() {
+    const { take } = this.studio;
+    if (!take || this.dragging || this.swapped || this.studio.view !== this) return;
+    await this.studio.attempt(async () => {
+      const { figures } = await this.studio.api.get("figures");
+      if (this.studio.take !== take) return;
+      take.data.figures = figures;
+      listFigures(this.at, figures, (seconds) => {
+        this.studio.player.pause();
+        this.reveal(seconds);
+      });
+      this.timeline.stale = true;
+      this.studio.wake();
+    });
+  }
+
+  #draw() {
+    const { player } = this.studio, seconds = player.time, [take] = this.shown;
+    if (!take || !this.timeline.shown) return;
+    if (player.playing) this.timeline.follow(seconds);
+    if (this.timeline.loop !== player.loop) [this.timeline.loop, this.timeline.stale] = [player.loop, true];
+    if (this.moved) this.#stretch();
+    this.timeline.draw(seconds);
+    this.overview.draw(seconds);
+    if (this.moved) this.lanes.draw();
+    this.moved = false;
+    this.values.draw(take.frameAt(seconds), player.playing);
+  }
+
+  /** Give the poses the available room. */
+  #stretch() {
+    const { timeline, at } = this, room = /** @type {HTMLElement} */ (at.canvas.parentElement);
+    if (timeline.narrow || getComputedStyle(room).overflowY !== "auto") {
+      timeline.tall = 0;
+      return;
+    }
+    const used = timeline.top + at.legend.offsetHeight + at.lanes.offsetHeight + at.overview.offsetHeight + BELOW;
+    timeline.tall = Math.max(
+      ROW,
+      Math.min(MOST_ROW, Math.floor((room.clientHeight - used) / Math.max(1, timeline.line.rows.length))),
+    );
+  }
+
+  /** @param {number} seconds to go to, and to bring into view */
+  reveal(seconds) {
+    this.studio.seek(seconds);
+    if (seconds < this.timeline.from || seconds > this.timeline.to) this.timeline.follow(seconds);
+  }
+
+  /** @param {number} row of the timeline; -1 for none */
+  pick(row) {
+    const most = (this.timeline.shown?.rows.length ?? 0) - 1;
+    this.timeline.row = Math.max(-1, Math.min(most, row));
+    this.timeline.stale = true;
+    this.values.pick(this.timeline.row);
+    this.studio.wake();
+  }
+
+  swap() {
+    if (!this.studio.other) return;
+    this.swapped = !this.swapped;
+    this.#take();
+  }
+
+  nextFinding() {
+    const times = findingTimes(this.studio.take?.data.figures ?? []);
+    const next = times.find((one) => one > this.studio.player.time + 0.01) ?? times[0];
+    this.studio.player.pause();
+    if (next === undefined) this.studio.tell("The check found nothing in this line");
+    else this.reveal(next);
+  }
+
+  // Bigrams
+
+  /** @param {import("../payloads.js").Bigram} bigram @returns {HTMLElement} */
+  #opener(bigram) {
+    const pair = bigram.drawn_as ?? bigram.pair,
+      one = made("button", { type: "button", class: "open-bigram" }, `Open bigram ${pair}`);
+    one.addEventListener("click", () => this.studio.go("bigrams", pair));
+    return one;
+  }
+
+  /** @param {number} seconds @param {number} row opens the bigram that gives most to the pose, else the nearest one */
+  openBigram(seconds, row) {
+    const { take } = this.studio, name = this.timeline.line.rows[row];
+    if (!take) return;
+    const frame = take.frameAt(seconds), { making } = take.data, found = take.bigramsAt(frame);
+    const moving = making?.moving.indexOf(take.rows.get(name)?.pose ?? -1) ?? -1;
+    const given = (/** @type {import("../payloads.js").PlacedBigram} */ one) =>
+      (making && moving >= 0 ? making.given[one.side][moving][frame] : 0) - Math.abs(one.position - 0.5);
+    const most = found.toSorted((a, b) => given(b) - given(a))[0];
+    if (most) this.studio.go("bigrams", most.drawn_as ?? most.pair);
+    else this.studio.tell("No bigram covers this moment");
+  }
+
+  // Boundaries
+
+  /** @param {{boundary?: number, word?: number}} what is chosen; the rest no longer is */
+  choose({ boundary = -1, word = -1 }) {
+    [this.timeline.boundary, this.timeline.word] = [boundary, word];
+    this.timeline.stale = true;
+    this.#levels();
+    this.studio.wake();
+  }
+
+  /** @param {number} boundary @param {number} seconds @param {boolean} done */
+  drag(boundary, seconds, done) {
+    const { take } = this.studio;
+    if (!take || this.swapped) return;
+    if (!this.dragging) {
+      this.dragging = true;
+      this.dragTimes = [...take.data.spoken.times];
+      this.choose({ boundary });
+      if (!done) return; // pressed, not moved yet
+    }
+    if (Math.abs(seconds - this.dragTimes[boundary]) > 1e-4 || !done) this.#move(boundary, seconds);
+    if (!done) return;
+    this.dragging = false;
+    if (Math.abs(seconds - this.dragTimes[boundary]) > 1e-4)
+      this.#moved(boundary, this.dragTimes[boundary], seconds, "");
+  }
+
+  /** @param {number} boundary @param {number} seconds */
+  #move(boundary, seconds) {
+    this.studio.perform(`boundary/${boundary}`, { seconds });
+  }
+
+  /** @param {number} boundary @param {number} from @param {number} to @param {string} merge */
+  #moved(boundary, from, to, merge) {
+    const { labels } = this.studio.take?.data.spoken ?? { labels: [] };
+    this.steps.push({
+      title: `Move the boundary before ${labels[boundary] ?? "the end"}`, merge,
+      back: () => this.#move(boundary, from), forth: () => this.#move(boundary, to),
+    });
+  }
+
+  /** @param {number} by seconds that the chosen boundary is moved */
+  nudge(by) {
+    const { boundary } = this.timeline, { take } = this.studio;
+    if (!take || boundary < 0) return;
+    const from = this.sought.get(boundary) ?? take.data.spoken.times[boundary];
+    this.sought.set(boundary, from + by);
+    this.#move(boundary, from + by);
+    this.#moved(boundary, from, from + by, `nudge ${boundary}`);
+    this.studio.seek(from + by);
+  }
+
+  restore() {
+    const { take } = this.studio;
+    if (!take) return;
+    const times = [...take.data.spoken.times];
+    const forth = () => { this.studio.perform("original"); };
+    this.steps.push({
+      title: "Restore the original times",
+      merge: "",
+      back: () => {
+        this.studio.perform("times", { times });
+      },
+      forth,
+    });
+    forth();
+  }
+
+  // Delivery
+
+  /** @returns {Track[]} every region and style, with its level */
+  tracks() {
+    const { state, settings } = this.studio;
+    const level = (/** @type {"dials" | "styles"} */ kind, /** @type {string} */ name, /** @type {number} */ usual) =>
+      settings[kind]?.[name] ?? usual;
+    return [
+      ...Object.keys(state.regions ?? {}).map(
+        (name) => /** @type {Track} */ ({ kind: "dials", name, level: level("dials", name, 1), most: 2, usual: 1 }),
+      ),
+      ...(state.styles ?? []).map(
+        (/** @type {string} */ name) =>
+          /** @type {Track} */ ({ kind: "styles", name, level: level("styles", name, 0), most: 1, usual: 0 }),
+      ),
+    ];
+  }
+
+  #levels() {
+    const { take, settings, sound } = this.studio, tracks = this.tracks(), { word } = this.timeline;
+    if (!take) return;
+    const { times, words, emphasis } = take.data.spoken, chosen = words[word];
+    this.panel.show(
+      tracks,
+      settings,
+      chosen ? { text: chosen[0], emphasis: emphasis[word], from: times[chosen[1]], to: times[chosen[2]] } : null,
+      Boolean(sound),
+    );
+    this.lanes.show(tracks.filter((one) => this.open.has(keyOf(one))));
+  }
+
+  /** @param {Track} track */
+  #openTrack(track) {
+    const key = keyOf(track);
+    if (this.open.has(key)) this.open.delete(key);
+    else this.open.add(key);
+    this.#levels();
+  }
+
+  /** @param {Track} track @param {Level | undefined} level undefined puts it back as usual @param {boolean} done */
+  setLevel(track, level, done) {
+    const { settings } = this.studio, levels = { ...settings[track.kind] };
+    if (level === undefined) this.open.delete(keyOf(track));
+    else if (typeof level !== "number") this.open.add(keyOf(track));
+    if (level === undefined || level === track.usual) delete levels[track.name];
+    else levels[track.name] = level;
+    this.#set({ ...settings, [track.kind]: levels }, `${track.kind} ${track.name}`, track.name, done);
+  }
+
+  /** @param {Track} track @param {number} value @param {boolean} done */
+  #setWord(track, value, done) {
+    const { take } = this.studio, own = this.tracks().find((one) => keyOf(one) === keyOf(track));
+    const { times, words } = take?.data.spoken ?? { times: [], words: [] }, word = words[this.timeline.word];
+    if (!take || !own || !word) return;
+    this.wordBefore ??= own.level;
+    this.setLevel(own, withWord(this.wordBefore, times[word[1]], times[word[2]], value, take.start, take.end), done);
+    if (done) this.wordBefore = undefined;
+  }
+
+  /**
+   * @param {import("../payloads.js").Settings} settings
+   * @param {string} merge
+   * @param {string} title
+   * @param {boolean} done
+   */
+  #set(settings, merge, title, done) {
+    const { studio } = this;
+    this.before ??= studio.settings;
+    const before = this.before, put = (/** @type {import("../payloads.js").Settings} */ one) => {
+      studio.settings = one;
+      this.#levels();
+      studio.perform();
+    };
+    if (JSON.stringify(settings) !== JSON.stringify(studio.settings)) put(settings);
+    if (!done) return;
+    this.before = null;
+    if (JSON.stringify(settings) !== JSON.stringify(before))
+      this.steps.push({ title, merge: "", back: () => put(before), forth: () => put(settings) });
+  }
+
+  /** @param {number} level of the chosen word @param {boolean} done */
+  emphasise(level, done) {
+    const { word } = this.timeline, { take } = this.studio;
+    if (!take || word < 0) return;
+    if (this.emphasisBefore < 0) this.emphasisBefore = take.data.spoken.emphasis[word];
+    const before = this.emphasisBefore,
+      put = (/** @type {number} */ one) => {
+        this.studio.perform(`emphasis/${word}`, { level: one });
+      };
+    put(level);
+    if (!done) return;
+    this.emphasisBefore = -1;
+    if (level !== before)
+      this.steps.push({
+        title: `Emphasis of ${take.data.spoken.words[word][0]}`,
+        merge: "",
+        back: () => put(before),
+        forth: () => put(level),
+      });
+  }
+
+  /** @param {"undo" | "redo"} way */
+  history(way) {
+    this.steps.go(way);
+  }
+
+  // What is said in words
+
+  #legend() {
+    const [take, other] = this.shown;
+    if (!take) return;
+    listStages(this.at.legend, take, other);
+    usedStages(take).forEach((stage, n) => {
+      const item = this.at.legend.children[n],
+        button = made(
+          "button",
+          {
+            type: "button",
+            "aria-pressed": String(!this.timeline.hidden.has(stage.name)),
+            title: stage.why || stage.label,
+          },
+          item.textContent ?? "",
+        );
+      button.addEventListener("click", () => {
+        if (!this.timeline.hidden.delete(stage.name)) this.timeline.hidden.add(stage.name);
+        button.setAttribute("aria-pressed", String(!this.timeline.hidden.has(stage.name)));
+        this.timeline.stale = true;
+        this.studio.wake();
+      });
+      item.replaceChildren(button);
+    });
+  }
+
+  /** A line of hours is shown in parts. */
+  #parts() {
+    const { part } = this.studio, { parts } = this.at;
+    parts.hidden = !part;
+    if (!part) return;
+    const button = (/** @type {string} */ text, /** @type {string} */ name, /** @type {number} */ to) => {
+      const one = made(
+        "button",
+        { type: "button", "aria-label": name, ...(to < 0 || to >= part.count ? { disabled: "" } : {}) },
+        text,
+      );
+      one.addEventListener("click", () => this.studio.openLine(`part/${to}`, {}));
+      return one;
+    };
+    parts.replaceChildren(
+      button("◂", "Previous part", part.number - 1),
+      made("span", {}, `part ${part.number + 1} of ${part.count} (the line lasts ${clock(part.seconds, 0)})`),
+      button("▸", "Next part", part.number + 1),
+    );
+  }
+}
+
+/** @param {Track} track @returns {string} */
+function keyOf(track) {
+  return `${track.kind} ${track.name}`;
+}
