@@ -23,7 +23,7 @@ from lipsync_lang.files.signals import Terminated, terminating
 from lipsync_lang.terminal import safe_streams
 
 if TYPE_CHECKING:
-    from lipsync_lang.commands.shared_options import Command
+    from lipsync_lang.commands.registry import Handler
 
 _log = logging.getLogger(__name__)
 
@@ -72,8 +72,9 @@ def _worded(arguments: Sequence[str] | None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        options = parser().parse_args(arguments)
-        command: Command = options.command
+        given = sys.argv[1:] if arguments is None else list(arguments)
+        options = parser(next(iter(given), None)).parse_args(given)
+        command: Handler = options.command
         with saying(options):
             fill(options)
             return command(options)

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.arrays import Floats, Ints
+from lipsync_lang.capture.captured_line import CapturedLine, resampled
 
 if TYPE_CHECKING:
-    from lipsync_lang.capture.captured_line import CapturedLine
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.schedules.schedule import Schedule
 
@@ -30,7 +30,7 @@ CLOCK_FPS = 50.0
 EDGE_SECONDS = 0.15
 """Seconds before the first sound and after the last sound in the comparison."""
 
-PAUSE_SECONDS = 0.5
+PAUSE_EDGE_SECONDS = 0.5
 """Seconds at each end of a pause in the comparison."""
 
 FAR_SECONDS = 1.5
@@ -42,10 +42,10 @@ NEAR_SECONDS = 0.25
 DRIFT_SECONDS = 0.4
 """Largest drift in the search, from the middle of the speech to its ends."""
 
-STEP_SECONDS = 0.04
+DRIFT_STEP_SECONDS = 0.04
 """Steps of the search for a drift."""
 
-AROUND_SECONDS: Floats = np.arange(-3.0, 4.0) * STEP_SECONDS
+SEARCHED_OFFSETS_SECONDS: Floats = np.arange(-3.0, 4.0) * DRIFT_STEP_SECONDS
 """Number of offsets in the search with every drift and speed."""
 
 SHUFFLES = 10
@@ -63,10 +63,10 @@ APART_SECONDS = 0.12
 LEAST_KNOWN = 0.5
 """Minimum share of the speech in which a signal is recorded."""
 
-MAX_VALUES = 2_000_000
+MAX_COMPARED_VALUES = 2_000_000
 """Maximum number of values in one comparison."""
 
-STILL = 1e-6
+STILL_SIZE = 1e-6
 """Minimum size of a signal's motion; smaller signals count as still."""
 
 
@@ -105,7 +105,7 @@ class ComparedMotion:
     """(T,) frames of the speech."""
     shown: Floats
     """(K, T, S) signals of the curves."""
-    line: "CapturedLine"
+    line: CapturedLine
 
     def likenesses(
         self, offsets: Sequence[float], drifts: Sequence[float] = (), speeds: Sequence[float] = ()
@@ -122,7 +122,8 @@ class ComparedMotion:
         clocks[:, 0] = offsets
         clocks[:, 1] = drifts or 0.0
         clocks[:, 2] = speeds or 1.0
-        parts = np.array_split(clocks, max(1, self._size * len(clocks) // MAX_VALUES))
+        size = len(self.times) * self.shown.shape[2] * len(clocks)
+        parts = np.array_split(clocks, max(1, size // MAX_COMPARED_VALUES))
         return np.concatenate([self._likenesses(part) for part in parts])
 
     def signals(self) -> Floats:
@@ -147,11 +148,11 @@ class ComparedMotion:
         sums, squares = (np.einsum("lts,kts->lks", seen, y) for y in (self.shown, self.shown**2))
         recorded_size = np.sqrt((x * x).sum(axis=1))[:, None]
         shown_size = np.sqrt(np.maximum(squares - sums**2 / counts[:, None], 0.0))
-        moving = (recorded_size > STILL) & (shown_size > STILL)
+        moving = (recorded_size > STILL_SIZE) & (shown_size > STILL_SIZE)
         products = np.where(moving, recorded_size * shown_size, 1.0)
         each = np.where(moving, np.einsum("lts,kts->lks", x, self.shown) / products, 0.0)
         enough = known.mean(axis=1)[:, None] > LEAST_KNOWN
-        return each, np.where(enough & (shown_size > STILL), shown_size, 0.0)
+        return each, np.where(enough & (shown_size > STILL_SIZE), shown_size, 0.0)
 
     def _recorded(self, clocks: Floats) -> Floats:
         """Return the recorded values with each clock: (L, T, S)."""
@@ -167,29 +168,14 @@ class ComparedMotion:
 
     @cached_property
     def _grid(self) -> Floats:
-        """The recorded values at the frames of the comparison."""
-        return _sampled(self.line)
-
-    @property
-    def _size(self) -> int:
-        return len(self.times) * int(self.shown.shape[2])
-
-
-def _sampled(line: "CapturedLine") -> Floats:
-    """Return the values of a line at an even rate from its first time on; lost values are NaN."""
-    times = np.arange(line.times[0], line.times[-1] + 0.5 / CLOCK_FPS, 1 / CLOCK_FPS)
-    out = np.full((len(times), len(line.signals)), np.nan)
-    for number, values in enumerate(line.values.T):
-        known = np.isfinite(values)
-        if known.any():
-            made = np.interp(times, line.times[known], values[known])
-            lost = np.interp(times, line.times, (~known).astype(float)) > STILL
-            out[:, number] = np.where(lost, np.nan, made)
-    return out
+        """The recorded values at an even rate from the line's first time on."""
+        line = self.line
+        times = np.arange(line.times[0], line.times[-1] + 0.5 / CLOCK_FPS, 1 / CLOCK_FPS)
+        return resampled(times, line.times, line.values)
 
 
 def compared(
-    performer: "Performer", line: "CapturedLine", schedules: "Sequence[Schedule]"
+    performer: "Performer", line: CapturedLine, schedules: "Sequence[Schedule]"
 ) -> ComparedMotion:
     """Combine the motion of a line with the curves of schedules with the same times."""
     times = _near_sounds(performer, schedules[0])
@@ -209,7 +195,7 @@ def _near_sounds(performer: "Performer", schedule: "Schedule") -> Floats:
     before = np.searchsorted(starts, times, side="right") - 1
     since = times - ends[np.maximum(before, 0)]
     until = starts[np.minimum(before + 1, len(starts) - 1)] - times
-    far = (before >= 0) & (since > PAUSE_SECONDS) & (until > PAUSE_SECONDS)
+    far = (before >= 0) & (since > PAUSE_EDGE_SECONDS) & (until > PAUSE_EDGE_SECONDS)
     found: Floats = times[~far]
     return found
 
@@ -228,7 +214,7 @@ def sounds_of(performer: "Performer", schedule: "Schedule") -> Ints:
     return found
 
 
-def read_clock(performer: "Performer", line: "CapturedLine") -> tuple[ClockReading, ComparedMotion]:
+def read_clock(performer: "Performer", line: CapturedLine) -> tuple[ClockReading, ComparedMotion]:
     """Compare the motion of a line with its phonemes."""
     motion = compared(performer, line, [line.schedule, *_shuffles(performer, line)])
     own = replace(motion, shown=motion.shown[:1])
@@ -239,7 +225,7 @@ def read_clock(performer: "Performer", line: "CapturedLine") -> tuple[ClockReadi
     far = int(np.where(near, -2, alike).argmax())
     apart = near & (np.abs(offsets - offsets[best]) > APART_SECONDS)
     drifting, drift = _drift(own, float(offsets[best]))
-    few = np.arange(-NEAR_SECONDS, NEAR_SECONDS + 1e-9, STEP_SECONDS)
+    few = np.arange(-NEAR_SECONDS, NEAR_SECONDS + 1e-9, DRIFT_STEP_SECONDS)
     chance = motion.likenesses(few.tolist())[:, 1:].max(axis=0)
     reading = ClockReading(
         float(alike[len(offsets) // 2]),
@@ -256,7 +242,7 @@ def read_clock(performer: "Performer", line: "CapturedLine") -> tuple[ClockReadi
     return reading, own
 
 
-def _shuffles(performer: "Performer", line: "CapturedLine") -> "list[Schedule]":
+def _shuffles(performer: "Performer", line: CapturedLine) -> "list[Schedule]":
     """Return copies of the schedule with its sounds shuffled, at the same times."""
     places = sounds_of(performer, line.schedule).tolist()
     out = []
@@ -271,8 +257,8 @@ def _shuffles(performer: "Performer", line: "CapturedLine") -> "list[Schedule]":
 
 def _drift(motion: ComparedMotion, offset: float) -> tuple[float, float]:
     """Return the best likeness with a drift, and that drift over the speech."""
-    drifts = np.arange(-2 * DRIFT_SECONDS, 2 * DRIFT_SECONDS + 1e-9, 2 * STEP_SECONDS)
-    late, drift = _every(offset + AROUND_SECONDS, drifts)
+    drifts = np.arange(-2 * DRIFT_SECONDS, 2 * DRIFT_SECONDS + 1e-9, 2 * DRIFT_STEP_SECONDS)
+    late, drift = _every(offset + SEARCHED_OFFSETS_SECONDS, drifts)
     alike = motion.likenesses(late, drift)[:, 0]
     best = max(zip(alike.tolist(), (-abs(one) for one in drift), drift, strict=True))
     return best[0], best[2]
@@ -280,7 +266,7 @@ def _drift(motion: ComparedMotion, offset: float) -> tuple[float, float]:
 
 def best_speed(motion: ComparedMotion) -> tuple[float, float]:
     """Return the best likeness with another speed of the clock, and that speed."""
-    late, speeds = _every(AROUND_SECONDS, np.array(SPEEDS))
+    late, speeds = _every(SEARCHED_OFFSETS_SECONDS, np.array(SPEEDS))
     alike = motion.likenesses(late, speeds=speeds)[:, 0]
     return max(zip(alike.tolist(), speeds, strict=True))
 

@@ -12,20 +12,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from lipsync_lang.animations.readers.animation_readers import READERS
-from lipsync_lang.animations.readers.json import MARK
+from lipsync_lang.animations.animation_readers import ANIMATION_READERS
+from lipsync_lang.animations.readers.json import ANIMATION_MARK
 from lipsync_lang.capture.fit_file import SetAside
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.files import argument_path
 from lipsync_lang.files.names import folded_name
 from lipsync_lang.lines.line_readers import LineFile
 from lipsync_lang.lines.table import cell, open_table
-from lipsync_lang.lines.timings import SUFFIXES, is_timed
+from lipsync_lang.lines.timings import TIMING_SUFFIXES, is_timed
+from lipsync_lang.schedules.timing_file import HEAD_BYTES
 
-SOUNDS = (".wav", ".flac", ".ogg", ".mp3")
+SOUND_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")
 """Suffixes of sounds beside a capture, the most likely first."""
 
-TEXTS = (".txt", ".lab")
+TEXT_SUFFIXES = (".txt", ".lab")
 """Suffixes of texts beside a capture, the most likely first."""
 
 READ_OUT = "readout.yaml"
@@ -34,10 +35,7 @@ READ_OUT = "readout.yaml"
 MAX_CAPTURES = 20_000
 """Maximum number of captures in a fit."""
 
-HEAD_BYTES = 4096
-"""Number of first bytes that identify a list of captures or a file of curves."""
-
-COLUMNS = ("capture", "timings", "text", "audio", "speaker", "start", "fps")
+LIST_COLUMNS = ("capture", "timings", "text", "audio", "speaker", "start", "fps")
 """Columns of a list of captures; only the first is required."""
 
 
@@ -61,7 +59,7 @@ class CaptureFiles:
     """The read-out of its folder."""
 
 
-class FoundCaptures(NamedTuple):
+class CaptureSearch(NamedTuple):
     """Captures found, and captures that cannot be used."""
 
     files: tuple[CaptureFiles, ...]
@@ -70,7 +68,7 @@ class FoundCaptures(NamedTuple):
 
 def find_captures(
     paths: str | Path | Iterable[str | Path], *, speaker: str | None = None
-) -> FoundCaptures:
+) -> CaptureSearch:
     """Find the captures among files and below folders.
 
     Parameters
@@ -95,15 +93,12 @@ def find_captures(
         if len(found) > MAX_CAPTURES:
             raise LipsyncError(f"{path}: holds more than {MAX_CAPTURES} captures; give fewer")
     if not found and not aside:
+        places = str(paths) if isinstance(paths, (str, Path)) else ", ".join(map(str, paths))
         raise LipsyncError(
-            f"no captures in {_listed(paths)}; known: {', '.join(READERS.suffixes())}"
+            f"no captures in {places}; known: {', '.join(ANIMATION_READERS.suffixes())}"
         )
     told = [one if one.speaker else _with_speaker(one, pattern) for one in found.values()]
-    return FoundCaptures(tuple(_uniquely_named(told)), tuple(aside))
-
-
-def _listed(paths: str | Path | Iterable[str | Path]) -> str:
-    return str(paths) if isinstance(paths, (str, Path)) else ", ".join(map(str, paths))
+    return CaptureSearch(tuple(_uniquely_named(told)), tuple(aside))
 
 
 def _pattern(text: str) -> re.Pattern[str]:
@@ -177,7 +172,7 @@ def _lists_captures(path: Path) -> bool:
     if path.suffix.lower() not in {".csv", ".tsv"}:
         return False
     first = _head(path).partition("\n")[0]
-    return COLUMNS[0] in [one.strip(' "\r').casefold() for one in re.split("[\t,;|]", first)]
+    return LIST_COLUMNS[0] in [one.strip(' "\r').casefold() for one in re.split("[\t,;|]", first)]
 
 
 def _stated(
@@ -187,9 +182,9 @@ def _stated(
     source = LineFile(path, lambda _: None)
     table = open_table(source)
     head = [name.casefold() for name in table.head]
-    unknown = next((name for name in head if name and name not in COLUMNS), None)
+    unknown = next((name for name in head if name and name not in LIST_COLUMNS), None)
     if unknown is not None:
-        raise source.fault(1, f"unknown column '{unknown}'; {did_you_mean(unknown, COLUMNS)}")
+        raise source.fault(1, f"unknown column '{unknown}'; {did_you_mean(unknown, LIST_COLUMNS)}")
     for number, row in table.rows:
         cells = {name: cell(row, at) for at, name in enumerate(head)}
         if not any(cells.values()):
@@ -198,15 +193,17 @@ def _stated(
             yield _row(path, cells, folder, root)
         except LipsyncError as error:
             place = f"{path}:{number}"
-            aside.append(SetAside(line=cells[COLUMNS[0]] or place, why=f"{place}: {error}"))
+            aside.append(SetAside(line=cells[LIST_COLUMNS[0]] or place, why=f"{place}: {error}"))
 
 
 def _row(path: Path, cells: dict[str, str], folder: "_Neighbours", root: Path) -> CaptureFiles:
-    files = {what: _inside(path.parent, cells[what]) for what in COLUMNS[:2] if cells.get(what)}
+    files = {
+        what: _inside(path.parent, cells[what]) for what in LIST_COLUMNS[:2] if cells.get(what)
+    }
     audio = _inside(path.parent, cells["audio"]) if cells.get("audio") else None
-    if COLUMNS[0] not in files:
+    if LIST_COLUMNS[0] not in files:
         raise LipsyncError("the first column is empty; write the capture there")
-    one = folder.files_of(files[COLUMNS[0]], root)
+    one = folder.files_of(files[LIST_COLUMNS[0]], root)
     if cells.get("text") or "timings" in files:
         one = replace(one, timings=files.get("timings"), text=cells.get("text") or None)
     return replace(
@@ -270,11 +267,11 @@ class _Neighbours:
 
     @staticmethod
     def _holds_motion(path: Path) -> bool:
-        if path.suffix.lower() not in READERS.suffixes() or _lists_captures(path):
+        if path.suffix.lower() not in ANIMATION_READERS.suffixes() or _lists_captures(path):
             return False
-        if path.suffix.lower() == ".json" and MARK in _head(path):
+        if path.suffix.lower() == ".json" and ANIMATION_MARK in _head(path):
             return True
-        return path.suffix.lower() not in SUFFIXES or not is_timed(LineFile(path, lambda _: None))
+        return not _is_timings(path)
 
     def files_of(self, capture: Path, root: Path) -> CaptureFiles:
         """Return a capture with its neighbours; the full stem precedes the name up to a dot."""
@@ -284,8 +281,8 @@ class _Neighbours:
         near = [name for key in keys for name in self.by_stem.get(folded_name(key), ())]
         beside = [self.folder / name for name in near if name != capture.name]
         timed = [path for path in beside if _is_timings(path)]
-        told = (p for suffix in TEXTS for p in beside if p.suffix.lower() == suffix)
-        heard = (p for suffix in SOUNDS for p in beside if p.suffix.lower() == suffix)
+        told = (p for suffix in TEXT_SUFFIXES for p in beside if p.suffix.lower() == suffix)
+        heard = (p for suffix in SOUND_SUFFIXES for p in beside if p.suffix.lower() == suffix)
         name = capture.with_name(base if base not in self._shared else stem)
         shown = name.relative_to(root) if name.is_relative_to(root) else Path(name.name)
         return CaptureFiles(
@@ -309,4 +306,4 @@ def _above(folder: Path, root: Path) -> Path | None:
 
 
 def _is_timings(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES and is_timed(LineFile(path, lambda _: None))
+    return path.suffix.lower() in TIMING_SUFFIXES and is_timed(LineFile(path, lambda _: None))

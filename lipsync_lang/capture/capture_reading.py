@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.animations.readers.animation_readers import Recording, read_animation
+from lipsync_lang.animations.animation_readers import Recording, read_animation
 from lipsync_lang.animations.readers.live_link import fits
-from lipsync_lang.capture.capture_files import HEAD_BYTES, CaptureFiles, find_captures
+from lipsync_lang.arrays import Floats
+from lipsync_lang.capture.capture_files import CaptureFiles, find_captures
 from lipsync_lang.capture.capture_timings import CaptureTimings, readable
-from lipsync_lang.capture.captured_line import CapturedLine
+from lipsync_lang.capture.captured_line import CapturedLine, resampled
 from lipsync_lang.capture.fit_file import SetAside
 from lipsync_lang.capture.sensors import SensorSignals, load_readout, read_sensors
 from lipsync_lang.errors import AnimationError, LipsyncError
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.quality.fitting import even_times, placed_columns, some_names
+from lipsync_lang.schedules.timing_file import HEAD_BYTES
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import ReadOut
@@ -166,7 +167,7 @@ def _measured(performer: "Performer", path: Path, sensed: SensorSignals) -> _Mov
     times, _ = even_times(str(path), sensed.times)
     values = sensed.values[:, used]
     if times is not sensed.times:
-        values = np.column_stack([_resampled(times, sensed.times, one) for one in values.T])
+        values = resampled(times, sensed.times, values)
     other = [name for name in sensed.measures if name not in known]
     remarks = list(sensed.remarks)
     if other:
@@ -174,16 +175,6 @@ def _measured(performer: "Performer", path: Path, sensed: SensorSignals) -> _Mov
             f"{path}: {performer.character} has no measure {some_names(other)}; these are left out"
         )
     return _Moving(times, signals, values, gains, free=True, remarks=tuple(remarks))
-
-
-def _resampled(times: Floats, old: Floats, values: Floats) -> Floats:
-    """Return values at other times; NaN within a gap stays NaN."""
-    good = np.isfinite(values)
-    if not good.any():
-        return np.full(len(times), np.nan)
-    made = np.interp(times, old[good], values[good])
-    lost = np.interp(times, old, (~good).astype(float)) > 0
-    return np.where(lost, np.nan, made)
 
 
 def _weighted(performer: "Performer", recording: Recording) -> _Moving:

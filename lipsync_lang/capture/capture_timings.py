@@ -74,7 +74,7 @@ class CaptureTimings:
 
     def aligned(self, files: Sequence[CaptureFiles]) -> "dict[str, Schedule | LipsyncError]":
         """Align the captures that have a text and a sound; return schedules or errors by name."""
-        from lipsync_lang.speech.hearing import align_many
+        from lipsync_lang.speech.hearing.alignment import align_many
 
         known = [one for one in files if one.text is not None and one.audio is not None]
         told: dict[str, str] = {}
@@ -136,13 +136,13 @@ def readable(performer: "Performer", schedule: Schedule) -> tuple[Schedule, tupl
         audio=None,
     )
     values = reader.values(made)
-    silent = [value == reader.values(_SILENT)[0] for value in values]
+    silent = [value == reader.values(_SILENT_SCHEDULE)[0] for value in values]
     if all(silent):
         raise ScheduleError(f"{schedule.source}: has only silence; check that it is the right file")
     return _cut_last(made, max(at for at, mute in enumerate(silent) if not mute)), told
 
 
-_SILENT = Schedule((SILENCE,), np.array([0.0, 1.0]))
+_SILENT_SCHEDULE = Schedule((SILENCE,), np.array([0.0, 1.0]))
 
 
 def _cut_last(schedule: Schedule, last: int) -> Schedule:

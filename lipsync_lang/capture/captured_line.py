@@ -6,7 +6,12 @@ Conventions: T samples, S signals, P poses; times are seconds on the schedule's 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lipsync_lang.pipeline.arrays import Floats
+import numpy as np
+
+from lipsync_lang.arrays import Floats
+
+GAP_SHARE = 1e-6
+"""Minimum share of a lost value between two samples; a smaller one is rounding."""
 
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
@@ -36,3 +41,24 @@ class CapturedLine:
     """The speaker's name; empty if unknown."""
     remarks: tuple[str, ...] = ()
     """Doubtful points of the file, as sentences."""
+
+
+def resampled(times: Floats, old: Floats, values: Floats) -> Floats:
+    """Return signals at other times, (T, S); NaN within a gap.
+
+    Beyond the ends, the first and the last known values are held.
+
+    Parameters
+    ----------
+    times : (T,) seconds of the result
+    old : (N,) seconds of the values, rising
+    values : (N, S) values; NaN for a lost sensor
+    """
+    out = np.full((len(times), values.shape[1]), np.nan)
+    for number, signal in enumerate(values.T):
+        known = np.isfinite(signal)
+        if known.any():
+            lost = np.interp(times, old, (~known).astype(float)) > GAP_SHARE
+            filled = np.interp(times, old[known], signal[known])
+            out[:, number] = np.where(lost, np.nan, filled)
+    return out

@@ -15,10 +15,10 @@ from lipsync_lang.capture.fit_file import (
     FitVerdict,
     SetAside,
 )
-from lipsync_lang.capture.fit_folds import FitTask, Fold, Shares, choose, errors, folds, run_fits
+from lipsync_lang.capture.fit_folds import FitShares, FitTask, Fold, choose, errors, folds, run_fits
 from lipsync_lang.capture.fit_items import fit_items
 from lipsync_lang.capture.fit_lines import FitLine, fit_rate, lay_lines
-from lipsync_lang.capture.fit_motion import MotionGroups
+from lipsync_lang.capture.fit_steps import MotionGroups
 from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.capture.judging import outlying_lines
 from lipsync_lang.capture.rest_levels import without_rest
@@ -30,13 +30,15 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.resolver.retouch import OpenPair
 
-WHOLE = Shares(1.0, 0.0)
+WHOLE_CHANGE = FitShares(1.0, 0.0)
 """Shares of a refused fit in the report: the full change, without bigrams."""
+
+ONE_SPEAKER = "all lines are of one speaker, so the fit was not tested on another speaker"
 
 Progress = Callable[[str], None]
 
 
-class Followed(NamedTuple):
+class ComparedCurves(NamedTuple):
     """A captured line beside the curves before and after a fit, at the frames of the fit."""
 
     line: FitLine
@@ -51,7 +53,7 @@ class CaptureFit:
     """The result of a fit."""
 
     proposal: FitProposal
-    followed: tuple[Followed, ...]
+    followed: tuple[ComparedCurves, ...]
     face: FitFace
     values: FitValues
     """The values of the proposal's items; for a refused fit, those of the full fit."""
@@ -82,7 +84,8 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
     LipsyncError
         There are no lines, no signal of them shows a pose, or scipy is missing.
     """
-    _require_scipy()
+    if find_spec("scipy") is None:
+        raise LipsyncError(f"a fit needs scipy: {install_line('capture')}")
     laid = _laid(performer, captured, set_aside)
     progress("fitting all lines")
     task, full, strays = _without_strays(pair, laid)
@@ -91,9 +94,9 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
     for number, fit in enumerate(run_fits(task, [part.kept for part in parts], workers), 1):
         progress(f"cross-validation {number} of {len(parts)}")
         fits.append(fit)
-    shares = choose(task, parts, fits) if parts else Shares(0.0, 0.0)
+    shares = choose(task, parts, fits) if parts else FitShares(0.0, 0.0)
     verdict = _verdict(task, parts, fits, shares)
-    start, shown = task.face.start, shares if verdict.accepted else WHOLE
+    start, shown = task.face.start, shares if verdict.accepted else WHOLE_CHANGE
     values = start.towards(full, *shown)
     others = [
         start.towards(fit, *shown)
@@ -102,7 +105,9 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
     ]
     items = tuple(fit_items(pair, task, values, others))
     proposal = _proposal(pair, task, verdict, items, (*set_aside, *strays))
-    return CaptureFit(proposal, _followed(task, values), task.face, values)
+    before, after = (task.face.shown(one, task.lines) for one in (start, values))
+    followed = tuple(map(ComparedCurves, task.lines, before, after))
+    return CaptureFit(proposal, followed, task.face, values)
 
 
 def _proposal(
@@ -113,23 +118,23 @@ def _proposal(
     set_aside: tuple[SetAside, ...],
 ) -> FitProposal:
     captured = [line.captured for line in task.lines]
+    remarks = dict.fromkeys(remark for line in captured for remark in line.remarks)
+    if len({line.speaker for line in captured}) == 1:
+        remarks[ONE_SPEAKER] = None
     return FitProposal(
         language=pair.compiled.language,
         character=pair.compiled.character,
         poseset=pair.compiled.poseset,
         lines=len(captured),
-        seconds=round(sum(map(_seconds, task.lines)), 3),
+        seconds=round(
+            sum(float(line.seen.any(axis=1).sum()) / line.frames.fps for line in task.lines), 3
+        ),
         speakers=tuple(sorted({line.speaker for line in captured} - {""})),
         verdict=verdict,
         items=items,
-        remarks=_remarks(captured),
+        remarks=tuple(remarks),
         set_aside=set_aside,
     )
-
-
-def _require_scipy() -> None:
-    if find_spec("scipy") is None:
-        raise LipsyncError(f"a fit needs scipy: {install_line('capture')}")
 
 
 def _without_strays(
@@ -177,18 +182,8 @@ def motion_groups(pair: "OpenPair") -> MotionGroups:
     )
 
 
-ONE_SPEAKER = "all lines are of one speaker, so the fit was not tested on another speaker"
-
-
-def _remarks(captured: "Sequence[CapturedLine]") -> tuple[str, ...]:
-    """Return the distinct remarks of all lines."""
-    several = len({line.speaker for line in captured}) > 1
-    told = dict.fromkeys(remark for line in captured for remark in line.remarks)
-    return (*told, *(() if several else (ONE_SPEAKER,)))
-
-
 def _verdict(
-    task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: Shares
+    task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: FitShares
 ) -> FitVerdict:
     """Judge a fit by its error on held-out lines."""
     if not parts:
@@ -196,7 +191,7 @@ def _verdict(
             accepted=False, why="a single line cannot show that a fit generalises; add lines"
         )
     accepted = shares.values > 0
-    shown = shares if accepted else WHOLE
+    shown = shares if accepted else WHOLE_CHANGE
     before = [task.error(task.face.start, part.tested) for part in parts]
     after = errors(task, parts, fits, shown)
     told = tuple(
@@ -222,15 +217,3 @@ def _verdict(
         bigrams = "" if shares.bigrams else "; fitted bigrams do not lower it and are left out"
         why = f"on held-out {units}, the mean error is {means}{extent}{bigrams}"
     return FitVerdict(accepted=accepted, why=why, folds=told)
-
-
-def _followed(task: FitTask, values: FitValues) -> tuple[Followed, ...]:
-    start = task.face.shown(task.face.start, task.lines)
-    end = task.face.shown(values, task.lines)
-    return tuple(
-        Followed(line, one, other) for line, one, other in zip(task.lines, start, end, strict=True)
-    )
-
-
-def _seconds(line: FitLine) -> float:
-    return float(line.seen.any(axis=1).sum()) / line.frames.fps

@@ -13,7 +13,7 @@ import re
 from collections import Counter
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TextIO
+from typing import Annotated, Literal, Self, TextIO
 
 from pydantic import (
     AfterValidator,
@@ -28,12 +28,22 @@ from pydantic_core import PydanticCustomError
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.files import read_input
-from lipsync_lang.packs.models.fields import BigramKey, Common, Curves, Name, PoseName, Strict, Text
+from lipsync_lang.packs.models.fields import (
+    BigramKey,
+    Common,
+    Curves,
+    Name,
+    NotNegative,
+    PoseName,
+    Strict,
+    Text,
+    Unit,
+)
 from lipsync_lang.packs.models.pose_models import AnticipateSeconds, Softness, Targets
 from lipsync_lang.packs.models.validation import validated_as
 from lipsync_lang.packs.splicing import plain
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
-from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, YamlSource, read_yaml
+from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, Data, YamlSource, read_yaml
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 FIT_FORMAT = 1
@@ -48,14 +58,9 @@ MAX_LISTED_FAULTS = 12
 VALUE_DECIMALS = 4
 """Decimals of written values."""
 
-FORM = '{"kind": "fit", "format": 1, "poseset": ..., "items": [{"item": "targets.a", ...}]}'
+FIT_FORM = '{"kind": "fit", "format": 1, "poseset": ..., "items": [{"item": "targets.a", ...}]}'
 
-Data = Any
-"""A value from a JSON file: dict, list or tuple, text, number, boolean or None."""
-
-Share = Annotated[float, Field(ge=0, le=1)]
-Error = Annotated[float, Field(ge=0)]
-Count = Annotated[int, Field(ge=0)]
+ItemCount = Annotated[int, Field(ge=0)]
 
 
 class FittedCurves(Strict):
@@ -118,13 +123,13 @@ class FitItem(Strict):
     """The fitted value, in the form of a pack."""
     was: Data = None
     """The value before the fit; None without one."""
-    occurrences: Count = 0
+    occurrences: ItemCount = 0
     """Occurrences in the captures."""
-    residual_before: Error | None = None
+    residual_before: NotNegative | None = None
     """RMS difference between curves and captures with the value before."""
-    residual_after: Error | None = None
+    residual_after: NotNegative | None = None
     """RMS difference with the fitted value."""
-    confidence: Share = 1.0
+    confidence: Unit = 1.0
     """Certainty of the value, from 0 to 1."""
 
     @field_validator("value", "was", mode="plain")
@@ -161,9 +166,9 @@ class FitFold(Strict):
     """The line or speaker left out of the fit."""
     by: Literal["line", "speaker"]
     """The unit that is left out."""
-    before: Error
+    before: NotNegative
     """RMS error on the held-out lines without the fit."""
-    after: Error
+    after: NotNegative
     """RMS error on the held-out lines with the fit."""
 
 
@@ -200,9 +205,9 @@ class FitProposal(Strict):
     """The character that was fitted, or a bare pose set."""
     poseset: Name
     """The pose set whose poses move."""
-    lines: Count = 0
+    lines: ItemCount = 0
     """Number of fitted lines."""
-    seconds: Error = 0
+    seconds: NotNegative = 0
     """Seconds of fitted capture."""
     speakers: tuple[str, ...] = ()
     """The speakers of those lines."""
@@ -255,7 +260,7 @@ def _refuse_other(source: YamlSource) -> None:
     """Raise an error for a file that is not a proposal, or of a later format."""
     data = source.data
     if not isinstance(data, dict) or data.get("kind") != "fit":
-        raise PackError(f"{shown(source.path)}: is not a result of a fit; the form is {FORM}")
+        raise PackError(f"{shown(source.path)}: is not a result of a fit; the form is {FIT_FORM}")
     number = data.get("format")
     if type(number) is int and number > FIT_FORMAT:
         what = f"the fit is in format {number}; this program reads format {FIT_FORMAT}"

@@ -11,25 +11,22 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.capture.fit_bigrams import fit_bigrams
 from lipsync_lang.capture.fit_lines import FitLine
-from lipsync_lang.capture.fit_mentions import with_mentions
-from lipsync_lang.capture.fit_motion import MotionGroups, fit_motion
-from lipsync_lang.capture.fit_targets import fit_targets
-from lipsync_lang.capture.fit_values import FitFace, FitValues
+from lipsync_lang.capture.fit_steps import MotionGroups, fit_bigrams, fit_motion, fit_targets
+from lipsync_lang.capture.fit_values import FitFace, FitValues, with_mentions
 from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
 MOST_FOLDS = 5
 """Maximum number of parts of the lines or speakers."""
 
-SHARES = (0.25, 0.5, 0.75, 1.0)
+TRIED_SHARES = (0.25, 0.5, 0.75, 1.0)
 """Shares of the change from the values before the fit to the fitted values, to be compared."""
 
 BIGRAM_SHARES = (0.5, 1.0)
 """The same for the curves of bigrams."""
 
-SHOWN_NAMES = 4
+MAX_FOLD_NAMES = 4
 """Maximum number of lines or speakers in the name of a part."""
 
 BIGRAM_WORTH = 0.99
@@ -74,7 +71,7 @@ class Fold(NamedTuple):
     tested: tuple[int, ...]
 
 
-class Shares(NamedTuple):
+class FitShares(NamedTuple):
     """Accepted shares of the change by a fit; 0 refuses it."""
 
     values: float
@@ -83,13 +80,11 @@ class Shares(NamedTuple):
 
 def folds(lines: Sequence[FitLine]) -> list[Fold]:
     """Divide lines into parts, and also speakers if there are several; one line has no parts."""
-    return [*_parts("line", [line.captured.name for line in lines]), *_by_speaker(lines)]
-
-
-def _by_speaker(lines: Sequence[FitLine]) -> Iterator[Fold]:
+    found = list(_parts("line", [line.captured.name for line in lines]))
     speakers = [line.captured.speaker for line in lines]
     if len(set(speakers)) > 1:
-        yield from _parts("speaker", speakers)
+        found += _parts("speaker", speakers)
+    return found
 
 
 def _parts(by: By, names: Sequence[str]) -> Iterator[Fold]:
@@ -100,7 +95,7 @@ def _parts(by: By, names: Sequence[str]) -> Iterator[Fold]:
         left = known[part::count]
         tested = tuple(n for n, name in enumerate(names) if name in left)
         kept = tuple(n for n, name in enumerate(names) if name not in left)
-        yield Fold(by, shortlist(left, SHOWN_NAMES), kept, tested)
+        yield Fold(by, shortlist(left, MAX_FOLD_NAMES), kept, tested)
 
 
 def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iterator[FitValues]:
@@ -132,7 +127,7 @@ def _fit(kept: Sequence[int]) -> FitValues:
     return _TASK[0].fit(kept)
 
 
-def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> Shares:
+def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> FitShares:
     """Return the shares with the lowest error on held-out lines; 0 if no share lowers it.
 
     Held-out speakers count as much as held-out lines: the larger error decides.
@@ -140,18 +135,18 @@ def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> S
     start = task.face.start
     before = [task.error(start, part.tested) for part in parts]
 
-    def score(shares: Shares) -> float:
+    def score(shares: FitShares) -> float:
         return worst(parts, before, errors(task, parts, fits, shares))
 
-    best, lowest = Shares(0.0, 0.0), 1.0
-    tried = [Shares(share, 0.0) for share in SHARES]
+    best, lowest = FitShares(0.0, 0.0), 1.0
+    tried = [FitShares(share, 0.0) for share in TRIED_SHARES]
     for shares in tried:
         found = score(shares)
         if found < lowest:
             best, lowest = shares, found
     limit = BIGRAM_WORTH * lowest
     for share in BIGRAM_SHARES if best.values else ():
-        shares = Shares(best.values, share)
+        shares = FitShares(best.values, share)
         found = score(shares)
         if found < limit:
             best, limit = shares, found
@@ -159,7 +154,7 @@ def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> S
 
 
 def errors(
-    task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: Shares
+    task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: FitShares
 ) -> list[float]:
     """Return the error of each fold's fit on its held-out lines."""
     start = task.face.start

@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.banks.draft import TIMES
 from lipsync_lang.capture.fit_file import VALUE_DECIMALS, FitItem
 from lipsync_lang.capture.fit_folds import FitTask
 from lipsync_lang.capture.fit_values import FitFace, FitValues
-from lipsync_lang.pipeline.arrays import Bools, Floats
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.resolver.retouch import OpenPair
 
-DECIMALS = 3
+ITEM_DECIMALS = 3
 """Decimals of fitted values in a proposal."""
 
 LEAST_WEIGHT, LEAST_DOMINANCE, LEAST_SECONDS, LEAST_SPEED_CHANGE = 0.005, 0.05, 0.0005, 0.1
@@ -124,20 +124,12 @@ def _target_items(
             occurrences=count,
             residual_before=before,
             residual_after=after,
-            confidence=confidence(*_numbers(start, values, others, number)),
+            confidence=confidence(
+                start.weights[number].ravel(),
+                values.weights[number].ravel(),
+                [one.weights[number].ravel() for one in others],
+            ),
         )
-
-
-def _numbers(
-    start: FitValues, values: FitValues, others: Sequence[FitValues], number: int
-) -> tuple[Floats, Floats, list[Floats]]:
-    """Return the weights of a target before the fit, after it, and in each fold."""
-
-    def of(one: FitValues) -> Floats:
-        weights: Floats = one.weights[number].ravel()
-        return weights
-
-    return of(start), of(values), [of(one) for one in others]
 
 
 def _target(
@@ -156,7 +148,7 @@ def _target(
         }
         missing = values.mentioned[number] & (now >= FAINTEST)
         own |= {
-            pose: round(float(now[n]), DECIMALS)
+            pose: round(float(now[n]), ITEM_DECIMALS)
             for n, pose in enumerate(poses)
             if missing[n] and pose not in own
         }
@@ -164,7 +156,7 @@ def _target(
     usual = shelf.usual_dominance(out)
     fitted = np.exp(values.dominance[number])
     apart = np.abs(np.log(fitted / usual)) > LEAST_DOMINANCE
-    dominance = {poses[n]: round(float(fitted[n]), DECIMALS) for n in np.flatnonzero(apart)}
+    dominance = {poses[n]: round(float(fitted[n]), ITEM_DECIMALS) for n in np.flatnonzero(apart)}
     if dominance:
         out[0]["dominance"] = dominance
     return out
@@ -173,8 +165,8 @@ def _target(
 def _weight(weight: float, *, moved: bool) -> float:
     """Return a weight in the form of a pack; an unchanged 0 is kept."""
     if moved:
-        return round(max(weight, FAINTEST), DECIMALS)
-    return 0.0 if weight < FAINTEST else round(weight, DECIMALS)
+        return round(max(weight, FAINTEST), ITEM_DECIMALS)
+    return 0.0 if weight < FAINTEST else round(weight, ITEM_DECIMALS)
 
 
 def _stated(step: "models.PhonemeTarget") -> dict[str, Any]:
@@ -227,7 +219,7 @@ def _motion_items(
         if abs(value - was) >= least:
             yield FitItem(
                 item=name,
-                value=round(value, DECIMALS),
+                value=round(value, ITEM_DECIMALS),
                 was=round(was, 6),
                 occurrences=count,
                 residual_before=before,
@@ -274,7 +266,7 @@ def _bigram_items(
 
 def _curves(pair: "OpenPair", controls: Floats) -> Mapping[str, list[list[float]]]:
     """Return the control points of the poses that move."""
-    rounded = controls.round(DECIMALS)
+    rounded = controls.round(ITEM_DECIMALS)
     return {
         pose: [[float(t), float(v)] for t, v in zip(TIMES, line, strict=True)]
         for pose, line in zip(pair.shelf.poses, rounded, strict=True)

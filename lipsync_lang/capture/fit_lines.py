@@ -9,25 +9,25 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.capture.captured_line import CapturedLine, resampled
 from lipsync_lang.performing.batch import Delivered
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.drive import Rig, drive
 from lipsync_lang.pipeline.perform import Frames, Performance, lay_frames
 from lipsync_lang.pipeline.prepare import channel_kernel, prepare
 from lipsync_lang.rigs.driver import Driver
 
 if TYPE_CHECKING:
-    from lipsync_lang.capture.captured_line import CapturedLine
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.levels import Dial
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.pipeline.track import Track
 
-MOST_FPS = 60.0
+MOST_FIT_FPS = 60.0
 """Frames per second of a fit of a few minutes; faster captures are resampled."""
 
-LEAST_FPS = 30.0
+LEAST_FIT_FPS = 30.0
 """Frames per second of a fit of many minutes."""
 
 MOST_FRAMES = 24_000
@@ -43,7 +43,7 @@ LONG_PAUSE_SECONDS = 0.5
 FREE_SPREAD = 0.2
 """Standard deviation of signals without a scale after scaling, in weights of a pose."""
 
-PLAIN = {"styles": None, "dials": None, "intensity": 0.0}
+PLAIN_OPTIONS = {"styles": None, "dials": None, "intensity": 0.0}
 """Options of a performance without styles and dials."""
 
 
@@ -73,7 +73,7 @@ class DrivenChannels:
 class FitLine:
     """A captured line, prepared for performance and comparison."""
 
-    captured: "CapturedLine"
+    captured: CapturedLine
     track: "Track"
     frames: Frames
     dials: "tuple[Dial, ...]"
@@ -105,17 +105,17 @@ class FitLine:
         return found
 
 
-def fit_rate(lines: "Iterable[CapturedLine]") -> float:
+def fit_rate(lines: Iterable[CapturedLine]) -> float:
     """Return the frames per second of a fit."""
     lines = tuple(lines)
     seconds = sum(float(line.times[-1] - line.times[0]) for line in lines)
     own = max(1 / float(np.median(np.diff(line.times))) for line in lines)
-    enough = max(LEAST_FPS, MOST_FRAMES / max(seconds, 1e-9))
-    return float(min(MOST_FPS, own, enough))
+    enough = max(LEAST_FIT_FPS, MOST_FRAMES / max(seconds, 1e-9))
+    return float(min(MOST_FIT_FPS, own, enough))
 
 
 def lay_lines(
-    performer: "Performer", captured: "Sequence[CapturedLine]", fps: float
+    performer: "Performer", captured: Sequence[CapturedLine], fps: float
 ) -> tuple[FitLine, ...]:
     """Prepare captured lines for a fit; scale signals without a scale like the performer's curves.
 
@@ -124,7 +124,7 @@ def lay_lines(
     """
     tables, motion = performer.compiled.tables, performer.motion
     tables = tables.papers if motion.thresholds == "paper" else tables
-    asked = {**PLAIN, "intensity": None}
+    asked = {**PLAIN_OPTIONS, "intensity": None}
     laid = []
     for line, sounds in zip(
         captured, performer.labels.read([one.schedule for one in captured]), strict=True
@@ -133,27 +133,13 @@ def lay_lines(
         said = Delivered.of(performer, quiet, sounds, None, asked)
         made = said.performance(motion, sounds, fps)
         frames = lay_frames(made.track, motion, fps, made.prepared.lead)
-        wanted = _sampled(line, made.track, frames, tables.silence)
+        times = frames.times()
+        wanted = resampled(times, line.times, line.values)
+        wanted[(times < line.times[0]) | (times > line.times[-1])] = np.nan
+        wanted[~_spoken(made.track, times, tables.silence)] = np.nan
         rig = DrivenChannels.of(performer, line.signals) if line.rigged else None
         laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains, rig))
     return _scaled(tuple(laid), tables, motion)
-
-
-def _sampled(line: "CapturedLine", track: "Track", frames: Frames, silence: int) -> Floats:
-    """Return the recorded values at the frames of a performance; NaN outside speech."""
-    times = frames.times()
-    out = np.full((len(times), len(line.signals)), np.nan)
-    step = float(np.median(np.diff(line.times)))
-    for number, values in enumerate(line.values.T):
-        known = np.isfinite(values)
-        if known.sum() < 2:  # noqa: PLR2004 a line needs two points
-            continue
-        out[:, number] = np.interp(times, line.times[known], values[known], np.nan, np.nan)
-        lost = np.interp(times, line.times, known.astype(float)) < 1 - 1e-6
-        out[lost, number] = np.nan
-    out[(times < line.times[0] - step) | (times > line.times[-1] + step)] = np.nan
-    out[~_spoken(track, times, silence)] = np.nan
-    return out
 
 
 def _spoken(track: "Track", times: Floats, silence: int) -> Bools:
@@ -172,22 +158,20 @@ def _scaled(lines: tuple[FitLine, ...], tables: "Tables", motion: "Motion") -> t
     """Return the lines with their free signals in units of the poses."""
     free = [line for line in lines if line.captured.free]
     shown = {id(line): line.perform(tables, motion).weights() @ line.gains.T for line in free}
-    spread: dict[str, list[Floats]] = {}
+    curves_of: dict[str, list[Floats]] = {}
     for line in free:
         for signal, seen, curve in zip(
             line.captured.signals, line.seen.T, shown[id(line)].T, strict=True
         ):
-            spread.setdefault(signal, []).append(curve[seen])
-    even = {name: _even(np.concatenate(curves)) for name, curves in spread.items()}
+            curves_of.setdefault(signal, []).append(curve[seen])
+    deviations = {
+        name: float(values.std()) if (values := np.concatenate(curves)).size else 0.0
+        for name, curves in curves_of.items()
+    }
+    even = {name: FREE_SPREAD / one if one > 0 else 0.0 for name, one in deviations.items()}
     return tuple(
         _rescaled(line, shown[id(line)], even) if line.captured.free else line for line in lines
     )
-
-
-def _even(curve: Floats) -> float:
-    """Return the factor that scales a signal to the standard deviation of a pose."""
-    spread = float(curve.std()) if curve.size else 0.0
-    return FREE_SPREAD / spread if spread > 0 else 0.0
 
 
 def _rescaled(line: FitLine, shown: Floats, even: dict[str, float]) -> FitLine:

@@ -7,17 +7,14 @@ available width, with the phonemes as text above them.
 import json
 from collections.abc import Sequence
 from functools import cache
-from importlib.resources import files
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from jinja2 import Environment
-from markupsafe import Markup
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.capture.shown_lines import ShownLine, SignalFigures
-from lipsync_lang.coverage.page.assembling import own_file, page_environment
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.reports.pages import PageEnvironment
 
 if TYPE_CHECKING:
     from lipsync_lang.capture.fit_file import FitProposal
@@ -31,19 +28,19 @@ MAX_DRAWN_SIGNALS = 12
 MAX_POINTS = 1_500
 """Maximum number of points of a drawn curve."""
 
-MAX_ROWS = 1_000
+MAX_TABLE_ROWS = 1_000
 """Maximum number of rows of the table of lines, and of the table of values."""
 
 MAX_VALUE_CHARS = 120
 """Maximum length of a value in a row, in characters."""
 
-MAX_LABELS = 400
+MAX_DRAWN_LABELS = 400
 """Maximum number of phonemes above a drawing."""
 
 LABEL_REM = 1.3
 """Width of a phoneme above a drawing, in rem, on a narrow screen."""
 
-AROUND_SECONDS = 0.1
+DRAWN_MARGIN_SECONDS = 0.1
 """Seconds in a drawing before and after the captured part."""
 
 WIDTH, HEIGHT = 1_000, 100
@@ -89,26 +86,18 @@ def fit_page(lines: Sequence[ShownLine], proposal: "FitProposal | None" = None) 
     """
     worst = sorted(lines, key=lambda line: (-line.rms_after, line.name))
     items = () if proposal is None else proposal.items
-    return (
-        _environment()
-        .get_template("fit.html")
-        .render(
-            lines=worst,
-            proposal=proposal,
-            items=sorted(items, key=lambda one: (-one.confidence * one.occurrences, one.item)),
-            drawings=[_drawing(line) for line in worst[:MAX_DRAWN_LINES]],
-            r=[_mean([getattr(line, name) for line in worst]) for name in ("r_before", "r_after")],
-            rms=[_mean([getattr(line, f"rms_{when}") for line in worst]) for when in _WHEN],
-            style=Markup(own_file("style.css") + _own("fit.css")),  # noqa: S704 our own
-        )
-    )
+    values = {
+        "lines": worst,
+        "proposal": proposal,
+        "items": sorted(items, key=lambda one: (-one.confidence * one.occurrences, one.item)),
+        "drawings": [_drawing(line) for line in worst[:MAX_DRAWN_LINES]],
+        "r": [_mean([getattr(line, name) for line in worst]) for name in ("r_before", "r_after")],
+        "rms": [_mean([getattr(line, f"rms_{when}") for line in worst]) for when in _WHEN],
+    }
+    return _environment().page("fit.html", values, "fit.css")
 
 
 _WHEN = ("before", "after")
-
-
-def _own(name: str) -> str:
-    return (files("lipsync_lang.capture") / "page_templates" / name).read_text("utf-8")
 
 
 def _mean(values: Sequence[float | None]) -> float | None:
@@ -117,14 +106,14 @@ def _mean(values: Sequence[float | None]) -> float | None:
 
 
 @cache
-def _environment() -> Environment:
-    environment = page_environment("lipsync_lang.capture", "page_templates")
+def _environment() -> PageEnvironment:
+    environment = PageEnvironment(__package__, "page_templates")
     environment.filters["number"] = lambda value: "–" if value is None else f"{value:.3f}"
     environment.filters["value"] = _value
     environment.globals |= {
         "WIDTH": WIDTH,
         "HEIGHT": HEIGHT,
-        "MAX_ROWS": MAX_ROWS,
+        "MAX_ROWS": MAX_TABLE_ROWS,
         "OPEN_LINES": OPEN_LINES,
         "MAX_DRAWN_SIGNALS": MAX_DRAWN_SIGNALS,
     }
@@ -149,9 +138,9 @@ def _drawing(line: ShownLine) -> LineDrawing:
     return LineDrawing(
         line,
         tuple(_signal(line, figures, start, end) for figures in moving),
-        "".join(f"M{share * WIDTH:.1f} 0V{HEIGHT}" for share in inside[:MAX_LABELS]),
-        tuple(labels[:MAX_LABELS]),
-        max(20.0, LABEL_REM * len(labels[:MAX_LABELS])),
+        "".join(f"M{share * WIDTH:.1f} 0V{HEIGHT}" for share in inside[:MAX_DRAWN_LABELS]),
+        tuple(labels[:MAX_DRAWN_LABELS]),
+        max(20.0, LABEL_REM * len(labels[:MAX_DRAWN_LABELS])),
     )
 
 
@@ -160,7 +149,7 @@ def _window(line: ShownLine) -> tuple[float, float]:
     known = line.times[np.isfinite(line.captured).any(axis=1)]
     if not len(known):
         return float(line.times[0]), float(line.times[-1])
-    return float(known[0]) - AROUND_SECONDS, float(known[-1]) + AROUND_SECONDS
+    return float(known[0]) - DRAWN_MARGIN_SECONDS, float(known[-1]) + DRAWN_MARGIN_SECONDS
 
 
 def _signal(line: ShownLine, figures: SignalFigures, start: float, end: float) -> SignalDrawing:

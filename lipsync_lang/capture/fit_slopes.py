@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.banks.draft import TIMES, Target, shape
 from lipsync_lang.capture.fit_lines import FitLine
 from lipsync_lang.capture.fit_values import FitFace, FitValues
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.warp import locate, positions
 
 if TYPE_CHECKING:
@@ -78,14 +78,11 @@ def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLin
         out = kernel @ out
     observed = sparse.kron(sparse.identity(line.frames.count), sparse.csr_matrix(line.gains))
     if line.rig is not None:
-        observed = sparse.diags(_unbounded(line, made.weights(), motion)) @ observed
+        # A channel at a bound of the rig does not follow the poses: its slopes are 0.
+        weights = made.weights()
+        apart = np.abs(line.signals(weights, motion) - weights @ line.gains.T)
+        observed = sparse.diags((apart < BOUND).ravel().astype(float)) @ observed
     return sparse.csr_matrix(observed @ out)
-
-
-def _unbounded(line: FitLine, weights: Floats, motion: "Motion") -> Floats:
-    """Return 1 for values of a rig that are sums of poses, 0 for values at a bound: (T S,)."""
-    apart = np.abs(line.signals(weights, motion) - weights @ line.gains.T)
-    return (apart < BOUND).ravel().astype(float)
 
 
 def _passes(stages: dict[str, Floats]) -> tuple[Floats, Bools, Bools]:
@@ -113,7 +110,9 @@ def _raw_slopes(
     where = np.full(len(tables.curves), -1)
     where[face.rows] = np.arange(len(face.rows))
     drafted = where[row]
-    values = _values(tables, row, position)
+    steps = tables.curves.shape[1] - 1
+    nearest = np.rint(position.clip(0, 1) * steps).astype(np.intp)
+    values = tables.curves[row, nearest].astype(float)
     larger = values[0] >= values[1]
     frame, pose = np.indices((count, poses))
     entries: list[tuple[Any, Any, Any]] = []
@@ -129,14 +128,6 @@ def _raw_slopes(
     data, rows, columns = map(np.concatenate, zip(*entries, strict=True))
     size = count * poses, len(face.rows) * poses * points
     return sparse.csr_matrix((data, (rows, columns)), shape=size)
-
-
-def _values(tables: "Tables", row: Ints, position: Floats) -> Floats:
-    """Return the values of both bigrams, at the resolution of the table: (2, T, P)."""
-    steps = tables.curves.shape[1] - 1
-    nearest = np.rint(position.clip(0, 1) * steps).astype(np.intp)
-    out: Floats = tables.curves[row, nearest].astype(float)
-    return out
 
 
 def _kernel_matrix(blurs: Any, poses: int, count: int) -> Sparse:

@@ -14,15 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
 
 SCALE = 0.1
 """Minimum error of an outlier, in weight of a pose."""
 
-ROUNDS = 8
+MAX_LINEARISATIONS = 8
 """Maximum number of linearisations in a fit."""
 
-ENOUGH = 1e-3
+ENOUGH_DECREASE = 1e-3
 """Minimum relative decrease of the cost per step; a smaller one ends the fit."""
 
 EXACT = 1e-5
@@ -60,7 +60,7 @@ def solve(
     low, high = np.minimum(bounds[0], start), np.maximum(bounds[1], start)
     now, found = start.copy(), errors(start)
     cost = robust_cost(found)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_LINEARISATIONS):
         matrix, before = slopes(now), cost
         for damping in DAMPINGS:
             tried = np.clip(now + _step(matrix, found, prior, now - start, damping), low, high)
@@ -69,7 +69,7 @@ def solve(
             if total < cost:
                 now, found, cost = tried, after, total
                 break
-        if before - cost < ENOUGH * cost:
+        if before - cost < ENOUGH_DECREASE * cost:
             break
     return now
 

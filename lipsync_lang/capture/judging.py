@@ -33,17 +33,17 @@ from lipsync_lang.errors import AnimationError, LipsyncError
 from lipsync_lang.quality.fitting import some_names
 
 if TYPE_CHECKING:
+    from lipsync_lang.arrays import Bools
     from lipsync_lang.capture.captured_line import CapturedLine
     from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.pipeline.arrays import Bools
 
-LEAST_FPS = 24.0
+LEAST_CAPTURE_FPS = 24.0
 """Minimum frame rate; slower captures miss closures of the lips."""
 
 LEAST_COVERED = 0.8
 """Minimum share of the speech that a capture covers."""
 
-LEAST_SOUNDS = 6
+LEAST_CLOCK_SOUNDS = 6
 """Minimum number of sounds for a judgement of the clock."""
 
 STUCK_SECONDS = 0.5
@@ -174,7 +174,7 @@ def _judged(
     line = _without_stuck(performer, line)
     line = _moving(performer, line)
     count = len(sounds_of(performer, line.schedule))
-    if count < LEAST_SOUNDS:
+    if count < LEAST_CLOCK_SOUNDS:
         return _remarked(line, f"has only {count} sounds, too few to judge its clock"), None
     reading, motion = read_clock(performer, line)
     _check_words(reading, motion, FEW_CHANCES if count < FEW_SOUNDS else CHANCES)
@@ -188,10 +188,10 @@ def _remarked(line: "CapturedLine", told: str) -> "CapturedLine":
 
 def _check_rate(line: "CapturedLine") -> None:
     fps = 1 / float(np.median(np.diff(line.times)))
-    if fps < LEAST_FPS * 0.99:
+    if fps < LEAST_CAPTURE_FPS * 0.99:
         raise AnimationError(
             f"has {fps:.3g} frames per second, too few for closures of the lips; record at least "
-            f"{LEAST_FPS:g}"
+            f"{LEAST_CAPTURE_FPS:g}"
         )
 
 
@@ -241,7 +241,10 @@ def _moving(performer: "Performer", line: "CapturedLine") -> "CapturedLine":
     spoken = line.values[speech]
     known = np.isfinite(spoken)
     lost = known.mean(axis=0) < 1 - MAX_LOST if len(spoken) else np.ones(len(line.signals), bool)
-    shown = performer.perform(line.schedule, fps=LEAST_FPS, intensity=None).weights @ line.gains.T
+    shown = (
+        performer.perform(line.schedule, fps=LEAST_CAPTURE_FPS, intensity=None).weights
+        @ line.gains.T
+    )
     high = np.where(known, spoken, -np.inf).max(axis=0, initial=-np.inf)
     low = np.where(known, spoken, np.inf).min(axis=0, initial=np.inf)
     size = np.maximum(np.maximum(np.abs(high), np.abs(low)), 1e-6)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.arrays import Bools, Floats
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

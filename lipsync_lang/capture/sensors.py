@@ -8,18 +8,18 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from lipsync_lang.animations.readers.animation_readers import (
-    LEAST,
+from lipsync_lang.animations.animation_readers import (
     LONGEST_SECONDS,
     MAX_ANIMATION_BYTES,
+    MIN_FRAMES,
     fail,
 )
 from lipsync_lang.animations.readers.csv import table_of
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import AnimationError, did_you_mean
 from lipsync_lang.files import read_input
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import ReadOut
-from lipsync_lang.pipeline.arrays import Floats
 
 
 class SensorSignals(NamedTuple):
@@ -97,7 +97,7 @@ def _with_columns(readout: ReadOut, names: tuple[str, ...]) -> tuple[list[str], 
 
 
 def _check_times(path: Path, times: Floats) -> None:
-    if len(times) < LEAST:
+    if len(times) < MIN_FRAMES:
         fail(path, f"has only {len(times)} samples", "export the whole recording")
     if not (np.isfinite(times) & (np.abs(times) <= LONGEST_SECONDS)).all():
         fail(

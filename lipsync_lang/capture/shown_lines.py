@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
 
 if TYPE_CHECKING:
-    from lipsync_lang.capture.fit_captures import Followed
+    from lipsync_lang.capture.fit_captures import ComparedCurves
 
 LEAST_FRAMES = 3
 """Minimum number of frames for r."""
 
-STILL = 1e-9
+STILL_SPREAD = 1e-9
 """Minimum standard deviation of a moving signal."""
 
 
@@ -115,12 +115,12 @@ def _rms(wanted: Floats, shown: Floats) -> float:
 
 
 def _r(wanted: Floats, shown: Floats) -> float | None:
-    if len(wanted) < LEAST_FRAMES or wanted.std() <= STILL or shown.std() <= STILL:
+    if len(wanted) < LEAST_FRAMES or wanted.std() <= STILL_SPREAD or shown.std() <= STILL_SPREAD:
         return None
     return float(np.corrcoef(wanted, shown)[0, 1])
 
 
-def shown_lines(followed: "Iterable[Followed]") -> tuple[ShownLine, ...]:
+def shown_lines(followed: "Iterable[ComparedCurves]") -> tuple[ShownLine, ...]:
     """Return the lines of a fit for its page."""
     out = []
     for one in followed:

@@ -6,12 +6,25 @@ from pathlib import Path
 from typing import Any
 
 from lipsync_lang.commands.output import SOUND
+from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 
 SHELLS = ("bash", "zsh", "tcsh")
 FILES = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 """Placeholders of file arguments."""
+
+
+@command("completion")
+def add_completion(add: Add) -> None:
+    """Add `completion`."""
+    made = add(
+        "completion",
+        completion,
+        "print a script that completes commands, options and names in a shell",
+        "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",
+    )
+    made.add_argument("shell", choices=SHELLS, help="the shell")
 
 
 def leaves(
@@ -36,8 +49,8 @@ def completion(options: Namespace) -> int:
 
     top = parser()
     names = _names()
-    for _, command in leaves(top):
-        for action in command._actions:  # noqa: SLF001 argparse has no other list of them
+    for _, leaf in leaves(top):
+        for action in leaf._actions:  # noqa: SLF001 argparse has no other list of them
             _complete(action, names, shtab.FILE)
     print(shtab.complete(top, options.shell))
     return SOUND

@@ -1,8 +1,10 @@
 """The command that reports the bigram coverage of a corpus and the gaps to author next."""
 
+import argparse
 import sys
 from argparse import Namespace
 from io import TextIOWrapper
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.commands.coverage_corpus import (
@@ -12,10 +14,18 @@ from lipsync_lang.commands.coverage_corpus import (
     weights_of,
 )
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
-from lipsync_lang.commands.script_options import cleaning
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import (
+    add_json_form,
+    add_output,
+    add_path,
+    add_values,
+    cleaning,
+)
 from lipsync_lang.commands.spelling import as_options
+from lipsync_lang.coverage.forms import FORMS
 from lipsync_lang.errors import LipsyncError, OutputError, shortlist
-from lipsync_lang.files import STANDARD_STREAM
+from lipsync_lang.files import STANDARD_STREAM, argument_path
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
@@ -29,6 +39,71 @@ WHOLE = 100
 
 MAX_NAMES = 8
 """Speakers that a remark names."""
+
+
+@command("coverage")
+def add_coverage(add: Add) -> None:
+    """Add `coverage`."""
+    coverage_ = add(
+        "coverage",
+        coverage,
+        "show which bigrams a script needs, and what to author next",
+        "coverage script.txt -l english -c facefx",
+    )
+    _add_corpus(coverage_)
+    coverage_.add_argument(
+        "--format",
+        metavar="NAME",
+        help=f"what to write: {', '.join(FORMS.modules)} [by the suffix of -o, else text]",
+    )
+    add_output(coverage_)
+    add_json_form(coverage_)
+    coverage_.add_argument(
+        "--column", metavar="NAME", action="append", default=[],
+        help="the text's column in tables, by name or number; LANGUAGE=NAME for one language's, "
+        "which may have several [the one named after the language]",
+    )  # fmt: skip
+    coverage_.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
+    coverage_.add_argument(
+        "--minutes", metavar="N", type=float, default=5.0, help="minutes to author a bigram [5]"
+    )
+    coverage_.add_argument(
+        "--weight", metavar="LANGUAGE=N", action="append", default=[],
+        help="weight of a language in the total of all; may be repeated [1 each]",
+    )  # fmt: skip
+    coverage_.add_argument(
+        "--fail-under", metavar="PERCENT", type=float,
+        help="exit with 1 if less of the speech is authored",
+    )  # fmt: skip
+    coverage_.add_argument(
+        "--against",
+        metavar="OLD.json",
+        type=Path,
+        help="show the changes since an older JSON report",
+    )
+    coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
+    add_values(coverage_)
+    add_path(coverage_)
+
+
+def _add_corpus(made: argparse.ArgumentParser) -> None:
+    """Add the texts, and the languages and characters that speak them."""
+    made.add_argument(
+        "corpus",
+        metavar="CORPUS",
+        type=argument_path,
+        nargs="*",
+        help="a file of lines, a folder, or - for standard input [the project's lines]",
+    )
+    made.set_defaults(words={}, lines=(), text_column=None, speaker_column=None, cast=None)
+    for short, name, what in (
+        ("-l", "language", "name or tag of a language"),
+        ("-c", "character", "a character or a pose set that speaks every line"),
+    ):
+        made.add_argument(
+            short, f"--{name}", metavar=name.upper(), action="append", default=[],
+            help=f"{what} [the project's]; may be repeated",
+        )  # fmt: skip
 
 
 def coverage(options: Namespace) -> int:
@@ -57,7 +132,7 @@ def _counted(options: Namespace) -> "Coverage":
     parts = corpus_parts(options)
     weights = weights_of(options)
     shown = shown_names(path for part in parts for path in part.paths)
-    told = _Remarks()
+    told = _CoverageRemarks()
     documents = []
     for part in parts:
         lines = read_lines(
@@ -95,7 +170,7 @@ def _tell_speakers(found: "Coverage", default: list[str]) -> None:
         )
 
 
-class _Remarks:
+class _CoverageRemarks:
     """Remarks, each printed once however many columns are read."""
 
     def __init__(self) -> None:

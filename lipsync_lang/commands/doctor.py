@@ -9,9 +9,21 @@ from concurrent.futures import ThreadPoolExecutor
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from lipsync_lang.commands.checked_part import BROKEN, MISSING, OK, CheckedPart, fault_of
+from lipsync_lang.commands.doctor_checks import (
+    BROKEN,
+    MISSING,
+    MORE_CHECKS,
+    OK,
+    CheckedPart,
+    engines,
+    fault_of,
+    ffmpeg,
+    models,
+    voices,
+)
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, working
-from lipsync_lang.commands.speech_checks import engines, ffmpeg, models, voices
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import Extra, extras, install_line
 
@@ -30,22 +42,25 @@ LEAST_FREE_BYTES = 200 * 2**20
 SAMPLES = "aəʃ漢あ한نकกע"
 """A letter of each of several scripts that texts are written in."""
 
-PROGRAMS = {
-    "mfa": "Montreal Forced Aligner, for --aligner mfa: "
-    "conda create -n aligner -c conda-forge montreal-forced-aligner",
-}
-"""Programs of others that commands can start."""
+
+@command("doctor")
+def add_doctor(add: Add) -> None:
+    """Add `doctor`."""
+    made = add("doctor", doctor, "check the installation, and say how to mend it", "doctor")
+    add_json(made)
 
 
 def doctor(options: Namespace) -> int:
     """Print the state of every part; broken parts are faults."""
     start = perf_counter()
     with working("checking"):
-        found = [finding for check in CHECKS for finding in _checked(check)]
+        found = [
+            finding for check in (*CHECKS, *MORE_CHECKS.values()) for finding in _checked(check)
+        ]
     if options.json:
         print(as_json([one._asdict() for one in found]))
     else:
-        from lipsync_lang.text_table import columns
+        from lipsync_lang.reports.text_table import columns
 
         print("\n".join(columns([(one.state, one.part, one.told) for one in found])))
     print(f"checked in {perf_counter() - start:.1f} s", file=sys.stderr)
@@ -151,10 +166,7 @@ def _plug_in(name: str, entry_points: "list[EntryPoint]") -> CheckedPart:
     )
 
 
-def _programs() -> Iterator[CheckedPart]:
-    for name, purpose in PROGRAMS.items():
-        path = shutil.which(name)
-        yield CheckedPart(name, OK if path else MISSING, path or purpose)
+def _browser() -> Iterator[CheckedPart]:
     import webbrowser
 
     try:
@@ -206,7 +218,7 @@ def _terminal() -> Iterator[CheckedPart]:
 
 
 CHECKS = (
-    _python, _packs, _project, voices, _extras, _plug_ins, engines, models, ffmpeg, _programs,
+    _python, _packs, _project, voices, _extras, _plug_ins, engines, models, ffmpeg, _browser,
     _fonts, _cache, _terminal,
 )  # fmt: skip
 """Checks in the order of the report."""

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.output import SOUND, as_json
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json
 
 if TYPE_CHECKING:
     from lipsync_lang.extensions import Formats
@@ -13,10 +15,27 @@ SHOWN = 4
 """Maximum number of suffixes per printed line."""
 
 
+@command("voices")
+def add_voices(add: Add) -> None:
+    """Add `voices`."""
+    made = add("voices", voices, "list the voices that speak text", "voices")
+    made.add_argument(
+        "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"
+    )
+    add_json(made)
+
+
+@command("formats")
+def add_formats(add: Add) -> None:
+    """Add `formats`."""
+    made = add("formats", formats, "list the formats that can be read and written", "formats")
+    add_json(made)
+
+
 def voices(options: Namespace) -> int:
     """Print the voices of a speech engine."""
+    from lipsync_lang.reports.text_table import columns
     from lipsync_lang.speech import ENGINES
-    from lipsync_lang.text_table import columns
 
     found = ENGINES.find(options.engine).voices()
     print(as_json(found) if options.json else "\n".join(columns(sorted(found.items()))))
@@ -25,11 +44,11 @@ def voices(options: Namespace) -> int:
 
 def formats(options: Namespace) -> int:
     """Print every registered reader and writer."""
+    from lipsync_lang.animations.animation_readers import ANIMATION_READERS
     from lipsync_lang.animations.animation_writers import WRITERS
-    from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATION_READERS
-    from lipsync_lang.lines.line_readers import READERS as LINE_READERS
-    from lipsync_lang.schedules.timing_readers import READERS as TIMING_READERS
-    from lipsync_lang.text_table import columns
+    from lipsync_lang.lines.line_readers import LINE_READERS
+    from lipsync_lang.reports.text_table import columns
+    from lipsync_lang.schedules.timing_readers import TIMING_READERS
 
     kinds: tuple[tuple[str, Formats[Any]], ...] = (
         ("read", TIMING_READERS),

@@ -8,6 +8,8 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
 from lipsync_lang.commands.output import SOUND
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_manner, add_pair, add_values
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.signals import Terminated
 
@@ -18,6 +20,36 @@ if TYPE_CHECKING:
 
 MAX_LINE_BYTES = 64 * 1024
 """Maximum number of bytes of a line of standard input; a longer line is split."""
+
+
+@command("live")
+def add_live(add: Add) -> None:
+    """Add `live`."""
+    live_ = add(
+        "live",
+        live,
+        "speak typed sentences, and send their frames to an engine in real time",
+        'live "Hello, world" -l english -c facefx --to vmc:127.0.0.1:39539',
+    )
+    live_.add_argument(
+        "text", metavar="TEXT", nargs="?", help="the text to say [lines from standard input]"
+    )
+    add_pair(live_)
+    add_values(live_)
+    live_.add_argument(
+        "--to", metavar="RECEIVER", action="append", default=[],
+        help="livelink:HOST:PORT (Unreal), vmc:HOST:PORT (VSeeFace, Unity), ws:HOST:PORT (serve "
+        "WebSockets), or - for lines of JSON; may be repeated [-]",
+    )  # fmt: skip
+    live_.add_argument("--tts", metavar="ENGINE", help="speech engine; none is silent")
+    live_.add_argument(
+        "--subject", metavar="NAME", default="lipsync", help="the Live Link subject [lipsync]"
+    )
+    live_.add_argument(
+        "--rename", metavar="POSE=NAME", action="append", default=[],
+        help="send a pose to vmc under another name; may be repeated",
+    )  # fmt: skip
+    add_manner(live_)
 
 
 def live(options: Namespace) -> int:

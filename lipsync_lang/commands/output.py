@@ -32,7 +32,7 @@ def working(what: str) -> Iterator[None]:
 @contextmanager
 def listening(what: str) -> Iterator[None]:
     """Show a progress message with the share of a sound that has been heard, as `working` does."""
-    from lipsync_lang.speech.listening import followed
+    from lipsync_lang.speech.hearing.progress import followed
 
     with working(what), followed(lambda share: progress(f"{what}: {share:.0%} ...")):
         yield

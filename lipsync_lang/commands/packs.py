@@ -1,7 +1,9 @@
 """Commands that list packs, show one, and draft new ones."""
 
+import argparse
 import sys
 from argparse import Namespace
+from pathlib import Path
 from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
@@ -14,13 +16,121 @@ from lipsync_lang.commands.output import (
     tell_written,
     working,
 )
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json, add_path
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import argument_path
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from lipsync_lang.packs.describe import Description
     from lipsync_lang.packs.library import Library
+
+
+@command("languages")
+def add_languages(add: Add) -> None:
+    """Add `languages`."""
+    title = "list language packs, show one, check one, or draft a new one"
+    made = _add_kind(add, "languages", title, ("list", "show", "check", "new"))
+    _add_language_check(made)
+    _add_new_language(made)
+    add_path(made)
+    add_json(made)
+
+
+@command("posesets")
+def add_posesets(add: Add) -> None:
+    """Add `posesets`."""
+    title = "list pose sets, show one, or draft a new one"
+    made = _add_kind(add, "posesets", title, ("list", "show", "new"))
+    _add_new_poseset(made)
+    add_path(made)
+    add_json(made)
+
+
+@command("characters")
+def add_characters(add: Add) -> None:
+    """Add `characters`."""
+    title = "list characters, show one, or draft one from a model"
+    made = _add_kind(add, "characters", title, ("list", "show", "new"))
+    _add_new_character(made)
+    add_path(made)
+    add_json(made)
+
+
+def _add_kind(add: Add, kind: str, title: str, actions: tuple[str, ...]) -> argparse.ArgumentParser:
+    made = add(kind, packs, title, f"{kind} list")
+    made.set_defaults(kind=kind[:-1])
+    made.add_argument("action", choices=actions, nargs="?", default="list")
+    made.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to create")
+    return made
+
+
+def _add_language_check(made: argparse.ArgumentParser) -> None:
+    made.set_defaults(choosing=True)  # a character is welcome, but not needed
+    check = made.add_argument_group("how a language is checked")
+    check.add_argument(
+        "-c", "--character", metavar="CHARACTER",
+        help="show the mouth of each sound on a character or a pose set",
+    )  # fmt: skip
+    check.add_argument(
+        "--picture", metavar="FILE", type=argument_path,
+        help="draw the mouths of the character on its model, as PNG",
+    )  # fmt: skip
+
+
+def _add_new_language(made: argparse.ArgumentParser) -> None:
+    new = made.add_argument_group("sources of a new language")
+    new.add_argument("--voice", metavar="VOICE", help="an eSpeak NG voice, such as sw")
+    new.add_argument("--epitran", metavar="CODE", help="an Epitran code, such as xho-Latn")
+    new.add_argument(
+        "--lexicon", metavar="FILE", type=Path,
+        help="words and their IPA phonemes: word, tab, phonemes separated by spaces",
+    )  # fmt: skip
+    new.add_argument(
+        "--inventory", metavar="FILE", type=Path,
+        help="the PHOIBLE table, or IPA phonemes separated by spaces",
+    )  # fmt: skip
+    new.add_argument(
+        "--inventory-id",
+        metavar="ID",
+        help="PHOIBLE inventory number, or an ISO 639-3 code or name",
+    )
+    new.add_argument(
+        "--text",
+        metavar="FILE",
+        type=argument_path,
+        help="sample lines to collect sounds from; - is standard input",
+    )
+    new.add_argument("--tag", metavar="TAG", help="the BCP 47 tag of the language")
+    new.add_argument("--title", metavar="TITLE", help="the full name of the language")
+
+
+def _add_new_poseset(made: argparse.ArgumentParser) -> None:
+    new = made.add_argument_group("sources of a new pose set")
+    new.add_argument("poses", metavar="POSE", nargs="*", help="the names of its poses")
+    new.add_argument(
+        "--model", metavar="FILE", type=Path,
+        help="a model (.glb); its shapes are the poses unless you name some",
+    )  # fmt: skip
+    new.add_argument(
+        "--like", metavar="POSESET",
+        help="copy the motion of known poses from this pose set [the best match]",
+    )  # fmt: skip
+    new.add_argument(
+        "--guess", action="store_true",
+        help="assign sounds to unknown poses by a first guess",
+    )  # fmt: skip
+    new.add_argument("--title", metavar="TITLE", help="its title in lists")
+
+
+def _add_new_character(made: argparse.ArgumentParser) -> None:
+    new = made.add_argument_group("sources of a new character")
+    new.add_argument("--model", metavar="FILE", type=Path, help="the model of the face (.glb)")
+    new.add_argument("--poseset", metavar="POSESET", help="its pose set [the best match]")
+    new.add_argument("--rig", metavar="RIG", help="a rig of the pose set [the best match]")
+    new.add_argument("--title", metavar="TITLE", help="its title in lists")
 
 
 def packs(options: Namespace) -> int:
@@ -92,7 +202,8 @@ def _new_language(library: "Library", options: Namespace) -> int:
     )
     with working(f"drafting {options.name}"):
         made = draft(library, wanted)
-    print(made.write(), file=sys.stderr)
+    made.write()
+    print(made, file=sys.stderr)
     return SOUND
 
 
@@ -109,7 +220,9 @@ def _new_poseset(library: "Library", options: Namespace) -> int:
         title=options.title,
         guess=options.guess,
     )
-    print(draft(library, wanted).write(), file=sys.stderr)
+    made = draft(library, wanted)
+    made.write()
+    print(made, file=sys.stderr)
     return SOUND
 
 
@@ -128,10 +241,6 @@ def _new_character(library: "Library", options: Namespace) -> int:
     if options.json:
         print(as_json(made.to_dict()))
     return SOUND
-
-
-NEW = {"language": _new_language, "poseset": _new_poseset, "character": _new_character}
-"""Draft functions by pack kind."""
 
 
 def _show_language(library: "Library", options: Namespace) -> int:
@@ -175,3 +284,7 @@ def _draw_mouths(options: Namespace, sounds: "Mapping[str, Any]") -> None:
     performer = resolve(options.name, options.character, paths=options.path, gaps="rest")
     write_all({options.picture: lambda out: draw_mouths(performer, sounds, out)})
     tell_written(options.picture)
+
+
+NEW = {"language": _new_language, "poseset": _new_poseset, "character": _new_character}
+"""Draft functions by pack kind."""

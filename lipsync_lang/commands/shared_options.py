@@ -1,47 +1,15 @@
 """Options shared by several commands: speaker, text and delivery."""
 
 import argparse
-from collections.abc import Callable
+from argparse import Namespace, _ActionsContainer
 from pathlib import Path
-from typing import Protocol
 
 from lipsync_lang.animations.rates import parse_rate
-from lipsync_lang.commands.script_options import add_values
+from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import argument_path
+from lipsync_lang.lines.markup import Cleaning
 
 Options = argparse._ActionsContainer  # noqa: SLF001 a command, or a group of its options
-
-Command = Callable[[argparse.Namespace], int]
-"""A command handler: options in, exit code out."""
-
-Commands = argparse._SubParsersAction  # noqa: SLF001 the commands of a parser, or actions of one
-
-
-class Add(Protocol):
-    """Registers a command with an example of its arguments."""
-
-    def __call__(  # noqa: D102 the class says it
-        self, name: str, command: Command, title: str, example: str, *, more: str = ""
-    ) -> argparse.ArgumentParser: ...
-
-
-def adder(known: "Commands[argparse.ArgumentParser]") -> Add:
-    """Return a function that adds commands to a parser."""
-
-    def add(
-        name: str, command: Command, title: str, example: str, *, more: str = ""
-    ) -> argparse.ArgumentParser:
-        made = known.add_parser(
-            name,
-            help=title,
-            description=f"{title[0].upper()}{title[1:]}{more}.",
-            epilog=f"example:\n  lipsync-lang {example}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        made.set_defaults(command=command)
-        return made
-
-    return add
 
 
 def add_words(made: argparse.ArgumentParser) -> None:
@@ -75,6 +43,17 @@ def add_json_form(made: Options) -> None:
         const="json",
         dest="format",
         help="the same as --format json",
+    )
+
+
+def add_output(made: Options) -> None:
+    """Add the option for the file to write instead of printing."""
+    made.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=argument_path,
+        help="write to a file; - is standard output [print it]",
     )
 
 
@@ -196,3 +175,23 @@ def add_motion(how: Options) -> None:
         "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
         help="change a motion setting, or use a preset: --set motion=paper",
     )  # fmt: skip
+
+
+def add_values(made: _ActionsContainer) -> None:
+    """Add the values of placeholders; the project supplies the default."""
+    made.set_defaults(unspoken=())
+    made.add_argument(
+        "--value", metavar="NAME=TEXT", action="append", default=[], dest="values",
+        help="speak this text for the placeholder [NAME], {NAME} or $NAME; may be repeated",
+    )  # fmt: skip
+
+
+def cleaning(options: Namespace) -> Cleaning:
+    """Return the values of placeholders, and the project's passages that are not spoken."""
+    values: dict[str, str] = {}
+    for one in options.values:
+        name, equals, value = one.partition("=")
+        if not (name.strip() and equals):
+            raise LipsyncError(f"--value {one}: write NAME=TEXT (--value player=Ada)")
+        values[name.strip()] = value
+    return Cleaning(values, options.unspoken)

@@ -32,7 +32,7 @@ def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes opti
 
 def _next_steps() -> list[str]:
     """Return commands with their purposes, for the project or for a start without one."""
-    from lipsync_lang.text_table import columns
+    from lipsync_lang.reports.text_table import columns
 
     path = find_project()
     steps = _first_steps() if path is None else _project_steps(path)

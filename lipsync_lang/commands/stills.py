@@ -3,10 +3,39 @@
 import sys
 from argparse import Namespace
 from dataclasses import replace
+from pathlib import Path
 
 from lipsync_lang.commands.output import SOUND, tell_written
 from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import (
+    add_line,
+)
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import argument_path
+
+
+@command("stills")
+def add_stills(add: Add) -> None:
+    """Add `stills`."""
+    stills_ = add(
+        "stills",
+        stills,
+        "draw the model at given times, always from the same camera",
+        'stills "Hello, world" -l english -c facefx --at 0.12,0.42 --close -o hello.png',
+    )
+    add_line(stills_)
+    stills_.add_argument(
+        "--at", metavar="SECONDS", required=True, help="times of the schedule, separated by commas"
+    )
+    stills_.add_argument("--close", action="store_true", help="draw only the mouth")
+    stills_.add_argument(
+        "--model", metavar="GLB", type=Path, help="draw this model instead of the character's own"
+    )
+    stills_.add_argument(
+        "-o", "--output", metavar="FILE", type=argument_path, required=True,
+        help="write the sheet, as PNG; - is standard output",
+    )  # fmt: skip
 
 
 def stills(options: Namespace) -> int:

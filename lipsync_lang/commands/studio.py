@@ -1,5 +1,6 @@
 """The command that opens the studio."""
 
+import argparse
 import logging
 import sys
 from argparse import Namespace
@@ -8,7 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import SOUND
-from lipsync_lang.commands.script_options import cleaning
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import (
+    add_motion,
+    add_pair,
+    add_values,
+    cleaning,
+)
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 
@@ -28,6 +35,34 @@ MAX_PORT = 65535
 
 SHUTDOWN_SECONDS = 1
 """Time for open requests when the studio closes."""
+
+
+@command("studio")
+def add_studio(add: Add) -> None:
+    """Add `studio`."""
+    studio_ = add(
+        "studio",
+        studio,
+        "open the studio in a browser: play, explain and edit a line",
+        "studio -l english -c facefx",
+    )
+    add_pair(studio_)
+    add_values(studio_)
+    studio_.set_defaults(choosing=True)
+    studio_.add_argument("--tts", metavar="ENGINE", help="speech engine; none is silent")
+    add_motion(studio_)
+    studio_.add_argument(
+        "--port", metavar="N", type=int, default=0, help="the port to listen on [a free one]"
+    )
+    studio_.add_argument(
+        "--host", metavar="ADDRESS", default=LOCAL,
+        help="the address to listen on; needs --token for other machines [this machine only]",
+    )  # fmt: skip
+    studio_.add_argument("--token", metavar="SECRET", help="the secret in the address [random]")
+    studio_.add_argument(
+        "--browser", action=argparse.BooleanOptionalAction, default=True,
+        help="open the address in a browser [yes]",
+    )  # fmt: skip
 
 
 def studio(options: Namespace) -> int:

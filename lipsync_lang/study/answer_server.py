@@ -1,23 +1,35 @@
 """Server of a study: serves only its page, and stores answers.
 
-Answers are checked, appended to one file and never changed. Every request has a deadline and a
-maximum size, and requests from other sites are refused.
+Answers are checked, appended to one file and never changed. Every connection carries one request,
+with a deadline and a maximum size, and requests from other sites are refused.
 """
 
+import asyncio
 import json
+import logging
 import os
+import socket
 import time
 from collections import deque
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from hashlib import blake2b
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from ipaddress import ip_address
 from pathlib import Path
-from socket import AF_INET6, SHUT_RD
-from threading import BoundedSemaphore, Lock, Timer
-from typing import Any
+from threading import Lock
+from typing import Any, Self
 from urllib.parse import urlsplit
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.middleware import Middleware
+from starlette.middleware.cors import CORSMiddleware
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import Response, StreamingResponse
+from starlette.routing import Route
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.study.study_file import (
@@ -43,7 +55,13 @@ REQUEST_SECONDS = 30.0
 """Time limit for the arrival of a request."""
 
 SEND_SECONDS = 60.0
-"""Time limit for a client that takes no byte of a response."""
+"""Time limit for a client to take the part of a response that is ready."""
+
+PART_BYTES = 2**16
+"""Size of the parts in which the page is sent."""
+
+SHUTDOWN_SECONDS = 1
+"""Time for open requests when the server stops."""
 
 MAX_CONNECTIONS = 64
 """Maximum number of simultaneous connections."""
@@ -51,20 +69,20 @@ MAX_CONNECTIONS = 64
 MAX_PER_MINUTE = 60
 """Maximum number of submissions per minute and address; a laboratory shares one address."""
 
-MAX_MAP = 10_000
+MAX_ADDRESSES = 10_000
 """Maximum number of addresses in memory."""
 
 MAX_PORT = 65535
 
-HEADERS = {
+RESPONSE_HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Opener-Policy": "same-origin",
     "Content-Security-Policy": "frame-ancestors 'none'",
     "Cache-Control": "no-store",
+    "Connection": "close",  # one request per connection, so that one deadline covers both
 }
 """Headers of every response; the page itself states a stricter policy."""
-
 
 MAX_WAITING = 128
 """Queue of new connections, such as those of a class; the system resets those beyond."""
@@ -126,8 +144,37 @@ def _digest(line: bytes) -> bytes:
     return blake2b(line, digest_size=16).digest()
 
 
-class AnswerServer(ThreadingHTTPServer):
-    """A server of one study.
+class AnswerConnection(H11Protocol):
+    """HTTP connection with the deadlines that uvicorn lacks."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Limit the time of the request, and drop connections beyond `MAX_CONNECTIONS`."""
+        super().connection_made(transport)
+        transport.set_write_buffer_limits(high=0)  # `pause_writing` at any byte that waits
+        self._sending: asyncio.TimerHandle | None = None
+        self.loop.call_later(REQUEST_SECONDS, self._end_slow_request)
+        if len(self.connections) > MAX_CONNECTIONS:
+            transport.abort()
+
+    def _end_slow_request(self) -> None:
+        if self.cycle is None or self.cycle.more_body:
+            self.transport.abort()
+
+    def pause_writing(self) -> None:
+        """Start the time limit of a client that takes nothing."""
+        super().pause_writing()
+        # `close` would wait for the client to take the rest.
+        self._sending = self.loop.call_later(SEND_SECONDS, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        """End the time limit."""
+        super().resume_writing()
+        if self._sending is not None:
+            self._sending.cancel()
+
+
+class StudySite:
+    """The two addresses of a study: its page, and the place to which the page posts answers.
 
     Parameters
     ----------
@@ -136,168 +183,84 @@ class AnswerServer(ThreadingHTTPServer):
     origins : further addresses of the page that may send answers
     """
 
-    daemon_threads = True
-    block_on_close = False
-    request_queue_size = MAX_WAITING
-
-    def __init__(
-        self, address: tuple[str, int], page: bytes, log: AnswerLog, origins: frozenset[str]
-    ) -> None:
-        if ":" in address[0]:
-            self.address_family = AF_INET6
-        self.page, self.log, self.origins = page, log, origins
-        self._room = BoundedSemaphore(MAX_CONNECTIONS)
+    def __init__(self, page: bytes, log: AnswerLog, origins: frozenset[str]) -> None:
+        self._page, self._log, self._origins = page, log, origins
+        self._hosts = {urlsplit(one).netloc for one in origins} - {""}
         self._recent: dict[str, deque[float]] = {}
-        self._lock = Lock()
-        super().__init__(address, _Handler)
 
-    @property
-    def answers(self) -> Path:
-        """File of answers."""
-        return self.log.path
+    def app(self) -> Starlette:
+        """Return the site as an ASGI application."""
+        routes = [
+            Route("/", self.send_page),
+            Route(f"/{PAGE}", self.send_page),
+            Route(POST_PATH, self.take_answers, methods=["POST"]),
+        ]
+        cors = Middleware(
+            CORSMiddleware, allow_origins=[*self._origins], allow_methods=["POST"],
+            allow_headers=["content-type"],
+        )  # fmt: skip
+        return Starlette(
+            routes=routes, middleware=[cors], exception_handlers={HTTPException: _refusal}
+        )
 
-    def process_request(self, request: Any, client_address: Any) -> None:
-        """Serve a connection in a thread; drop those beyond `MAX_CONNECTIONS`."""
-        if not self._room.acquire(blocking=False):
-            self.shutdown_request(request)
-            return
-        super().process_request(request, client_address)
+    async def send_page(self, request: Request) -> Response:
+        """Send the page."""
+        self._refuse_other_sites(request)
 
-    def process_request_thread(self, request: Any, client_address: Any) -> None:
-        """Serve a connection, and free its place."""
+        def parts() -> Iterator[memoryview]:
+            whole = memoryview(self._page)
+            yield from (whole[at : at + PART_BYTES] for at in range(0, len(whole), PART_BYTES))
+
+        return StreamingResponse(
+            parts(), headers={"Content-Length": str(len(self._page))}, media_type="text/html"
+        )
+
+    async def take_answers(self, request: Request) -> Response:
+        """Store the answers of a rater."""
+        self._refuse_other_sites(request)
+        _refuse_unfit(request)
         try:
-            super().process_request_thread(request, client_address)
-        finally:
-            self._room.release()
+            content = await request.body()
+        except ClientDisconnect:
+            raise HTTPException(408, "the answers did not arrive in full") from None
+        if self._hurried(request.client.host if request.client else ""):
+            raise HTTPException(429, "too many answers; wait a minute")
+        try:
+            status, fault = await run_in_threadpool(self._log.add, content)
+        except OSError:
+            raise HTTPException(507, "the answers cannot be stored") from None
+        if fault:
+            raise HTTPException(status, fault)
+        return _json({"taken": True}, status)
 
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        """Ignore broken connections."""
+    def _refuse_other_sites(self, request: Request) -> None:
+        host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
+        if not (_is_numeric(host) or host in self._hosts):
+            raise HTTPException(421, "this address is not that of the study")
+        if origin is not None and origin not in {f"http://{host}", *self._origins}:
+            raise HTTPException(403, "requests from other sites are refused")
 
-    def hurried(self, address: str) -> bool:
+    def _hurried(self, address: str) -> bool:
         """Return True if an address has sent too many submissions in the last minute."""
         now = time.monotonic()
-        with self._lock:
-            if len(self._recent) > MAX_MAP:
-                self._recent.clear()
-            times = self._recent.setdefault(address, deque())
-            while times and times[0] < now - 60:
-                times.popleft()
-            if len(times) >= MAX_PER_MINUTE:
-                return True
-            times.append(now)
-            return False
+        if len(self._recent) > MAX_ADDRESSES:
+            self._recent.clear()
+        times = self._recent.setdefault(address, deque(maxlen=MAX_PER_MINUTE))
+        if len(times) == MAX_PER_MINUTE and times[0] > now - 60:
+            return True
+        times.append(now)
+        return False
 
 
-class _Handler(BaseHTTPRequestHandler):
-    """Handler of one connection: a request and its answer."""
-
-    server: AnswerServer
-    server_version, sys_version = "lipsync-lang", ""
-    protocol_version = "HTTP/1.0"
-    timeout = SEND_SECONDS
-
-    def setup(self) -> None:
-        super().setup()
-        self._deadline = Timer(REQUEST_SECONDS, self._hang_up)
-        self._deadline.daemon = True
-        self._deadline.start()
-
-    def finish(self) -> None:
-        self._deadline.cancel()
-        super().finish()
-
-    def _hang_up(self) -> None:
-        """End a request that arrives too slowly."""
-        try:
-            self.connection.shutdown(SHUT_RD)
-        except OSError:
-            return
-
-    def log_message(self, *_: object) -> None:
-        """Keep addresses of raters out of every log."""
-
-    def do_GET(self) -> None:
-        """Send the page."""
-        if self._refused() is None and self.path in {"/", f"/{PAGE}"}:
-            self._answer(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
-        else:
-            self._tell(*(self._refused() or (HTTPStatus.NOT_FOUND, "there is no such page")))
-
-    do_HEAD = do_GET  # noqa: N815 named by http.server
-
-    def do_OPTIONS(self) -> None:
-        """Allow a page of a permitted origin to post."""
-        if self._refused() is None and self.path == POST_PATH:
-            self._answer(HTTPStatus.NO_CONTENT, b"", "text/plain")
-        else:
-            self._tell(HTTPStatus.FORBIDDEN, "requests from other sites are refused")
-
-    def do_POST(self) -> None:
-        """Store answers."""
-        refused = self._refused() or self._unfit()
-        if refused is not None:
-            self._tell(*refused)
-            return
-        size = int(self.headers["Content-Length"])
-        content = self.rfile.read(size)
-        if len(content) < size:
-            self._tell(HTTPStatus.REQUEST_TIMEOUT, "the answers did not arrive in full")
-        elif self.server.hurried(str(self.client_address[0])):
-            self._tell(HTTPStatus.TOO_MANY_REQUESTS, "too many answers; wait a minute")
-        else:
-            self._take(content)
-
-    def _take(self, content: bytes) -> None:
-        try:
-            self._tell(*self.server.log.add(content))
-        except OSError:
-            self._tell(HTTPStatus.INSUFFICIENT_STORAGE, "the answers cannot be stored")
-
-    def _refused(self) -> tuple[HTTPStatus, str] | None:
-        """Return the refusal of a request from another site; None for other requests."""
-        host = self.headers.get("Host", "")
-        origin = self.headers.get("Origin")
-        hosts = {urlsplit(one).netloc for one in self.server.origins} - {""}
-        if not (_is_numeric(host) or host in hosts):
-            return HTTPStatus.MISDIRECTED_REQUEST, "this address is not that of the study"
-        own = {f"http://{host}", *self.server.origins}
-        if origin is not None and origin not in own:
-            return HTTPStatus.FORBIDDEN, "requests from other sites are refused"
-        return None
-
-    def _unfit(self) -> tuple[HTTPStatus, str] | None:
-        """Return the refusal of a post that cannot be a submission; None for other posts."""
-        length = self.headers.get("Content-Length", "")
-        kind = self.headers.get_content_type()
-        if self.path != POST_PATH:
-            return HTTPStatus.NOT_FOUND, "there is no such page"
-        if kind != "application/json":
-            return HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "send the answers as application/json"
-        if not (length.isascii() and length.isdecimal()):
-            return HTTPStatus.LENGTH_REQUIRED, "the header Content-Length is missing"
-        if len(length) > len(str(MAX_SUBMISSION_BYTES)) or int(length) > MAX_SUBMISSION_BYTES:
-            return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "the answers are too long"
-        return None
-
-    def _tell(self, status: HTTPStatus, fault: str) -> None:
-        told = {"error": fault} if fault else {"taken": True}
-        self._answer(status, json.dumps(told).encode(), "application/json")
-
-    def _answer(self, status: HTTPStatus, content: bytes, kind: str) -> None:
-        self._deadline.cancel()
-        self.send_response(status)
-        for name, value in HEADERS.items():
-            self.send_header(name, value)
-        origin = self.headers.get("Origin") if self.headers else None
-        if origin in self.server.origins:
-            self.send_header("Access-Control-Allow-Origin", str(origin))
-            self.send_header("Access-Control-Allow-Headers", "content-type")
-            self.send_header("Vary", "Origin")
-        self.send_header("Content-Type", kind)
-        self.send_header("Content-Length", str(len(content)))
-        self.end_headers()
-        if self.command != "HEAD":
-            self.wfile.write(content)
+def _refuse_unfit(request: Request) -> None:
+    """Refuse a post that cannot be a submission, before its content arrives."""
+    if request.headers.get("Content-Type", "").partition(";")[0].strip() != "application/json":
+        raise HTTPException(415, "send the answers as application/json")
+    length = request.headers.get("Content-Length")
+    if length is None:
+        raise HTTPException(411, "the header Content-Length is missing")
+    if int(length) > MAX_SUBMISSION_BYTES:  # h11 accepts only decimal digits
+        raise HTTPException(413, "the answers are too long")
 
 
 def _is_numeric(host: str) -> bool:
@@ -309,10 +272,57 @@ def _is_numeric(host: str) -> bool:
         return False
 
 
+def _refusal(_: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)  # noqa: S101 registered for these
+    return _json({"error": error.detail}, error.status_code)
+
+
+def _json(content: dict[str, Any], status: int) -> Response:
+    return Response(json.dumps(content), status, media_type="application/json")
+
+
+class AnswerServer:
+    """A server of one study; `with` closes its port.
+
+    Parameters
+    ----------
+    site : the addresses of the study
+    listener : socket of the server
+    answers : the file of answers
+    """
+
+    def __init__(self, site: StudySite, listener: socket.socket, answers: Path) -> None:
+        self.answers = answers
+        self.port: int = listener.getsockname()[1]
+        self._listener = listener
+        config = uvicorn.Config(
+            site.app(), http=AnswerConnection, ws="none", lifespan="off", backlog=MAX_WAITING,
+            headers=[*RESPONSE_HEADERS.items()], server_header=False, proxy_headers=False,
+            # No log receives the address of a rater.
+            access_log=False, log_level=logging.CRITICAL,
+            timeout_graceful_shutdown=SHUTDOWN_SECONDS,
+        )  # fmt: skip
+        self._server = uvicorn.Server(config)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._listener.close()
+
+    def run(self) -> None:
+        """Answer requests until the process is interrupted or `stop` is called."""
+        self._server.run(sockets=[self._listener])
+
+    def stop(self) -> None:
+        """End `run`, which is in another thread."""
+        self._server.should_exit = True
+
+
 def answer_server(
     folder: Path, host: str, port: int, origins: Collection[str] = ()
 ) -> AnswerServer:
-    """Return a server of the study in a folder; `serve_forever` runs it.
+    """Return a server of the study in a folder; its `run` serves.
 
     Parameters
     ----------
@@ -330,13 +340,16 @@ def answer_server(
     log = AnswerLog(folder / ANSWERS, study)
     if not 0 <= port <= MAX_PORT:
         raise LipsyncError(f"port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free port")
+    site = StudySite(_page(folder / PAGE, study), log, allowed)
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
-        return AnswerServer((host, port), _page(folder / PAGE, study), log, allowed)
+        listener = socket.create_server((host, port), family=family, backlog=MAX_WAITING)
     except OSError as error:
         raise LipsyncError(
             f"{host}, port {port}: cannot be used: {error}; "
             "choose another port, or 0 for a free port"
         ) from None
+    return AnswerServer(site, listener, log.path)
 
 
 def _page(path: Path, study: Study) -> bytes:

@@ -74,7 +74,7 @@ class SortingRules:
         }
 
 
-class Uncounted(NamedTuple):
+class SetAsideAnswers(NamedTuple):
     """Submission or answers that do not count."""
 
     reason: str
@@ -106,7 +106,7 @@ class SortedAnswers:
     """Number of answers of these raters to attention checks."""
     unchecked: int = 0
     """Number of raters that count without an attention check, if the study has checks."""
-    set_aside: list[Uncounted] = field(default_factory=list)
+    set_aside: list[SetAsideAnswers] = field(default_factory=list)
     suspicious: list[str] = field(default_factory=list)
     """Sentences on raters that count, but look suspicious."""
 
@@ -161,7 +161,7 @@ class _Sorting:
 
     def _aside(self, reason: str, one: _Rater, words: str) -> None:
         self._told.set_aside.append(
-            Uncounted(reason, one.place, one.rater, 1, len(one.given), words)
+            SetAsideAnswers(reason, one.place, one.rater, 1, len(one.given), words)
         )
 
     def submission(self, place: str, text: bytes | LipsyncError) -> _Rater | None:
@@ -177,7 +177,9 @@ class _Sorting:
             reason, words = "no answers", "the rater has no number"
         if reason:
             self._told.answers += len(answers)
-            self._told.set_aside.append(Uncounted(reason, place, name, 1, len(answers), words))
+            self._told.set_aside.append(
+                SetAsideAnswers(reason, place, name, 1, len(answers), words)
+            )
             return None
         found = _Rater(place, name, bool(data["finished"]), answers)
         self._read_answers(found)
@@ -233,7 +235,9 @@ class _Sorting:
             if one is chosen:
                 continue
             if chosen is None and one is given[0]:
-                self._aside("unfinished", one, self._missing(one))
+                stopped = "" if one.finished else "no time of finishing; "
+                answered = f"{self._answered(one)} of {self._expected()} pairs are answered"
+                self._aside("unfinished", one, stopped + answered)
             else:
                 first = chosen or given[0]
                 self._aside("repeated", one, f"the rater's submission at {first.place} comes first")
@@ -249,10 +253,6 @@ class _Sorting:
     def _answered(self, one: _Rater) -> int:
         """Return the number of pairs with an answer, valid or not."""
         return len(self._pairs.keys() & {raw_pair(raw) for raw in one.given})
-
-    def _missing(self, one: _Rater) -> str:
-        stopped = "" if one.finished else "no time of finishing; "
-        return f"{stopped}{self._answered(one)} of {self._expected()} pairs are answered"
 
     def without_copies(self, raters: Sequence[_Rater]) -> list[_Rater]:
         """Return the raters without copied answers, and name suspiciously similar raters."""
@@ -299,10 +299,13 @@ class _Sorting:
             for answer in one.kept
             if not self._pairs[answer.pair].check
         ]
-        for reason, answers in _grouped(one.dropped).items():
+        dropped: dict[str, list[str]] = defaultdict(list)
+        for reason, words in one.dropped:
+            dropped[reason].append(words)
+        for reason, answers in dropped.items():
             more = f", and {len(answers) - 1} more" if len(answers) > 1 else ""
             told.set_aside.append(
-                Uncounted(reason, one.place, one.rater, 0, len(answers), answers[0] + more)
+                SetAsideAnswers(reason, one.place, one.rater, 0, len(answers), answers[0] + more)
             )
 
     def _fault(self, one: _Rater) -> tuple[str, _Rater, str] | None:
@@ -323,12 +326,13 @@ class _Sorting:
         spent: dict[str, float] = {}
         for answer in one.answers:  # seconds run from the first sight of the pair
             spent[answer.pair] = max(spent.get(answer.pair, 0.0), answer.seconds)
-        return {pair: took for pair, took in spent.items() if took < self._least(pair)}
-
-    def _least(self, pair: str) -> float:
-        if self._rules.least_seconds is not None:
-            return self._rules.least_seconds
-        return self._pairs[pair].seconds or UNKNOWN_CLIP_SECONDS
+        stated = self._rules.least_seconds
+        return {
+            pair: took
+            for pair, took in spent.items()
+            if took
+            < (self._pairs[pair].seconds or UNKNOWN_CLIP_SECONDS if stated is None else stated)
+        }
 
     def _drop_fast(self, one: _Rater) -> None:
         fast = self._fast(one)
@@ -369,13 +373,6 @@ def _pattern(one: _Rater, *, timed: bool) -> tuple[Any, ...]:
     )
 
 
-def _grouped(dropped: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = defaultdict(list)
-    for reason, words in dropped:
-        found[reason].append(words)
-    return found
-
-
 def _named(names: Iterable[str], shown: int = 5) -> str:
     return shortlist(names, shown)
 
@@ -385,7 +382,7 @@ def _shown(value: Any, most: int = 40) -> str:
     return f"'{text}'" if len(text) <= most else f"'{text[:most]}...'"
 
 
-def reasons(set_aside: Iterable[Uncounted]) -> dict[str, tuple[int, int]]:
+def reasons(set_aside: Iterable[SetAsideAnswers]) -> dict[str, tuple[int, int]]:
     """Count the submissions and answers that each reason sets aside."""
     submissions: Counter[str] = Counter()
     answers: Counter[str] = Counter()

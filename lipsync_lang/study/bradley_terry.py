@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats
-from lipsync_lang.study.comparisons import ALL, Choice
+from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.study.comparisons import ALL_CHARACTERS, Choice
 from lipsync_lang.study.distributions import (
     NORMAL_QUANTILE,
     Interval,
@@ -23,8 +23,8 @@ from lipsync_lang.study.distributions import (
 FLIPS, FLIPS_AT_ONCE = 20_000, 1_000
 """Number of random sign vectors in the test over raters; their seed is fixed."""
 
-MAX_STEPS = 200
-TOLERANCE = 1e-10
+MAX_NEWTON_STEPS = 200
+GRADIENT_TOLERANCE = 1e-10
 """Gradient at which the fit ends, as a share of the number of choices."""
 
 
@@ -69,10 +69,14 @@ def ranked(choices: Sequence[Choice], methods: Sequence[str]) -> list[Ranking]:
     if len(methods) <= 2:  # noqa: PLR2004 a pair
         return []
     characters = sorted({one.character for one in choices})
-    cells = [*characters, *([ALL] if len(characters) > 1 else [])]
+    cells = [*characters, *([ALL_CHARACTERS] if len(characters) > 1 else [])]
     return [
         ranking(
-            [o for o in choices if o.question == question and character in (ALL, o.character)],
+            [
+                o
+                for o in choices
+                if o.question == question and character in (ALL_CHARACTERS, o.character)
+            ],
             methods,
             character=character,
             question=question,
@@ -83,7 +87,11 @@ def ranked(choices: Sequence[Choice], methods: Sequence[str]) -> list[Ranking]:
 
 
 def ranking(
-    choices: Sequence[Choice], methods: Sequence[str], *, character: str = ALL, question: str = ""
+    choices: Sequence[Choice],
+    methods: Sequence[str],
+    *,
+    character: str = ALL_CHARACTERS,
+    question: str = "",
 ) -> Ranking:
     """Fit strengths to choices."""
     index = {method: number for number, method in enumerate(methods)}
@@ -120,7 +128,7 @@ def flipped_raters(by_rater: Sequence[Floats], wins: Floats) -> float:
     reached = 1
     for _ in range(FLIPS // FLIPS_AT_ONCE):
         signs = chance.choice((-1.0, 1.0), (FLIPS_AT_ONCE, len(gradients)))
-        reached += int((scores(signs @ gradients) >= observed * (1 - TOLERANCE)).sum())
+        reached += int((scores(signs @ gradients) >= observed * (1 - GRADIENT_TOLERANCE)).sum())
     return reached / (FLIPS + 1)
 
 
@@ -143,13 +151,16 @@ def win_matrix(choices: Iterable[Choice], index: dict[str, int]) -> Floats:
 def fitted_strengths(wins: Floats) -> Floats:
     """Return the maximum-likelihood strengths, by Newton's method with halved steps."""
     strengths = np.zeros(len(wins))
-    for _ in range(MAX_STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         gradient = _gradient(wins, strengths)
-        if np.abs(gradient).max() <= TOLERANCE * wins.sum():
+        if np.abs(gradient).max() <= GRADIENT_TOLERANCE * wins.sum():
             break
         step = np.linalg.pinv(_information(wins, strengths)) @ gradient
         before = _log_likelihood(wins, strengths)
-        while _log_likelihood(wins, strengths + step) < before and np.abs(step).max() > TOLERANCE:
+        while (
+            _log_likelihood(wins, strengths + step) < before
+            and np.abs(step).max() > GRADIENT_TOLERANCE
+        ):
             step = step / 2
         strengths = strengths + step
         strengths -= strengths.mean()

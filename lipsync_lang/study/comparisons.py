@@ -21,7 +21,7 @@ from lipsync_lang.study.distributions import (
     wilson,
 )
 
-ALL = ""
+ALL_CHARACTERS = ""
 """Character of a comparison over all characters."""
 
 
@@ -119,8 +119,8 @@ def compared(choices: Sequence[Choice], methods: Sequence[str]) -> list[Comparis
         first, second = sorted((one.chosen, one.other), key=rank.__getitem__)
         cells[one.question, one.character, first, second].append(one)
         if len(characters) > 1:
-            cells[one.question, ALL, first, second].append(one)
-    order = [*characters, ALL]
+            cells[one.question, ALL_CHARACTERS, first, second].append(one)
+    order = [*characters, ALL_CHARACTERS]
     questions = sorted({one.question for one in choices})
     return [
         _comparison(cells[key], character, question, first, second)

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
 
-CONFIDENCE = 0.95
+CONFIDENCE_LEVEL = 0.95
 """Confidence of every interval."""
 
-NORMAL_QUANTILE = NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
+NORMAL_QUANTILE = NormalDist().inv_cdf((1 + CONFIDENCE_LEVEL) / 2)
 
 MAX_SERIES_FREEDOM = 200
 """Degrees of freedom beyond which an expansion around the normal gives t to seven digits."""
@@ -25,7 +25,7 @@ BISECTIONS = 60
 
 
 class Interval(NamedTuple):
-    """Interval at the level `CONFIDENCE`."""
+    """Interval at the level `CONFIDENCE_LEVEL`."""
 
     low: float
     high: float
@@ -49,14 +49,16 @@ def chi_square_tail(statistic: float, freedom: int) -> float:
 
 @cache
 def t_quantile(freedom: int) -> float:
-    """Return the t that bounds `CONFIDENCE` of Student's distribution on both sides."""
+    """Return the t that bounds `CONFIDENCE_LEVEL` of Student's distribution on both sides."""
     z = NORMAL_QUANTILE
     if freedom > MAX_SERIES_FREEDOM:
         return z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
     low, high = 0.0, pi / 2
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        low, high = (middle, high) if _t_within(middle, freedom) < CONFIDENCE else (low, middle)
+        low, high = (
+            (middle, high) if _t_within(middle, freedom) < CONFIDENCE_LEVEL else (low, middle)
+        )
     return tan(low) * sqrt(freedom)
 
 

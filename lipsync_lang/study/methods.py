@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 OURS = "ours"
 """Method of the performer itself."""
 
-NAMED = ("character", "bank", "motion")
+PERFORMER_METHODS = ("character", "bank", "motion")
 """Prefixes of methods that change the performer."""
 
 USUAL_MANNER = "keyframes"
@@ -50,7 +50,7 @@ class Method(NamedTuple):
 
     name: str
     how: str
-    """`ours`, a plain method, one of `NAMED`, or `files`."""
+    """`ours`, a plain method, one of `PERFORMER_METHODS`, or `files`."""
     what: str = ""
     """The character, bank, preset or folder."""
     manner: str = USUAL_MANNER
@@ -76,13 +76,13 @@ def parse_method(text: str) -> Method:
     if source in built_in:
         return Method(name, source)
     how, colon, what = source.partition(":")
-    if colon and how in NAMED and what:
+    if colon and how in PERFORMER_METHODS and what:
         return Method(name, how, what)
     manner, folder = (how, what) if colon and how in BASELINES else (USUAL_MANNER, source)
     if equals and Path(folder).is_dir():
         return Method(name, "files", folder, manner)
     known = f"{', '.join(built_in)}; or NAME=FOLDER with a file for each line, "
-    known += ", ".join(f"NAME={one}:..." for one in NAMED)
+    known += ", ".join(f"NAME={one}:..." for one in PERFORMER_METHODS)
     hint = f"there is no folder '{folder}'" if equals else did_you_mean(source, built_in)
     raise LipsyncError(f"method '{text}': {hint}; give {known}")
 
@@ -144,17 +144,20 @@ class StudyCharacter:
         """
         if method.how == OURS:
             return own
-        if method.how in NAMED:
+        if method.how in PERFORMER_METHODS:
             return _over(self.shown(self._by_other(method, own.schedule)), own)
         if method.how in BASELINES:
             made = BASELINES[method.how](self.performer, own.schedule, self.fps)
         else:
-            made = self._read(method, _file(Path(method.what), line), own.schedule)
+            files = _listed(Path(method.what)).get(line)
+            if not files:
+                raise LipsyncError(f"{method.what}: has no file for line '{line}'")
+            made = self._read(method, only_file(files), own.schedule)
         return _from_rest(_over(self.shown(made), own))
 
     def shown(self, animation: Animation) -> Animation:
         """Return an animation on the model to draw."""
-        return replace(on_model(animation, self.performer), model=self.model, performer=None)
+        return replace(on_model(animation, self.performer), model=self.model, source=None)
 
     def _by_other(self, method: Method, schedule: "Schedule") -> Animation:
         other = self.other(method)
@@ -172,11 +175,11 @@ class StudyCharacter:
 
     def _read(self, method: Method, path: Path, schedule: "Schedule") -> Animation:
         """Read an animation, or timings that a plain method animates."""
-        from lipsync_lang.animations.readers.animation_readers import READERS
+        from lipsync_lang.animations.animation_readers import ANIMATION_READERS
         from lipsync_lang.schedules.timed_words import TimedWords
         from lipsync_lang.schedules.timing_readers import read_timings
 
-        if path.suffix.lower() in READERS.suffixes():
+        if path.suffix.lower() in ANIMATION_READERS.suffixes():
             try:
                 made, _ = read_for(self.performer, path, schedule)
             except LipsyncError as error:
@@ -234,13 +237,6 @@ def with_bank(
         path = Path(folder, "with_bank.yaml")
         path.write_text(json.dumps(plain), "utf-8")
         return resolved(path)
-
-
-def _file(folder: Path, line: str) -> Path:
-    files = _listed(folder).get(line)
-    if not files:
-        raise LipsyncError(f"{folder}: has no file for line '{line}'")
-    return only_file(files)
 
 
 @cache

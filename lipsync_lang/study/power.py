@@ -14,7 +14,7 @@ import numpy as np
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.study.distributions import binomial_masses
 
-FORMAT = "lipsync-lang study power 1"
+POWER_FORMAT = "lipsync-lang study power 1"
 MIN_CHANCE = 0.0001
 """Minimum power and level; smaller ones would need studies of any size."""
 
@@ -73,7 +73,7 @@ class PowerPlan:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the plan as JSON data."""
-        return {"format": FORMAT, **asdict(self)}
+        return {"format": POWER_FORMAT, **asdict(self)}
 
 
 def plan_study(question: PowerQuestion) -> PowerPlan:

@@ -6,23 +6,19 @@ Plots are SVG stretched to the available width, each with a text name. The page 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import NamedTuple
 
-from jinja2 import Environment
-from markupsafe import Markup
-
-from lipsync_lang.coverage.page.assembling import own_file, page_environment
-from lipsync_lang.coverage.page.wording import NBSP
+from lipsync_lang.reports.pages import PageEnvironment
+from lipsync_lang.reports.wording import NBSP
 from lipsync_lang.study import study_text
 from lipsync_lang.study.answer_sorting import reasons
 from lipsync_lang.study.bradley_terry import Ranking
-from lipsync_lang.study.comparisons import Comparison, MeanStrength
+from lipsync_lang.study.comparisons import Comparison
 from lipsync_lang.study.distributions import Interval
 from lipsync_lang.study.study_report import StudyReport
 from lipsync_lang.study.study_text import EVERYBODY
 
-WIDTH = 1000
+PLOT_WIDTH = 1000
 """Width of a plot in units of the plot."""
 
 MAX_PAGE_NAMED = 200
@@ -80,23 +76,19 @@ class PairView:
 def report_page(report: StudyReport) -> str:
     """Return the page."""
     found = reasons(report.answers.set_aside)
-    return (
-        _environment()
-        .get_template("study_report.html")
-        .render(
-            report=report,
-            answers=report.answers,
-            pairs=_pairs(report),
-            rankings=[(one, _strength_plot(one)) for one in report.rankings],
-            heads=_pairs(report) if not report.rankings else [],
-            best={one.question: one for one in report.rankings if one.methods},
-            aside=found,
-            rules=report.rules.words,
-            named=report.answers.set_aside[:MAX_PAGE_NAMED],
-            whole=sum(whole for whole, _ in found.values()),
-            style=Markup(own_file("style.css") + _own("study_report.css")),  # noqa: S704 our own
-        )
-    )
+    values = {
+        "report": report,
+        "answers": report.answers,
+        "pairs": _pairs(report),
+        "rankings": [(one, _strength_plot(one)) for one in report.rankings],
+        "heads": _pairs(report) if not report.rankings else [],
+        "best": {one.question: one for one in report.rankings if one.methods},
+        "aside": found,
+        "rules": report.rules.words,
+        "named": report.answers.set_aside[:MAX_PAGE_NAMED],
+        "whole": sum(whole for whole, _ in found.values()),
+    }
+    return _environment().page("study_report.html", values, "study_report.css")
 
 
 def _pairs(report: StudyReport) -> list[PairView]:
@@ -186,8 +178,8 @@ def _dot(class_: str, at: float, interval: Interval | None, low: float, high: fl
     ends = None
     if interval is not None:
         left, right = (min(max(_part(end, low, high), 0), 1) for end in interval)
-        ends = (round(WIDTH * left, 1), round(WIDTH * (right - left), 1))
-    return Dot(class_, round(WIDTH * _part(at, low, high), 1), ends)
+        ends = (round(PLOT_WIDTH * left, 1), round(PLOT_WIDTH * (right - left), 1))
+    return Dot(class_, round(PLOT_WIDTH * _part(at, low, high), 1), ends)
 
 
 def _part(value: float, low: float, high: float) -> float:
@@ -200,25 +192,17 @@ def _percents(share: float, interval: Interval) -> str:
     )
 
 
-def _strength(mean: MeanStrength | None) -> str:
-    return study_text.strength(mean).replace("-", "–")
-
-
 @cache
-def _environment() -> Environment:
-    environment = page_environment("lipsync_lang.study", "report_templates")
+def _environment() -> PageEnvironment:
+    environment = PageEnvironment(__package__, "report_templates")
     environment.globals |= {
-        "WIDTH": WIDTH,
+        "WIDTH": PLOT_WIDTH,
         "EVERYBODY": EVERYBODY,
         "percents": study_text.percents,
         "percent": study_text.percent,
         "probability": study_text.probability,
         "equal_strengths": study_text.equal_strengths,
-        "strength": _strength,
+        "strength": lambda mean: study_text.strength(mean).replace("-", "–"),
         "share_in_words": _percents,
     }
     return environment
-
-
-def _own(name: str) -> str:
-    return (files("lipsync_lang.study") / "report_templates" / name).read_text("utf-8")

@@ -30,7 +30,7 @@ CLIP_CODEC = (
 )
 """H.264 baseline with AAC, which every phone plays."""
 
-DIGEST_BYTES = 16
+CLIP_DIGEST_BYTES = 16
 """Length of a clip's digest in bytes."""
 
 FREE_BOX_BYTES = 8
@@ -51,9 +51,10 @@ class Clip:
     @cached_property
     def digest(self) -> str:
         """Digest of all contents of the clip."""
-        whole = blake2b(digest_size=DIGEST_BYTES)
+        whole = blake2b(digest_size=CLIP_DIGEST_BYTES)
         model = self.animation.model
-        for part in (CLIP_FORM, CLIP_SIDE, CLIP_CODEC, model and _content(model)):
+        content = model and blake2b(model.read_bytes(), digest_size=CLIP_DIGEST_BYTES).hexdigest()
+        for part in (CLIP_FORM, CLIP_SIDE, CLIP_CODEC, content):
             whole.update(repr(part).encode())
         for one in (self.animation, self.framing):
             whole.update(repr((one.fps, one.columns)).encode())
@@ -73,10 +74,6 @@ class Clip:
     def path(self, folder: Path) -> Path:
         """Return the file of the clip in a folder."""
         return folder / f"{self.digest}.mp4"
-
-
-def _content(model: Path) -> str:
-    return blake2b(model.read_bytes(), digest_size=DIGEST_BYTES).hexdigest()
 
 
 def render_clips(
@@ -103,7 +100,9 @@ def render_clips(
     folder.mkdir(parents=True, exist_ok=True)
     wanted = {clip.path(folder): clip for clip in clips}
     missing = {path: clip for path, clip in wanted.items() if not path.is_file()}
-    count = min(len(missing), workers or _cores())
+    # A container may give this process fewer cores than the machine has.
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    count = min(len(missing), workers or usable or 1)
     told(0, len(missing))
     if count <= 1:
         for number, (path, clip) in enumerate(missing.items(), 1):
@@ -112,10 +111,6 @@ def render_clips(
     else:
         _in_processes(missing, count, told)
     return len(missing)
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _in_processes(missing: dict[Path, Clip], count: int, told: Callable[[int, int], None]) -> None:

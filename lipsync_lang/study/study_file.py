@@ -6,10 +6,9 @@ submission each.
 """
 
 import json
-from collections.abc import Iterator
 from hashlib import blake2b
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field, StringConstraints, ValidationError
 
@@ -29,17 +28,17 @@ MAX_PAIRS = 2_000
 MAX_SUBMISSION_BYTES = 2**20
 """Size limit in bytes of one rater's answers: `MAX_PAIRS` pairs, two questions each."""
 
-DIGEST_BYTES = 8
+STUDY_DIGEST_BYTES = 8
 """Length of a study's digest and of a rater's number in bytes."""
 
 QUESTIONS = ("accuracy", "naturalness")
 """The questions of the paper's study (section 4.1)."""
 
-Side = Literal["left", "right"]
+ClipSide = Literal["left", "right"]
 Question = Literal["accuracy", "naturalness"]
 Hex = Annotated[str, StringConstraints(pattern="^[0-9a-f]{16}$")]
-Key = Annotated[str, StringConstraints(min_length=1, max_length=100)]
-Words = Annotated[str, StringConstraints(max_length=500)]
+ShortText = Annotated[str, StringConstraints(min_length=1, max_length=100)]
+FreeText = Annotated[str, StringConstraints(max_length=500)]
 Moment = Annotated[
     str, StringConstraints(pattern=r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)$")
 ]
@@ -50,17 +49,17 @@ M = TypeVar("M", bound=Strict)
 class StudyPair(Strict):
     """Two clips of one line and character, shown side by side."""
 
-    pair: Key
+    pair: ShortText
     """Name of the pair, such as `p001`."""
-    line: Key
+    line: ShortText
     """Name of the line."""
-    character: Key
+    character: ShortText
     """Name of the character."""
-    left: Key
+    left: ShortText
     """Method of the left clip."""
-    right: Key
+    right: ShortText
     """Method of the right clip."""
-    check: Side | None = None
+    check: ClipSide | None = None
     """Correct side of an attention check; the other side is deliberately wrong."""
     seconds: Annotated[float, Field(gt=0, le=3600)] | None = None
     """Length of the longer clip; null if unknown."""
@@ -75,30 +74,30 @@ class Study(Strict):
     """Version of the form."""
     study: Hex
     """Digest of the study and its clips; answers contain it."""
-    title: Words
+    title: FreeText
     """Title that raters see."""
     seed: int
     """Seed of the choice of pairs and sides."""
     questions: Annotated[tuple[Question, ...], Field(min_length=1)]
     """Questions of each pair."""
-    methods: Annotated[tuple[Key, ...], Field(min_length=2)]
+    methods: Annotated[tuple[ShortText, ...], Field(min_length=2)]
     """Names of the compared methods."""
     raters_see: Annotated[int, Field(ge=1)] | None = None
     """Number of pairs that each rater sees; null for all."""
     pairs: Annotated[tuple[StudyPair, ...], Field(min_length=1, max_length=MAX_PAIRS)]
     """All pairs."""
-    asked: tuple[Key, ...] = ()
+    asked: tuple[ShortText, ...] = ()
     """Keys of the questions about the rater."""
 
 
 class PairAnswer(Strict):
     """A rater's choice on one question of one pair."""
 
-    pair: Key
+    pair: ShortText
     """Name of the pair."""
     question: Question
     """The question."""
-    choice: Side
+    choice: ClipSide
     """The better side."""
     strength: Annotated[int, Field(ge=1, le=5)]
     """Strength of the preference, from 1 (weak) to 5 (strong)."""
@@ -125,19 +124,10 @@ class Submission(Strict):
     """Time of consent, ISO 8601."""
     finished: Moment | None
     """Time of the last answer, ISO 8601; null if the rater stopped early."""
-    asked: Annotated[dict[Key, Words], Field(max_length=50)]
+    asked: Annotated[dict[ShortText, FreeText], Field(max_length=50)]
     """Answers to the questions about the rater, by key."""
     answers: Annotated[tuple[PairAnswer, ...], Field(max_length=2 * MAX_PAIRS)]
     """Choices in the order of time."""
-
-
-class AnswerFiles(NamedTuple):
-    """Submissions of a file, and faults of unreadable lines."""
-
-    submissions: tuple[Submission, ...]
-    """Well-formed submissions to any study, in the order of the file."""
-    faults: tuple[str, ...]
-    """Located sentences on lines that are not submissions."""
 
 
 def read_study(path: Path) -> Study:
@@ -174,7 +164,7 @@ def _fault_of_study(study: Study) -> str:
 def study_digest(contents: object) -> str:
     """Return the digest of a study's contents, given as JSON data."""
     text = json.dumps(contents, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    return blake2b(text.encode(), digest_size=DIGEST_BYTES).hexdigest()
+    return blake2b(text.encode(), digest_size=STUDY_DIGEST_BYTES).hexdigest()
 
 
 def as_text(model: Study | Submission) -> str:
@@ -203,52 +193,6 @@ def parsed(model: type[M], content: bytes, where: str) -> M:
         ) from None
     except RecursionError:
         raise LipsyncError(f"{where}: is nested too deeply; give a file of answers") from None
-
-
-def read_answers(path: Path) -> AnswerFiles:
-    """Read answers: one submission as a JSON file, or JSON lines of many.
-
-    Faulty lines are listed and left out.
-
-    Raises
-    ------
-    LipsyncError
-        The file cannot be read at all, or is empty.
-    """
-    content = read_input(path, MAX_ANSWERS_BYTES, mend="split the file")
-    if not content.strip():
-        raise LipsyncError(f"{path}: is empty; name a file of answers")
-    submissions, faults = [], []
-    for where, text in _texts(path, content.removeprefix(b"\xef\xbb\xbf")):
-        if len(text) > MAX_SUBMISSION_BYTES:
-            faults.append(f"{where}: is larger than the answers of a rater can be")
-            continue
-        try:
-            submissions.append(parsed(Submission, text, where))
-        except LipsyncError as error:
-            faults.append(str(error))
-    return AnswerFiles(tuple(submissions), tuple(faults))
-
-
-def _texts(path: Path, content: bytes) -> Iterator[tuple[str, bytes]]:
-    """Yield the place and text of each submission in a file."""
-    whole = content.strip()
-    if b"\n" in whole and _is_json(whole):
-        yield str(path), whole
-        return
-    for number, line in enumerate(content.split(b"\n"), 1):
-        if line.strip():
-            yield f"{path}:{number}", line
-
-
-def _is_json(content: bytes) -> bool:
-    if len(content) > MAX_SUBMISSION_BYTES:
-        return False
-    try:
-        json.loads(content)
-    except (ValueError, RecursionError):
-        return False
-    return True
 
 
 def faults_against(submission: Submission, study: Study) -> tuple[str, ...]:

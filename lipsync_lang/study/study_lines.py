@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.schedules.schedule import Schedule
 
-MAX_LINES = 10_000
+MAX_STUDY_LINES = 10_000
 """Maximum number of lines to choose from."""
 
-SHOWN_NAMES = 8
+MAX_LISTED_LINES = 8
 """Maximum number of names in a remark."""
 
-MAX_NAME_CHARS = 100
+MAX_LINE_NAME_CHARS = 100
 """Maximum length of a line's name."""
 
 
@@ -57,12 +57,16 @@ def study_lines(
     LipsyncError
         There are no lines or too many, or two lines have the same name.
     """
-    lines = [StudyLine(_name(line), line.text, line.schedule) for line in found if _said(line)]
+    lines = [
+        StudyLine(_name(line), line.text, line.schedule)
+        for line in found
+        if line.text.strip() or line.schedule is not None
+    ]
     lines += [StudyLine(f"text_{number}", text) for number, text in enumerate(texts, 1)]
     if not lines:
         raise LipsyncError("there is no line to show; name a file of lines, or give a text")
-    if len(lines) > MAX_LINES:
-        raise LipsyncError(f"there are {len(lines)} lines; a study takes at most {MAX_LINES}")
+    if len(lines) > MAX_STUDY_LINES:
+        raise LipsyncError(f"there are {len(lines)} lines; a study takes at most {MAX_STUDY_LINES}")
     name, count = Counter(line.name for line in lines).most_common(1)[0]
     if count > 1:
         raise LipsyncError(f"{count} lines have the name '{name}'; give each line its own name")
@@ -76,7 +80,7 @@ def _recorded(
     files = files_by_stem(folder)
     without = [line.name for line in lines if line.name not in files]
     if without:
-        some = shortlist(without, SHOWN_NAMES)
+        some = shortlist(without, MAX_LISTED_LINES)
         remark(f"{folder}: has no recordings with the names {some}; these lines are left out")
     found = [line for line in lines if line.name in files]
     if not found:
@@ -87,14 +91,10 @@ def _recorded(
     return tuple(replace(line, recording=only_file(files[line.name])) for line in found)
 
 
-def _said(line: "Line") -> bool:
-    return bool(line.text.strip()) or line.schedule is not None
-
-
 def _name(line: "Line") -> str:
     """Return the name of a line, or of its file with the number of its row."""
     file, _, row = line.place.rpartition(":")
-    return (line.name or f"{Path(file).stem}_{row}")[:MAX_NAME_CHARS]
+    return (line.name or f"{Path(file).stem}_{row}")[:MAX_LINE_NAME_CHARS]
 
 
 def files_by_stem(folder: Path) -> dict[str, list[Path]]:
@@ -146,6 +146,6 @@ def timed(line: StudyLine, performer: "Performer", *, engine: str | None = None)
         from lipsync_lang.speech.sound import with_sound
 
         return with_sound(line.schedule, line.recording)
-    from lipsync_lang.speech.hearing import aligned
+    from lipsync_lang.speech.hearing.alignment import aligned
 
     return aligned(performer.speaker, line.recording, line.text)

@@ -18,7 +18,7 @@ from lipsync_lang.study.study_file import (
     read_study,
     study_digest,
 )
-from lipsync_lang.study.study_lines import SHOWN_NAMES, StudyLine, timed
+from lipsync_lang.study.study_lines import MAX_LISTED_LINES, StudyLine, timed
 from lipsync_lang.study.study_page import PageTexts, study_page
 from lipsync_lang.study.study_pairs import (
     ClipPair,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 KEY, PAGE, CLIPS = "study.json", "page.html", "clips"
 """Names in the folder of a study: key, page for raters, and rendered clips."""
 
-Told = Callable[[str, int, int], None]
+StepProgress = Callable[[str, int, int], None]
 """Progress: kind of work, number done, and total."""
 
 
@@ -61,7 +61,7 @@ class StudyPlan:
 
 
 @dataclass(frozen=True)
-class MadeStudy:
+class NewStudy:
     """A study in its folder."""
 
     study: Study
@@ -75,8 +75,12 @@ class MadeStudy:
 
 
 def make_study(
-    plan: StudyPlan, folder: Path, *, workers: int | None = None, told: Told = lambda *_: None
-) -> MadeStudy:
+    plan: StudyPlan,
+    folder: Path,
+    *,
+    workers: int | None = None,
+    told: StepProgress = lambda *_: None,
+) -> NewStudy:
     """Render the clips of a study, and write its key and its page.
 
     After an interruption, a new run renders only the remaining clips.
@@ -87,7 +91,7 @@ def make_study(
         There is no pair to show, the folder holds another study, or a clip cannot be made.
     """
     plan.texts.refuse_faults()
-    stage = _Stage(plan, told)
+    stage = _PairMaker(plan, told)
     chosen = stage.chosen()
     pairs = laid_out(chosen, checks_for(len(chosen), plan.checks), plan.seed)
     clips = dict(stage.clips(pairs))
@@ -111,13 +115,13 @@ def make_study(
 
     write_all({folder / KEY: key, folder / PAGE: page})
     size = (folder / PAGE).stat().st_size
-    return MadeStudy(study, folder, rendered, size, tuple(stage.remarks))
+    return NewStudy(study, folder, rendered, size, tuple(stage.remarks))
 
 
-class _Stage:
+class _PairMaker:
     """Animations of a plan's lines, each made once."""
 
-    def __init__(self, plan: StudyPlan, told: Told) -> None:
+    def __init__(self, plan: StudyPlan, told: StepProgress) -> None:
         self.remarks: list[str] = []
         self._plan, self._told = plan, told
         self._characters = {cast.name: cast for cast in plan.characters}
@@ -133,7 +137,7 @@ class _Stage:
         for method in plan.methods:
             without = [line.name for line in plan.lines if lacks(method, line.name)]
             if without:
-                some = shortlist(without, SHOWN_NAMES)
+                some = shortlist(without, MAX_LISTED_LINES)
                 self.remarks.append(
                     f"method '{method.name}' has no file for {some}; these lines are left out"
                 )

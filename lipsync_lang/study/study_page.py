@@ -158,16 +158,13 @@ def study_page(
         name, _, after = part.partition("}}")
         if name == "CLIPS":
             for pair in study.pairs:
-                yield from _clips(pair.pair, clips(pair.pair))
+                films = of_one_size(clips(pair.pair))
+                for side, film in zip(("left", "right"), films, strict=True):
+                    text = b64encode(film).decode()
+                    yield f'<script type="text/plain" id="{pair.pair}-{side}">{text}</script>\n'
         else:
             yield parts[name]
         yield after
-
-
-def _clips(pair: str, contents: Sequence[bytes]) -> Iterator[str]:
-    for side, content in zip(("left", "right"), of_one_size(contents), strict=True):
-        text = b64encode(content).decode()
-        yield f'<script type="text/plain" id="{pair}-{side}">{text}</script>\n'
 
 
 def _static(name: str) -> str:

@@ -7,7 +7,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.study.study_file import MAX_PAIRS, Side, StudyPair
+from lipsync_lang.study.study_file import MAX_PAIRS, ClipSide, StudyPair
 
 PAIRS_PER_CHECK = 10
 """Number of pairs per attention check, unless the number of checks is given."""
@@ -98,13 +98,13 @@ def laid_out(pairs: Sequence[ClipPair], checks: int, seed: int) -> tuple[StudyPa
         )
     chance = random.Random(f"{seed} sides")  # noqa: S311 a repeatable choice is wanted
     turned: dict[tuple[str, str], bool] = {}
-    rows: list[tuple[str, str, str, str, Side | None]] = []
+    rows: list[tuple[str, str, str, str, ClipSide | None]] = []
     for pair in pairs:
         turn = turned.setdefault(pair.methods, chance.random() < 0.5)  # noqa: PLR2004 a coin
         turned[pair.methods] = not turn
         left, right = reversed(pair.methods) if turn else pair.methods
         rows.append((pair.line, pair.character, left, right, None))
-    sides: tuple[Side, Side] = ("left", "right")
+    sides: tuple[ClipSide, ClipSide] = ("left", "right")
     first = chance.randrange(2)
     for number in range(checks):
         pair = pairs[number * len(pairs) // checks]

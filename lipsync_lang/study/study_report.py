@@ -15,10 +15,10 @@ from lipsync_lang.study.answer_sorting import (
 from lipsync_lang.study.answer_texts import REPORT_FORMAT, STUDY_NAME, answer_files
 from lipsync_lang.study.bradley_terry import Ranking, ranked
 from lipsync_lang.study.comparisons import Comparison, compared
-from lipsync_lang.study.distributions import CONFIDENCE
+from lipsync_lang.study.distributions import CONFIDENCE_LEVEL
 from lipsync_lang.study.study_file import Study, read_study
 
-LEVEL = 0.05
+SIGNIFICANCE_LEVEL = 0.05
 """Level of significance in notes."""
 
 ANSWERS_FOLDER = "answers"
@@ -50,7 +50,7 @@ class StudyReport:
             "methods": list(self.study.methods),
             "questions": list(self.study.questions),
             "files": list(self.files),
-            "confidence": CONFIDENCE,
+            "confidence": CONFIDENCE_LEVEL,
             "rules": asdict(self.rules),
             "counted": {
                 "raters": answers.raters,
@@ -129,11 +129,10 @@ def _beside(study: Path) -> list[Path]:
     inside = folder / ANSWERS_FOLDER
     if not inside.is_dir():
         return [folder]
-    found = [inside]
     try:
-        return [*answer_files([folder]), *found]
+        return [*answer_files([folder]), inside]
     except LipsyncError:
-        return found
+        return [inside]
 
 
 def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Comparison]) -> list[str]:
@@ -145,7 +144,7 @@ def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Compariso
         "p (lines) allows for similar choices about the same line, and for other lines",
     ]
     fewest = min(min(one.raters, one.lines) for one in comparisons)
-    if 2.0 ** (1 - fewest) >= LEVEL:
+    if 2.0 ** (1 - fewest) >= SIGNIFICANCE_LEVEL:
         notes.append(
             f"with {fewest} raters or lines, p cannot be below {2.0 ** (1 - fewest):.2g}; take "
             "more raters and lines"
@@ -153,7 +152,7 @@ def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Compariso
     if len(comparisons) > 1:
         notes.append(
             f"{len(comparisons)} comparisons are tested; with Bonferroni's correction, each needs "
-            f"p below {LEVEL / len(comparisons):.2g}"
+            f"p below {SIGNIFICANCE_LEVEL / len(comparisons):.2g}"
         )
     if answers.unfinished:
         notes.append(f"{answers.unfinished} raters who stopped early are counted")

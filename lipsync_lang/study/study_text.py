@@ -2,15 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 
+from lipsync_lang.reports.text_table import columns
 from lipsync_lang.study.answer_sorting import reasons
 from lipsync_lang.study.bradley_terry import Ranking
 from lipsync_lang.study.comparisons import Comparison, MeanStrength
 from lipsync_lang.study.distributions import Interval
 from lipsync_lang.study.power import PowerPlan
 from lipsync_lang.study.study_report import StudyReport
-from lipsync_lang.text_table import columns
 
-MAX_NAMED = 20
+MAX_LISTED_ASIDE = 20
 """Maximum number of listed submissions and answers that are set aside."""
 
 EVERYBODY = "all"
@@ -55,11 +55,11 @@ def _set_aside(report: StudyReport) -> Iterator[str]:
             for reason, (whole, single) in reasons(found).items()
         ]
         yield from columns(rows)
-        for one in found[:MAX_NAMED]:
+        for one in found[:MAX_LISTED_ASIDE]:
             rater = f" rater {one.rater}" if one.rater else ""
             yield f"  {one.place}:{rater} {one.reason}: {one.words}"
-        if len(found) > MAX_NAMED:
-            yield f"  ... and {len(found) - MAX_NAMED} more; the JSON report lists all"
+        if len(found) > MAX_LISTED_ASIDE:
+            yield f"  ... and {len(found) - MAX_LISTED_ASIDE} more; the JSON report lists all"
     yield from (f"  suspicious, but counted: {one}" for one in report.answers.suspicious)
 
 

@@ -1,0 +1,194 @@
+"""The command that fits a character to captures."""
+
+import os
+import sys
+from argparse import Namespace
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, tell_written
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json, add_pair
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.reports.text_table import columns
+from lipsync_lang.terminal import progress, wipe
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import BinaryIO
+
+    from lipsync_lang.capture.fit_captures import CaptureFit
+    from lipsync_lang.capture.fit_file import FitProposal
+
+SHOWN = 12
+"""Maximum number of items and lines to print."""
+
+
+@command("bank fit")
+def _add_fit(action: Add) -> None:
+    made = action(
+        "fit",
+        fit,
+        "fit targets, motion and bigrams to captures of a face",
+        "bank fit captures/ -l english -c facefx -o fit.json",
+        more=", and test them on held-out lines",
+    )
+    made.add_argument(
+        "captures", metavar="CAPTURE", type=Path, nargs="+",
+        help="a capture, a list of captures, or a folder to search; each capture needs timings, or "
+        "text and sound, beside it",
+    )  # fmt: skip
+    add_pair(made)
+    made.add_argument(
+        "--readout", metavar="FILE", type=Path,
+        help="the measures that a table of sensors shows [readout.yaml of its folder]",
+    )  # fmt: skip
+    made.add_argument(
+        "--speaker", metavar="PATTERN",
+        help="the place of the speaker in file names, such as '{speaker}_*' [the first folder]",
+    )  # fmt: skip
+    made.add_argument("--notation", metavar="NAME", help="the notation of the timings' labels")
+    made.add_argument(
+        "--aligner", metavar="NAME[:MODEL]",
+        help="another aligner than the language's, for captures with text and sound",
+    )  # fmt: skip
+    made.add_argument(
+        "-o", "--output", metavar="FILE", type=argument_path,
+        help="write the proposal, for `bank accept`; - is standard output",
+    )  # fmt: skip
+    made.add_argument(
+        "--page", metavar="FILE", type=argument_path,
+        help="write an HTML page of captures beside curves, and of all values found",
+    )  # fmt: skip
+    made.add_argument(
+        "--workers", metavar="N", type=int, default=None, help="number of processes [one per core]"
+    )
+    add_json(made)
+
+
+def fit(options: Namespace) -> int:
+    """Fit a pair to captures; print the result, and write proposal and page."""
+    from lipsync_lang.files import write_all
+
+    if options.page is not None and options.page == options.output:
+        raise LipsyncError(f"{options.page}: the proposal and the page need different files")
+    found = _fitted(options)
+    proposal = found.proposal
+    writers = {}
+    if options.output is not None:
+        writers[options.output] = _proposal(proposal)
+    if options.page is not None:
+        writers[options.page] = _page(found)
+    write_all(writers)
+    words = sys.stderr if STANDARD_STREAM in writers else sys.stdout
+    if options.json:
+        print(as_json(proposal.model_dump(mode="json")), file=words)
+    else:
+        print("\n".join(told(proposal)), file=words)
+    for path in writers:
+        tell_written(path)
+    if not proposal.verdict.accepted:
+        return FAULTS
+    if options.output is not None and options.output != STANDARD_STREAM:
+        print(f"accept values with: lipsync-lang bank accept {options.output}", file=sys.stderr)
+    return SOUND
+
+
+def _fitted(options: Namespace) -> "CaptureFit":
+    from lipsync_lang.capture.capture_reading import read_captures
+    from lipsync_lang.capture.fit_captures import fit_captures
+    from lipsync_lang.capture.judging import judge_captures
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.resolver.retouch import OpenPair
+
+    if options.workers is not None and options.workers < 1:
+        raise LipsyncError(f"{options.workers} workers: give 1 or more")
+    pair = OpenPair.open(Library(options.path), options.language, options.character)
+    performer = Performer(pair.compiled, pair.compiled.motion, paths=tuple(options.path))
+    captures = read_captures(
+        performer,
+        options.captures,
+        readout=options.readout,
+        speaker=options.speaker,
+        aligner=options.aligner,
+        notation=options.notation,
+        progress=lambda done, total: progress(f"reading {done} of {total} captures ..."),
+    )
+    wipe()
+    captures = judge_captures(
+        performer,
+        captures,
+        progress=lambda done, total: progress(f"judging {done} of {total} captures ..."),
+    )
+    wipe()
+    try:
+        return fit_captures(
+            pair,
+            performer,
+            captures.lines,
+            workers=options.workers or os.cpu_count() or 1,
+            progress=lambda text: progress(f"{text} ..."),
+            set_aside=captures.set_aside,
+        )
+    finally:
+        wipe()
+
+
+def _proposal(proposal: "FitProposal") -> "Callable[[BinaryIO], object]":
+    from io import StringIO
+
+    from lipsync_lang.capture.fit_file import write_fit
+
+    text = StringIO()
+    write_fit(text, proposal)
+    return lambda stream: stream.write(text.getvalue().encode())
+
+
+def _page(found: "CaptureFit") -> "Callable[[BinaryIO], object]":
+    from lipsync_lang.capture.fit_page import fit_page
+    from lipsync_lang.capture.shown_lines import shown_lines
+
+    text = fit_page(shown_lines(found.followed), found.proposal)
+    return lambda stream: stream.write(text.encode())
+
+
+def told(proposal: "FitProposal") -> Iterator[str]:
+    """Yield the printed lines of a proposal."""
+    who = f"{proposal.language} on {proposal.character}"
+    yield f"{who}: {count(proposal.lines, 'line')}, {proposal.seconds:.1f} s of capture"
+    for one in proposal.set_aside:
+        yield f"  set aside {one.line}: {one.why}"
+    for remark in proposal.remarks:
+        yield f"  {remark}"
+    yield f"{'accepted' if proposal.verdict.accepted else 'REFUSED'}: {proposal.verdict.why}"
+    rows = [
+        (f"  without {one.by} {one.held_out}", f"{one.before:.4f}", f"{one.after:.4f}")
+        for one in proposal.verdict.folds
+    ]
+    yield from columns([("  held out", "before", "after"), *rows])
+    yield from _items(proposal)
+
+
+def _items(proposal: "FitProposal") -> Iterator[str]:
+    items = sorted(proposal.items, key=lambda one: -one.confidence * one.occurrences)
+    rows = [
+        (
+            f"  {one.item}",
+            str(one.occurrences),
+            _number(one.residual_before),
+            _number(one.residual_after),
+            f"{one.confidence:.2f}",
+        )
+        for one in items[:SHOWN]
+    ]
+    if rows:
+        yield from columns([("  value", "heard", "error", "after", "confidence"), *rows])
+    if len(items) > SHOWN:
+        yield f"  ... and {len(items) - SHOWN} more values"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4f}"

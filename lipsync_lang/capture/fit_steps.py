@@ -1,0 +1,265 @@
+"""Steps of a fit: targets of phonemes, then motion, then curves of frequent bigrams.
+
+A pose set states softness for a region or for a single pose; that of a single pose is constant. The
+pipeline has one speed limit for all poses.
+
+Conventions: N targets of at most M steps, P poses, K parameters. The first and the last control
+value of a bigram are always at rest.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Self
+
+import numpy as np
+
+from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.banks.draft import TIMES
+from lipsync_lang.capture.fit_lines import FitLine, occurrences
+from lipsync_lang.capture.fit_slopes import control_slopes, draft_slopes
+from lipsync_lang.capture.fit_solver import robust_cost, solve
+from lipsync_lang.capture.fit_values import MOST_DOMINANCE, PASSIVE_LOG, FitFace, FitValues
+from lipsync_lang.pipeline.motion import LEAST_SPEED
+
+PRIOR_OCCURRENCES = 2.0
+"""Number of occurrences of a phoneme with the same weight as its target before the fit."""
+
+FREE_PRIOR_OCCURRENCES = 8.0
+"""The same number for signals without a scale, which are noisier sums of several poses."""
+
+OCCURRENCE_SECONDS = 0.04
+"""Seconds of an occurrence that only its own target determines."""
+
+DOMINANCE_SHARE = 0.03
+"""Strength of the prior of a dominance's logarithm, relative to that of a weight."""
+
+HEIGHT_SHARE = 0.1
+"""Strength of the prior of a pose's height, relative to that of a weight."""
+
+MOST_HEIGHT = 4.0
+"""Maximum height of a pose, which is a factor of all its weights."""
+
+ENOUGH_OCCURRENCES = 10
+"""Minimum number of occurrences of a bigram with fitted curves."""
+
+BIGRAM_PRIOR_OCCURRENCES = 10.0
+"""Number of occurrences with the same weight as the draft."""
+
+MOST_SOFTNESS, MOST_ANTICIPATION, MOST_SPEED = 0.12, 0.4, 40.0
+"""Maximum fitted values: seconds, seconds, and weight per second."""
+
+TRIALS = 9
+"""Number of performances of all lines for each value."""
+
+WORTH = 0.01
+"""Minimum reduction of the cost by a change of motion, as a share; smaller ones are noise."""
+
+_FitChange = Callable[[FitValues, float], FitValues]
+
+
+@dataclass(frozen=True, eq=False)
+class TargetParameters:
+    """Heights of poses, free weights and dominances of a face, as one vector.
+
+    A height is a factor of all weights of a pose. The prior measures each weight relative to it, so
+    a capture with wider jaw openings also changes the jaw of rare phonemes.
+    """
+
+    face: FitFace
+    heights: Ints
+    """Poses with a free weight."""
+    weights: Bools
+    """(N, M, P) True for free weights."""
+    dominance: Bools
+    """(N, P) True for free dominances."""
+
+    @classmethod
+    def of(cls, face: FitFace, base: FitValues, seen: Bools) -> Self:
+        """Return the free parameters: named weights of poses with a signal; `seen` is (P,)."""
+        weights: Bools = face.free(base) & seen
+        dominance = np.asarray(weights.any(axis=1))
+        return cls(face, np.flatnonzero(dominance.any(axis=0)), weights, dominance)
+
+    @property
+    def free(self) -> Ints:
+        """Columns of `draft_slopes` for the free values, which follow the heights in the vector."""
+        return np.flatnonzero(np.concatenate((self.weights.ravel(), self.dominance.ravel())))
+
+    def vector(self, values: FitValues) -> Floats:
+        """Return heights of 1, and the free values: (K,)."""
+        free = values.weights[self.weights], values.dominance[self.dominance]
+        return np.concatenate((np.ones(len(self.heights)), *free))
+
+    def values(self, vector: Floats, base: FitValues) -> FitValues:
+        """Return values with the free ones replaced from a vector."""
+        weights, dominance = base.weights.copy(), base.dominance.copy()
+        vector = vector[len(self.heights) :]
+        count = int(self.weights.sum())
+        weights[self.weights] = vector[:count]
+        dominance[self.dominance] = vector[count:]
+        return replace(base, weights=weights, dominance=dominance)
+
+    def parts(self, of_heights: float, of_weights: float, of_dominance: float) -> Floats:
+        """Return a number for each height, weight and dominance: (K,)."""
+        counts = len(self.heights), int(self.weights.sum()), int(self.dominance.sum())
+        return np.repeat([of_heights, of_weights, of_dominance], counts)
+
+    def prior(self, strength: float, before: FitValues) -> Any:
+        """Return the matrix of the prior for `solve`; `strength` is the strength for a weight."""
+        from scipy import sparse
+
+        shares = self.parts(HEIGHT_SHARE, 1.0, DOMINANCE_SHARE)
+        out = sparse.diags(np.sqrt(strength * shares)).tolil()
+        poses = np.nonzero(self.weights)[2]
+        first = len(self.heights)
+        start = before.weights[self.weights]
+        for number, (pose, weight) in enumerate(zip(poses, start, strict=True)):
+            column = int(np.searchsorted(self.heights, pose))
+            out[first + number, column] = -np.sqrt(strength) * weight
+        return out.tocsr()
+
+
+def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> FitValues:
+    """Fit the targets of a face to lines.
+
+    Parameters
+    ----------
+    base : values of motion and bigrams, and of poses added to targets
+    """
+    from scipy import sparse
+
+    parameters = TargetParameters.of(face, base, seen_poses(lines))
+    known = face.start.mentioned
+    before = replace(
+        base,
+        weights=np.where(known[:, None], face.start.weights, base.weights),
+        dominance=np.where(known, face.start.dominance, base.dominance),
+    )
+    free_signals = any(line.captured.free for line in lines)
+    prior_occurrences = FREE_PRIOR_OCCURRENCES if free_signals else PRIOR_OCCURRENCES
+    strength = prior_occurrences * OCCURRENCE_SECONDS * lines[0].frames.fps
+    free = parameters.free
+
+    def errors(vector: Floats) -> Floats:
+        return face.errors(parameters.values(vector, base), lines)
+
+    def slopes(vector: Floats) -> Any:
+        values = parameters.values(vector, base)
+        drafts = draft_slopes(face, values)[:, free]
+        found = seen_rows(lines, control_slopes(face, values, lines).matrix @ drafts)
+        none = sparse.csr_matrix((found.shape[0], len(parameters.heights)))
+        return sparse.hstack((none, found), format="csr")
+
+    solved = solve(
+        parameters.vector(before),
+        parameters.prior(strength, before),
+        (
+            parameters.parts(0.0, 0.0, PASSIVE_LOG),
+            parameters.parts(MOST_HEIGHT, 1.0, float(np.log(MOST_DOMINANCE))),
+        ),
+        errors,
+        slopes,
+    )
+    return parameters.values(solved, base)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionGroups:
+    """Groups of poses with a common value of motion."""
+
+    softness: Mapping[str, Ints]
+    """Poses that take the softness of their region, by region."""
+    anticipate: Mapping[str, Ints]
+    """Poses with anticipation, by region."""
+
+
+def fit_motion(
+    face: FitFace, base: FitValues, lines: Sequence[FitLine], groups: MotionGroups
+) -> FitValues:
+    """Return values with the motion of the lowest error on some lines."""
+    from scipy.optimize import minimize_scalar
+
+    now, cost = base, robust_cost(face.errors(base, lines))
+    for bounds, change in _motion_changes(groups, seen_poses(lines)):
+
+        def tried(value: float, change: _FitChange = change, now: FitValues = now) -> float:
+            return robust_cost(face.errors(change(now, value), lines))
+
+        found = minimize_scalar(tried, bounds=bounds, method="bounded", options={"maxiter": TRIALS})
+        if found.fun < cost * (1 - WORTH):
+            now, cost = change(now, float(found.x)), float(found.fun)
+    return now
+
+
+def _motion_changes(
+    groups: MotionGroups, seen: Bools
+) -> Iterator[tuple[tuple[float, float], _FitChange]]:
+    """Yield the bounds of each value of motion with a recorded effect, and how to change it."""
+    for name, regions, most in (
+        ("softness", groups.softness, MOST_SOFTNESS),
+        ("anticipate", groups.anticipate, MOST_ANTICIPATION),
+    ):
+        for poses in regions.values():
+            if seen[poses].any():
+                yield (0.0, most), partial(_with_poses, name, poses)
+    yield (LEAST_SPEED, MOST_SPEED), lambda values, speed: replace(values, speed=speed)
+
+
+def _with_poses(name: str, poses: Ints, values: FitValues, value: float) -> FitValues:
+    changed: Floats = getattr(values, name).copy()
+    changed[poses] = value
+    found: FitValues = replace(values, **{name: changed})  # type: ignore[arg-type]  # a field by name
+    return found
+
+
+def fit_bigrams(
+    face: FitFace,
+    base: FitValues,
+    lines: Sequence[FitLine],
+    enough: int = ENOUGH_OCCURRENCES,
+) -> FitValues:
+    """Return values with fitted curves for bigrams with enough occurrences."""
+    from scipy import sparse
+
+    often = occurrences(lines, len(face.tables.curves))[face.rows] >= enough
+    rows = np.flatnonzero(often)
+    if not rows.size:
+        return base
+    drafts = face.controls(replace(base, bigrams={}))[rows]
+    free = np.zeros(drafts.shape, bool)
+    free[:, seen_poses(lines), 1:-1] = True
+    strength = BIGRAM_PRIOR_OCCURRENCES * OCCURRENCE_SECONDS * lines[0].frames.fps / len(TIMES)
+    start = np.zeros(int(free.sum()))
+
+    def values(vector: Floats) -> FitValues:
+        changes = np.zeros(drafts.shape)
+        changes[free] = vector
+        return replace(base, bigrams=dict(zip(face.rows[rows].tolist(), changes, strict=True)))
+
+    def errors(vector: Floats) -> Floats:
+        return face.errors(values(vector), lines)
+
+    def slopes(vector: Floats) -> Any:
+        columns = control_slopes(face, values(vector), lines).columns(rows)
+        return seen_rows(lines, columns[:, np.flatnonzero(free.ravel())])
+
+    bounds = -drafts[free], 1 - drafts[free]
+    prior = sparse.identity(len(start), format="csr") * np.sqrt(strength)
+    return values(solve(start, prior, bounds, errors, slopes))
+
+
+def seen_poses(lines: Sequence[FitLine]) -> Bools:
+    """Return True for poses with an effect on a recorded signal: (P,)."""
+    out: Bools = np.any(
+        [np.any(line.gains[line.seen.any(axis=0)] != 0, axis=0) for line in lines], axis=0
+    )
+    return out
+
+
+def seen_rows(lines: Sequence[FitLine], matrix: Any) -> Any:
+    """Return slopes with rows of 0 for lost values."""
+    from scipy import sparse
+
+    seen = np.concatenate([line.seen.ravel() for line in lines]).astype(float)
+    return sparse.diags(seen) @ matrix

@@ -1,0 +1,1 @@
+"""Batches of a build on the machines of a Dask cluster."""

@@ -1,0 +1,109 @@
+"""The commands that draft bigrams, and show what a bank changes."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from lipsync_lang.commands.output import SOUND, as_json
+from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.shared_options import add_json, add_pair
+from lipsync_lang.files import STANDARD_STREAM, argument_path
+
+SHOWN = 8
+"""Limits on printed remarks per kind and on bigrams listed by a comparison."""
+
+
+@command("bank")
+def add_bank(add: Add) -> None:
+    """Add `bank`."""
+    made = add(
+        "bank",
+        draft,
+        "draft bigrams, import them, accept fitted ones, or see what a bank changes",
+        "bank draft -l english -c facefx",
+    )
+    add_actions(made, "bank")
+
+
+@command("bank draft")
+def _add_draft(action: Add) -> None:
+    made = action(
+        "draft",
+        draft,
+        "draft bigrams from a pose set's targets",
+        "bank draft -l english -c facefx --write l-ow h-eh",
+        more=", as YAML to look at or to edit",
+    )
+    made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
+    add_pair(made)
+    made.add_argument(
+        "--write", action="store_true", help="write them to a bank; its own bigrams stay"
+    )
+    made.add_argument(
+        "--to", metavar="FILE", type=Path,
+        help="the bank to write to [posesets/NAME/banks/common.yaml of this folder]",
+    )  # fmt: skip
+
+
+@command("bank diff")
+def _add_diff(action: Add) -> None:
+    made = action(
+        "diff",
+        diff,
+        "show which bigrams a character's layers change, and by how much",
+        "bank diff -l english -c facefx --plot changes.png",
+        more="; without --against, a pose set's banks are compared with its drafts",
+    )
+    made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
+    add_pair(made)
+    made.add_argument(
+        "--against", metavar="CHARACTER",
+        help="another character of the pose set, or the bare pose set [the layers below]",
+    )  # fmt: skip
+    made.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=argument_path,
+        help="draw the bigrams that differ most; - is standard output, as PNG",
+    )
+    made.add_argument("--all", action="store_true", help="list every bigram that differs")
+    add_json(made)
+
+
+def draft(options: Namespace) -> int:
+    """Draft bigrams; print them as YAML or put them into a bank."""
+    from lipsync_lang.banks.write import draft_yaml, write_drafts
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.resolver.drafts import draft_bigrams
+
+    library = Library(options.path)
+    drafts = draft_bigrams(library, options.language, options.character, options.bigrams)
+    if options.write or options.to:
+        print(write_drafts(library, drafts, options.to), file=sys.stderr)
+    else:
+        print(draft_yaml(drafts), end="")
+    return SOUND
+
+
+def diff(options: Namespace) -> int:
+    """Show what a layer changes."""
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.resolver.bank_diff import diff_banks, told
+
+    found = diff_banks(
+        Library(options.path), options.language, options.character, options.against,
+        options.bigrams,
+    )  # fmt: skip
+    if options.plot:
+        from lipsync_lang.commands.performing import plot_kind
+        from lipsync_lang.files import atomic
+        from lipsync_lang.render.bank_diff_plot import plot_diff
+
+        with atomic(options.plot) as stream:
+            plot_diff(found, stream, plot_kind(options.plot))
+    words = sys.stderr if options.plot == STANDARD_STREAM else sys.stdout
+    if options.json:
+        print(as_json(found.to_dict()), file=words)
+    else:
+        print(told(found, None if options.all or options.bigrams else SHOWN), file=words)
+    return SOUND

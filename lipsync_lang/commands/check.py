@@ -1,0 +1,165 @@
+"""The command that measures an animation, performed here or read from a file."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.commands.output import FAULTS, SOUND, count, tell_written
+from lipsync_lang.commands.performing import LINE_PAGE, perform_line, performer_for, schedule_for
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json_form, add_line, add_output
+from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.quality.figures import Quality
+
+SUFFIXES = {".json": "json", ".xml": "junit", ".html": LINE_PAGE}
+"""Format of a file by its suffix; all other files are text."""
+
+
+@command("check")
+def add_check(add: Add) -> None:
+    """Add `check`."""
+    check_ = add(
+        "check",
+        check,
+        "measure the quality of an animation, and compare it with limits",
+        'check "Hello, world" -l english -c facefx --baseline',
+    )
+    add_line(check_)
+    check_.add_argument(
+        "--animation", metavar="FILE", type=Path,
+        help="check this animation file, from any program, instead of performing the line",
+    )  # fmt: skip
+    check_.add_argument(
+        "--channels", action="store_true", help="check the channels of the character's rig"
+    )
+    check_.add_argument(
+        "--baseline", action="store_true", help="measure plain methods on the same line as well"
+    )
+    check_.add_argument(
+        "--limit", metavar="NAME=NUMBER", action="append", default=[], dest="limits",
+        help="largest value allowed for a measure: --limit jitter=2; may be repeated",
+    )  # fmt: skip
+    check_.add_argument(
+        "--format", choices=("text", "json", "junit", "html"),
+        help="output format; html is a page that plays the line and shows the findings [by the "
+        "suffix of -o, else text]",
+    )  # fmt: skip
+    add_json_form(check_)
+    add_output(check_)
+
+
+def check(options: Namespace) -> int:
+    """Print the figures of an animation; a figure past its limit is a fault."""
+    from lipsync_lang.files import write_all
+    from lipsync_lang.quality.quality_report import FORMATS
+
+    performer = performer_for(options)
+    takes, remarks = _takes(options, performer)
+    judged = _judged(options, performer, takes, remarks)
+    form = options.format
+    if form is None:
+        form = SUFFIXES.get(options.output.suffix.lower(), "text") if options.output else "text"
+    told = _page(performer, takes, judged) if form == LINE_PAGE else FORMATS[form](judged)
+    if options.output is None:
+        print(told)
+    else:
+        content = f"{told}\n".encode()
+        write_all({options.output: lambda out: out.write(content)})
+        tell_written(options.output)
+    first = next(iter(judged.values()))
+    if form != "text" or options.output is not None:
+        print(summary(first), file=sys.stderr)
+    return SOUND if first.passed else FAULTS
+
+
+def summary(quality: "Quality") -> str:
+    """Summarise the quality figures in one line."""
+    if quality.passed:
+        return "all limits are met"
+    names = ", ".join(figure.name for figure in quality.failed)
+    return f"{count(len(quality.failed), 'limit')} missed: {names}"
+
+
+def _takes(
+    options: Namespace, performer: "Performer"
+) -> "tuple[dict[str, Animation], tuple[str, ...]]":
+    """Return the animation and the plain methods by name, and remarks on the first."""
+    from lipsync_lang.quality.baselines import BASELINES
+
+    animation, remarks = _animation(options, performer)
+    takes = {str(options.animation) if options.animation else "performed": animation}
+    for method, make in BASELINES.items() if options.baseline else ():
+        plain = make(performer, animation.schedule, options.fps)
+        takes[method] = performer.rigged(plain) if options.channels else plain
+    return takes, remarks
+
+
+def _judged(
+    options: Namespace,
+    performer: "Performer",
+    takes: "Mapping[str, Animation]",
+    remarks: tuple[str, ...],
+) -> "dict[str, Quality]":
+    """Measure all takes; the first entry sets the exit code."""
+    from lipsync_lang.quality.check_animation import check as judge
+
+    limits = _limits(options.limits)
+    first = next(iter(takes))
+    return {
+        name: judge(
+            take, performer=performer, limits=limits, remarks=remarks if name == first else ()
+        )
+        for name, take in takes.items()
+    }
+
+
+def _page(
+    performer: "Performer", takes: "Mapping[str, Animation]", judged: "Mapping[str, Quality]"
+) -> str:
+    """Return a page of the first take, with the others beside it."""
+    from dataclasses import replace
+
+    from lipsync_lang.animations.animation import ExportSettings
+    from lipsync_lang.quality.fitting import on_model
+    from lipsync_lang.studio.line_page import line_page
+
+    first, *others = takes
+    shown = {name: on_model(take, performer) for name, take in takes.items()}
+    export = ExportSettings(against={name: shown[name] for name in others})
+    main = replace(shown[first], export=export)
+    return line_page(main, performer=performer, qualities={**judged, "": judged[first]})
+
+
+def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, tuple[str, ...]]":
+    """Perform the line, or read its animation from a file."""
+    if options.animation is not None:
+        from lipsync_lang.quality.fitting import read_for
+
+        spoken = any(getattr(options, of) is not None for of in ("text", "schedule", "audio"))
+        schedule = schedule_for(options, performer) if spoken else None
+        return read_for(performer, options.animation, schedule, channels=options.channels)
+    animation = perform_line(options, performer, schedule_for(options, performer))
+    if options.channels and performer.compiled.rig is None:
+        raise LipsyncError(f"{performer.character} has no rig; leave out --channels")
+    return (performer.rigged(animation) if options.channels else animation), ()
+
+
+def _limits(stated: list[str]) -> dict[str, float]:
+    """Parse limits such as ``jitter=2``."""
+    limits: dict[str, float] = {}
+    for one in stated:
+        name, _, number = one.partition("=")
+        try:
+            limits[name] = float(number)
+        except ValueError:
+            raise LipsyncError(
+                f"--limit {one}: write NAME=NUMBER (--limit {name or 'jitter'}=2)"
+            ) from None
+    return limits

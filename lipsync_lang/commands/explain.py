@@ -1,0 +1,31 @@
+"""The command that explains the weight of each pose at a time."""
+
+from argparse import Namespace
+
+from lipsync_lang.commands.output import SOUND, as_json
+from lipsync_lang.commands.performing import perform
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json, add_line
+
+
+@command("explain")
+def add_explain(add: Add) -> None:
+    """Add `explain`."""
+    explain_ = add(
+        "explain",
+        explain,
+        "explain the weight of each pose at a time",
+        'explain "Hello, world" -l english -c facefx --at 0.42',
+    )
+    add_line(explain_)
+    explain_.add_argument(
+        "--at", metavar="SECONDS", type=float, required=True, help="the time to explain"
+    )
+    add_json(explain_)
+
+
+def explain(options: Namespace) -> int:
+    """Explain one frame."""
+    explanation = perform(options).explain(options.at)
+    print(as_json(explanation.to_dict()) if options.json else explanation)
+    return SOUND

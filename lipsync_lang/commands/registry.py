@@ -1,0 +1,100 @@
+"""Registry of commands, and the functions that add them to the parser.
+
+A command is one module: its options, its help and its handler. The function that adds it is
+registered under the command's name; a name such as `bank fit` is an action of a command. A
+distribution adds a command by an entry point of the group `lipsync_lang.commands`.
+"""
+
+import argparse
+from collections.abc import Callable
+from typing import Protocol
+
+from lipsync_lang.extensions import Extensions
+
+Handler = Callable[[argparse.Namespace], int]
+"""A command handler: options in, exit code out."""
+
+Subparsers = argparse._SubParsersAction  # noqa: SLF001 the commands of a parser, or actions of one
+
+
+class Add(Protocol):
+    """Adds a command to a parser, with an example of its arguments."""
+
+    def __call__(  # noqa: D102 the class says it
+        self, name: str, handler: Handler, title: str, example: str, *, more: str = ""
+    ) -> argparse.ArgumentParser: ...
+
+
+AddCommand = Callable[[Add], None]
+
+COMMANDS: Extensions[AddCommand] = Extensions(
+    "commands",
+    "command",
+    modules={
+        name: f"{__package__}.{module}"
+        for name, module in (
+            ("new", "new"),
+            ("doctor", "doctor"),
+            ("run", "run"),
+            ("transcribe", "transcribe"),
+            ("explain", "explain"),
+            ("stills", "stills"),
+            ("live", "live"),
+            ("studio", "studio"),
+            ("resolve", "resolve"),
+            ("validate", "validate"),
+            ("schema", "schema"),
+            ("coverage", "coverage"),
+            ("check", "check"),
+            ("build", "build"),
+            ("languages", "packs"),
+            ("posesets", "packs"),
+            ("characters", "packs"),
+            ("bank", "bank"),
+            ("voices", "listing"),
+            ("formats", "listing"),
+            ("completion", "completion"),
+        )
+    },
+)
+"""Functions that add commands, by the names of the commands, in the order of the help."""
+
+
+def command(name: str) -> Callable[[AddCommand], AddCommand]:
+    """Register a function ``(add) -> None`` that adds a command, or an action such as `bank fit`.
+
+    Examples
+    --------
+    >>> from lipsync_lang.commands.registry import Add, command
+    >>> @command("greet")
+    ... def add_greet(add: Add) -> None:
+    ...     add("greet", lambda options: print("Hello") or 0, "say hello", "greet")
+    """
+    return COMMANDS.register(name)
+
+
+def adder(known: "Subparsers[argparse.ArgumentParser]") -> Add:
+    """Return a function that adds commands to a parser."""
+
+    def add(
+        name: str, handler: Handler, title: str, example: str, *, more: str = ""
+    ) -> argparse.ArgumentParser:
+        made = known.add_parser(
+            name,
+            help=title,
+            description=f"{title[0].upper()}{title[1:]}{more}.",
+            epilog=f"example:\n  lipsync-lang {example}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        made.set_defaults(command=handler)
+        return made
+
+    return add
+
+
+def add_actions(made: argparse.ArgumentParser, family: str) -> None:
+    """Add the actions of a command: all commands whose names begin with its own."""
+    actions = made.add_subparsers(title="actions", metavar="ACTION", required=True)
+    for name in sorted(COMMANDS):
+        if name.startswith(f"{family} "):
+            COMMANDS[name](adder(actions))

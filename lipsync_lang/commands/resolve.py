@@ -1,0 +1,33 @@
+"""The command that shows the origin of the data of a pair."""
+
+from argparse import Namespace
+
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json, add_pair
+
+
+@command("resolve")
+def add_resolve(add: Add) -> None:
+    """Add `resolve`."""
+    made = add(
+        "resolve",
+        resolve,
+        "show the layer of each part of a language-character pair, and its gaps",
+        "resolve -l english -c facefx",
+    )
+    add_pair(made)
+    add_json(made)
+
+
+def resolve(options: Namespace) -> int:
+    """Print a resolver's report; gaps are faults."""
+    from dataclasses import asdict
+
+    from lipsync_lang.performing.resolving import resolve as resolve_pair
+
+    report = resolve_pair(
+        options.language, options.character, paths=options.path, gaps="rest"
+    ).report
+    print(as_json(asdict(report)) if options.json else report)
+    return FAULTS if report.gaps else SOUND

@@ -1,0 +1,279 @@
+"""The command that animates a line, and writes it to files."""
+
+import os
+import sys
+from argparse import Namespace
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.commands.output import SOUND, count, listed
+from lipsync_lang.commands.performing import (
+    LINE_PAGE,
+    perform_line,
+    performer_for,
+    plot_kind,
+    schedule_for,
+)
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import (
+    Options,
+    add_line,
+)
+from lipsync_lang.commands.spelling import as_options
+from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.files import STANDARD_STREAM, argument_path
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+
+
+@command("run")
+def add_run(add: Add) -> None:
+    """Add `run`."""
+    run_ = add(
+        "run",
+        run,
+        "animate text or timed phonemes",
+        'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav --plot hello.png',
+    )
+    add_line(run_)
+    _add_written(run_.add_argument_group("output"))
+
+
+def _add_written(written: Options) -> None:
+    """Add the options of `run` for its outputs."""
+    written.add_argument(
+        "-o", "--output", metavar="FILE", action="append", default=[],
+        help="write the animation in the format of the suffix, or as FORMAT:FILE; csv:- is "
+        "standard "
+        "output; may be repeated",
+    )  # fmt: skip
+    written.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=argument_path,
+        help="draw every stage in a picture; - is standard output, as PNG",
+    )
+    written.add_argument(
+        "--model", metavar="GLB", type=Path,
+        help="the model for -o line.glb, instead of the character's own",
+    )  # fmt: skip
+    written.add_argument(
+        "--poses", action="store_true", help="write poses even if the character has a rig"
+    )
+    written.add_argument(
+        "--beside", metavar="CHARACTER", action="append", default=[],
+        help="draw this character below the first one instead of the stages; may be repeated",
+    )  # fmt: skip
+    written.add_argument(
+        "--against", metavar="OTHER", action="append", default=[],
+        help="show a comparison on the page -o line.html: an animation file, a plain method "
+        "(keyframes, dominance, held), or another character; may be repeated",
+    )  # fmt: skip
+    written.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
+    written.add_argument(
+        "--offset", metavar="TIME", default=None,
+        help="start of the sound in the files: seconds, or a timecode 01:00:00:00 [the "
+        "project's, or 0]",
+    )  # fmt: skip
+    written.add_argument(
+        "--keys", metavar="[lines:]ERROR",
+        help="store few keys with tangents, with at most this error, such as 0.01; lines:ERROR "
+        "stores "
+        "straight lines instead, as formats without tangents do; lines:0 keeps every frame that is "
+        "not on a line [lines:0.005 in formats that are edited by hand, else every frame]",
+    )  # fmt: skip
+    written.add_argument(
+        "--check", action="store_true", help="check the animation's poses as well, as `check` does"
+    )
+
+
+def run(options: Namespace) -> int:
+    """Animate a line, and write it to all requested outputs."""
+    from lipsync_lang.animations.animation import ExportSettings
+    from lipsync_lang.animations.animation_writers import parse_output
+    from lipsync_lang.animations.keys import parse_keys
+    from lipsync_lang.animations.rates import parse_offset
+    from lipsync_lang.files import write_all
+
+    error, lines = parse_keys(options.keys) if options.keys is not None else (None, False)
+    writers = dict(map(parse_output, options.output))
+    _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
+    if options.beside and not options.plot:
+        raise LipsyncError("--beside draws a picture; name it with --plot FILE")
+    if options.against and not any(writer.name == LINE_PAGE for writer in writers.values()):
+        raise LipsyncError("--against needs a page; name it with -o line.html")
+    performer = performer_for(options)
+    animation = perform_line(options, performer, schedule_for(options, performer))
+    offset = parse_offset(options.offset, animation.fps)
+    shown = replace(
+        _shown(options, performer, animation, writers),
+        export=ExportSettings(offset, error, lines, _against(options, performer, animation)),
+    )
+
+    def writing(path: Path) -> Callable[[Any], None]:
+        return lambda stream: writers[path].write(shown, stream)
+
+    outputs = {path: writing(path) for path in writers}
+    if options.plot:
+        outputs[options.plot] = _plotting(options, animation)
+    write_all(outputs)
+    print(_summary(performer, shown, list(outputs)), file=sys.stderr)
+    if options.schedule is None and performer.speaker.manner.weak:
+        print(performer.speaker.manner.weak, file=sys.stderr)
+    for remark in (*_recognised(options, performer), *_overriding(options, performer)):
+        print(remark, file=sys.stderr)
+    for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
+        print(as_options(remark), file=sys.stderr)
+    if options.check:
+        from lipsync_lang.quality.check_animation import check
+
+        print(check(animation), file=sys.stderr)
+    return SOUND
+
+
+def _against(
+    options: Namespace, performer: "Performer", animation: "Animation"
+) -> "dict[str, Animation]":
+    """Return the takes to compare with, on the requested model, with the same cut as the line."""
+    found = takes_against(options, performer, animation) if options.against else {}
+    if options.model is not None:
+        own, same = options.model, performer.model
+        found = {n: replace(t, model=own) if t.model == same else t for n, t in found.items()}
+    return {n: t.cut() for n, t in found.items()} if options.cut else found
+
+
+def _recognised(options: Namespace, performer: "Performer") -> Iterable[str]:
+    """Return a remark on the pose set and rig that were chosen for a model."""
+    from lipsync_lang.packs.finding import is_model
+
+    if is_model(options.character):
+        compiled = performer.compiled
+        rig = f" through rig {compiled.rig['name']}" if compiled.rig else ""
+        yield f"{options.character}: performed with the poses of {compiled.poseset}{rig}"
+
+
+def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
+    """Return remarks on packs of the current folder that shadow built-in packs."""
+    from lipsync_lang.packs.finding import Finder
+    from lipsync_lang.packs.yaml.faults import shown
+
+    finder, compiled = Finder(options.path), performer.compiled
+    paths = (
+        *finder.overriding("language", compiled.language),
+        *finder.overriding("poseset", compiled.poseset),
+        *finder.overriding("character", compiled.character),
+    )
+    return (f"{shown(path)} replaces the built-in pack of the same name" for path in paths)
+
+
+def _shown(
+    options: Namespace, performer: "Performer", animation: "Animation", paths: Iterable[Path]
+) -> "Animation":
+    """Return the animation to write: rig channels of the character, or poses."""
+    if not options.poses:
+        animation = performer.rigged(animation)
+    if options.model is not None:
+        animation = replace(animation, model=options.model)
+    for path in paths:
+        if animation.model is not None and os.path.realpath(path) == os.path.realpath(
+            animation.model
+        ):
+            raise OutputError(f"{path}: is the model of the character; name another file")
+    return animation.cut() if options.cut else animation
+
+
+def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], None]:
+    """Return the plot function: processing stages, or several faces stacked."""
+    from lipsync_lang.render.beside import plot_beside
+    from lipsync_lang.render.plot import plot
+
+    kind = plot_kind(options.plot)
+    if not options.beside:
+        return lambda stream: plot(animation, stream, kind)
+    others = [performer_for(options, name) for name in options.beside]
+    faces = [animation, *(one.perform(animation.schedule, fps=options.fps) for one in others)]
+    return lambda stream: plot_beside(faces, stream, kind)
+
+
+def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
+    """Refuse duplicate outputs and outputs that overwrite an input."""
+    given = {"the input schedule": options.schedule, "the input recording": options.audio}
+    taken = {
+        os.path.realpath(path): what
+        for what, path in given.items()
+        if path and path != STANDARD_STREAM  # standard input and standard output are distinct
+    }
+    for path in (*outputs, *([options.plot] if options.plot else [])):
+        real = "-" if path == STANDARD_STREAM else os.path.realpath(path)
+        if real in taken:
+            raise OutputError(f"{path}: is also {taken[real]}; name another file")
+        taken[real] = "an output"
+
+
+def _summary(performer: "Performer", animation: "Animation", written: list[Path]) -> str:
+    from lipsync_lang.performing.label_remarks import label_remarks
+
+    words = len(animation.schedule.words)
+    spoken = count(len(animation.schedule), "phoneme")
+    told = (
+        f"{spoken}, {count(words, 'word') + ', ' if words else ''}"
+        f"{animation.times[0]:.2f} to {animation.times[-1]:.2f} s, "
+        f"{count(len(animation.times), 'frame')} of {count(len(animation.poses), 'pose')} "
+        f"at {animation.fps:g} fps"
+    )
+    if animation.schedule.estimated:
+        told += "\ntimes are estimated by classes of sounds; there is no voice"
+    if animation.schedule.dropped:
+        told += f"\nnot spoken: {listed(animation.schedule.dropped)}"
+    if animation.schedule.unread:
+        told += f"\nnot read: {' '.join(animation.schedule.unread)}"
+    if animation.schedule.confidence is not None:
+        how = "recognised" if animation.schedule.recognised else "aligned"
+        told += f"\n{how} with a confidence of {animation.schedule.confidence:.2f}"
+    remarks = (
+        *animation.schedule.remarks,
+        *label_remarks(performer.labels, animation.schedule),
+    )
+    told += "".join(f"\n{as_options(remark)}" for remark in remarks)
+    if not written:
+        return f"{told}\nno file was written; name files with -o line.csv or --plot line.png"
+    return told + "".join(f"\nwrote {path}" for path in written if path != STANDARD_STREAM)
+
+
+def takes_against(
+    options: Namespace, performer: "Performer", animation: "Animation"
+) -> "dict[str, Animation]":
+    """Return the animations that `--against` names, by name.
+
+    Parameters
+    ----------
+    animation : performed with the same options
+    """
+    return {name: _take(options, performer, animation, name) for name in options.against}
+
+
+def _take(
+    options: Namespace, performer: "Performer", animation: "Animation", name: str
+) -> "Animation":
+    from lipsync_lang.animations.animation_readers import ANIMATION_READERS
+    from lipsync_lang.quality.baselines import BASELINES
+    from lipsync_lang.quality.fitting import on_model, read_for
+
+    if name in BASELINES:
+        return on_model(BASELINES[name](performer, animation.schedule, options.fps), performer)
+    path = Path(name)
+    if path.is_file() or path.suffix.lower() in ANIMATION_READERS.suffixes():
+        read, _ = read_for(performer, path, animation.schedule)
+        return on_model(read, performer)
+    try:
+        other = performer_for(options, name)
+    except LipsyncError as error:
+        known = ", ".join(BASELINES)
+        raise LipsyncError(
+            f"--against {name}: not a file, a plain method ({known}) or a character: {error}"
+        ) from None
+    return other.rigged(other.perform(animation.schedule, options.fps))

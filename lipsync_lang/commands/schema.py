@@ -1,0 +1,34 @@
+"""The command that prints the JSON Schema of a kind of pack."""
+
+from argparse import Namespace
+
+from lipsync_lang.commands.output import SOUND, as_json
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json
+
+
+@command("schema")
+def add_schema(add: Add) -> None:
+    """Add `schema`."""
+    made = add(
+        "schema",
+        schema,
+        "print the JSON Schema of a kind of pack",
+        "schema language > language.json",
+    )
+    made.add_argument(
+        "kind", metavar="KIND", nargs="?", help="the kind of pack; without it, list the kinds"
+    )
+    add_json(made)
+
+
+def schema(options: Namespace) -> int:
+    """Print a schema, or the kinds that have one."""
+    from lipsync_lang.packs.models.schema import kinds
+    from lipsync_lang.packs.models.schema import schema as make_schema
+
+    if options.kind is None:
+        print(as_json(kinds()) if options.json else "\n".join(kinds()))
+    else:
+        print(as_json(make_schema(options.kind)))
+    return SOUND

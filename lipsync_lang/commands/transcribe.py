@@ -1,0 +1,65 @@
+"""The command that shows the phonemes of a text."""
+
+import sys
+from argparse import Namespace
+
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import (
+    add_json,
+    add_language,
+    add_path,
+    add_values,
+    cleaning,
+)
+from lipsync_lang.files import argument_path
+
+
+@command("transcribe")
+def add_transcribe(add: Add) -> None:
+    """Add `transcribe`."""
+    transcribe_ = add(
+        "transcribe",
+        transcribe,
+        "show the phonemes and common phonemes of a text",
+        'transcribe "Hello, world" -l english',
+    )
+    transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="the text to read")
+    transcribe_.add_argument(
+        "--file",
+        metavar="FILE",
+        type=argument_path,
+        help="read the lines of this file instead of a TEXT; - is standard input",
+    )
+    add_language(transcribe_)
+    add_values(transcribe_)
+    add_path(transcribe_)
+    add_json(transcribe_)
+
+
+def transcribe(options: Namespace) -> int:
+    """Print the phonemes and common phonemes of texts, word by word."""
+    from lipsync_lang.authoring.printing import transcript_table
+    from lipsync_lang.speech.speaking.speaker import Speaker
+
+    texts = [options.text] if options.text is not None else lines_of(options.file)
+    speaker = Speaker.of(options.language, options.path, cleaning(options))
+    heard = list(speaker.transcribe(texts))
+    if options.json:
+        print(as_json([speaker.to_json(transcript) for transcript in heard]))
+    else:
+        print("\n\n".join(transcript_table(speaker.to_json(t)) for t in heard))
+    for transcript in heard:
+        for remark in transcript.remarks:
+            print(f"{transcript.text[:40]}: {remark}", file=sys.stderr)
+    if speaker.manner.weak:
+        print(speaker.manner.weak, file=sys.stderr)
+    lost = [t for t in heard if t.unmapped or t.unread]
+    for transcript in lost:
+        for what, which in (
+            ("no mapping for", transcript.unmapped),
+            ("not read:", transcript.unread),
+        ):
+            if which:
+                print(f"{transcript.text[:40]}: {what} {' '.join(which)}", file=sys.stderr)
+    return FAULTS if any(t.unmapped for t in lost) else SOUND

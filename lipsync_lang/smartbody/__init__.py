@@ -1,0 +1,1 @@
+"""Import of phone-bigram banks that artists drew in SmartBody."""

@@ -1,0 +1,190 @@
+"""Conversion of another program's bigrams to common phonemes and poses, with remarks on losses.
+
+Times and weights are clipped to [0, 1], times sorted, both rounded to `DECIMALS`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+from lipsync_lang.banks.write import CurvePoints
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.smartbody.bank_files import (
+    ALONE,
+    Diphone,
+    DiphonePair,
+    ImportRemarks,
+    Point,
+    visible,
+)
+
+DECIMALS = 4
+"""Decimals of a time or weight; the step is smaller than a pixel of any curve editor."""
+
+MOST_KEYS = 200
+"""Maximum number of keys of a curve. Longer curves are sampled by programs, not drawn."""
+
+FEWEST_KEYS = 2
+"""Minimum number of keys of a curve."""
+
+LONGEST, HINTS = 40, 100
+"""Maximum length of a name in a remark, and maximum number of unknown names with a hint."""
+
+ImportedCurves = dict[str, CurvePoints]
+
+
+@dataclass(frozen=True)
+class BankNames:
+    """Phonemes and poses for the labels and shapes of another program."""
+
+    sounds: Mapping[str, str]
+    """Common phonemes by label in lower case."""
+    poses: Mapping[str, str]
+    """Poses by shape, in the order of the pose set."""
+    silence: str
+
+
+@dataclass(frozen=True)
+class _Stray:
+    """Keys of a bigram outside [0, 1]."""
+
+    key: str
+    diphone: Diphone
+    count: int
+    farthest: float
+
+
+class Conversion:
+    """A foreign bank during its conversion to a bank pack."""
+
+    def __init__(self, names: BankNames, remarks: ImportRemarks) -> None:
+        self.names, self.remarks = names, remarks
+        self.bigrams: dict[str, ImportedCurves] = {}
+        self.strays: list[_Stray] = []
+        self.unknown: dict[tuple[str, str], list[Diphone]] = {}
+        """Unknown names as (kind, name), with the diphones that use them."""
+
+    def fit(self, pairs: Mapping[DiphonePair, Diphone]) -> dict[str, ImportedCurves]:
+        """Return curves by bigram; of duplicates, the pair with more of our own labels wins."""
+        ours = {pair: self._pair(pair, diphone) for pair, diphone in pairs.items()}
+        known = [(pair, key) for pair, key in ours.items() if key]
+        known.sort(key=lambda one: sum(self.names.sounds[label] != label for label in one[0]))
+        taken: dict[str, DiphonePair] = {}
+        for pair, key in known:
+            if key in taken:
+                what = f"{_shown(pair)} is skipped: {_shown(taken[key])} already gives {key}"
+                self._tell("twice", pairs[pair], what)
+                continue
+            curves = self._curves(key, pairs[pair])
+            if curves is not None:
+                taken[key] = pair
+                self.bigrams[key] = curves
+        self._tell_unknown()
+        self._tell_strays()
+        order = {key: number for number, key in enumerate(ours.values())}
+        return dict(sorted(self.bigrams.items(), key=lambda one: order[one[0]]))
+
+    def _tell(self, kind: str, diphone: Diphone, text: str) -> None:
+        self.remarks.add(kind, diphone.file, diphone.line, text)
+
+    def _pair(self, pair: DiphonePair, diphone: Diphone) -> str:
+        """Map a pair to a bigram key; empty without a key."""
+        if ALONE in pair and ALONE not in self.names.sounds:
+            what = f"{_shown(pair)} is skipped: the curve of a single phoneme is not a bigram"
+            self._tell("alone", diphone, what)
+            return ""
+        missing = [label for label in dict.fromkeys(pair) if label not in self.names.sounds]
+        for label in missing:
+            self.unknown.setdefault(("phoneme", label), []).append(diphone)
+        if missing:
+            return ""
+        first, second = (self.names.sounds[label] for label in pair)
+        if first == second == self.names.silence:
+            what = f"{_shown(pair)} is skipped: silence has no curves"
+            self._tell("alone", diphone, what)
+            return ""
+        return f"{first}-{second}"
+
+    def _curves(self, key: str, diphone: Diphone) -> ImportedCurves | None:
+        """Return a bigram's curves in the order of our poses; None if no curve is left."""
+        shapes = {shape: points for shape, points in diphone.shapes.items() if points}
+        if not shapes:
+            self._tell("empty", diphone, f"{key} is skipped: it has no keys, so its draft is used")
+            return None
+        known = {shape: points for shape, points in shapes.items() if shape in self.names.poses}
+        for shape in shapes.keys() - known.keys():
+            self.unknown.setdefault(("pose", shape), []).append(diphone)
+        if not known:
+            what = f"{key} is skipped: none of its shapes is a pose of the pose set"
+            self._tell("empty", diphone, what)
+            return None
+        if max(map(len, known.values())) > MOST_KEYS:
+            what = f"{key} is skipped: it has a curve of more than {MOST_KEYS} keys"
+            self._tell("keys", diphone, what)
+            return None
+        return self._drawn(key, diphone, known)
+
+    def _drawn(
+        self, key: str, diphone: Diphone, known: dict[str, list[Point]]
+    ) -> ImportedCurves | None:
+        order = list(self.names.poses)
+        curves: ImportedCurves = {}
+        for shape in sorted(known, key=order.index):
+            pose = self.names.poses[shape]
+            points = self._points(key, diphone, shape, known[shape])
+            if len(points) < FEWEST_KEYS:
+                what = f"{key}: '{visible(shape)}' is skipped: a curve needs more than one key"
+                self._tell("empty", diphone, what)
+            elif pose in curves:
+                what = f"{key}: '{visible(shape)}' is skipped: another shape is already {pose}"
+                self._tell("twice", diphone, what)
+            else:
+                curves[pose] = points
+        if not curves:
+            return None
+        self._count_strays(key, diphone, [p for points in known.values() for p in points])
+        return {pose: points for pose, points in curves.items() if any(v for _, v in points)}
+
+    def _points(self, key: str, diphone: Diphone, shape: str, points: list[Point]) -> CurvePoints:
+        """Sort keys by time, clip them to the unit square, and merge duplicates."""
+        if any(after < before for (before, _), (after, _) in pairwise(points)):
+            what = f"{key}: the times of '{visible(shape)}' do not rise; the keys are sorted"
+            self._tell("order", diphone, what)
+            points = sorted(points, key=lambda point: point[0])
+        unit = [[_unit(time), _unit(weight)] for time, weight in points]
+        merged = [unit[0], *(here for before, here in pairwise(unit) if here != before)]
+        if len(merged) < len(unit):
+            what = f"{key}: '{visible(shape)}' has repeated keys; {len(merged)} are kept"
+            self._tell("repeat", diphone, what)
+        return merged
+
+    def _count_strays(self, key: str, diphone: Diphone, points: list[Point]) -> None:
+        by = [max(0 - t, t - 1, 0 - v, v - 1) for t, v in points]
+        count = sum(distance > 0 for distance in by)
+        if count:
+            self.strays.append(_Stray(key, diphone, count, max(by)))
+
+    def _tell_strays(self) -> None:
+        for stray in sorted(self.strays, key=lambda one: -one.farthest):
+            keys = "key" if stray.count == 1 else "keys"
+            what = f"{stray.key}: {stray.count} {keys} outside 0 to 1 clipped, "
+            self._tell("stray", stray.diphone, f"{what}by at most {stray.farthest:.3g}")
+
+    def _tell_unknown(self) -> None:
+        for (kind, name), diphones in self.unknown.items():
+            ours = self.names.sounds if kind == "phoneme" else self.names.poses
+            count = "1 bigram" if len(diphones) == 1 else f"{len(diphones)} bigrams"
+            lost = "skipped" if kind == "phoneme" else "without it"
+            label = visible(name[:LONGEST])
+            near = self.remarks.counts[kind] < HINTS
+            hint = f"; {did_you_mean(label, set(ours.values()))}" if near else ""
+            what = f"unknown {kind} '{label}', {count} {lost}{hint}"
+            self._tell(kind, diphones[0], f"{what} (--map {label}=OURS)")
+
+
+def _unit(number: float) -> float:
+    return round(min(max(number, 0.0), 1.0), DECIMALS) + 0.0
+
+
+def _shown(pair: DiphonePair) -> str:
+    return visible("-".join(pair))

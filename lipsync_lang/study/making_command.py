@@ -1,0 +1,345 @@
+"""The commands that make a study and collect its answers."""
+
+import argparse
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.animations.rates import parse_rate
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count
+from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.shared_options import (
+    add_json,
+    add_language,
+    add_path,
+    add_values,
+    cleaning,
+)
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
+from lipsync_lang.files import argument_path
+from lipsync_lang.terminal import progress, wipe
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.study.methods import Method, StudyCharacter
+    from lipsync_lang.study.study_lines import StudyLine
+    from lipsync_lang.study.study_maker import NewStudy, StudyPlan
+    from lipsync_lang.study.study_page import PageTexts
+
+MAX_CONSENT_BYTES = 100_000
+"""Size limit in bytes of a consent text."""
+
+MAX_PAGE_BYTES = 60 * 10**6
+"""Size of a page in bytes above which a phone may refuse it."""
+
+
+@command("study")
+def add_study(add: Add) -> None:
+    """Add `study`."""
+    study_ = add(
+        "study",
+        new,
+        "ask people which of two methods they prefer, and report their choices",
+        "study report study/",
+    )
+    add_actions(study_, "study")
+
+
+@command("study new")
+def add_new(action: Add) -> None:
+    """Add `study new`."""
+    new_ = action(
+        "new",
+        new,
+        "render pairs of clips, and write a page for raters to choose the better one",
+        "study new script.csv -l english -c facefx --method ours --method keyframes --pairs 40 "
+        "-o study",
+    )
+    _add_lines(new_)
+    _add_compared(new_)
+    _add_clips(new_)
+    _add_page(new_.add_argument_group("text and questions of the page"))
+    new_.add_argument(
+        "-o", "--output", metavar="FOLDER", type=Path, required=True,
+        help="the folder of the study; it must not hold another study",
+    )  # fmt: skip
+    new_.add_argument(
+        "--workers", metavar="N", type=_positive, help="number of processes [one per core]"
+    )
+    add_json(new_)
+
+
+@command("study serve")
+def add_serve(action: Add) -> None:
+    """Add `study serve`."""
+    made = action(
+        "serve",
+        serve,
+        "serve the page of a study, and append answers to a file",
+        "study serve study --port 8080",
+    )
+    made.add_argument("folder", metavar="FOLDER", type=Path, help="the folder of the study")
+    made.add_argument(
+        "--host", metavar="ADDRESS", default="127.0.0.1",
+        help="the address to listen on; 0.0.0.0 admits other machines [127.0.0.1]",
+    )  # fmt: skip
+    made.add_argument("--port", metavar="N", type=int, default=0, help="the port [a free one]")
+    made.add_argument(
+        "--origin", metavar="URL", action="append", default=[],
+        help="a public address of the page, such as https://example.org; null for pages that are "
+        "opened from files; may be repeated",
+    )  # fmt: skip
+
+
+def _add_lines(made: argparse.ArgumentParser) -> None:
+    """Add the lines, and the options for reading and speaking them."""
+    made.add_argument(
+        "lines", metavar="LINES", nargs="*", type=argument_path,
+        help="files or folders of lines: scripts, tables, timings; - is standard input",
+    )  # fmt: skip
+    lines = made.add_argument_group("lines")
+    lines.add_argument(
+        "--text", metavar="TEXT", action="append", default=[],
+        help="an additional line; may be repeated",
+    )  # fmt: skip
+    lines.add_argument(
+        "--column", metavar="NAME", help="the text's column in tables, by name or number"
+    )
+    lines.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
+    add_values(lines)
+    add_language(lines)
+    lines.add_argument(
+        "--audio", metavar="FOLDER", type=Path,
+        help="recordings named after the lines, instead of a voice",
+    )  # fmt: skip
+    lines.add_argument("--tts", metavar="ENGINE", help="speech engine [the language's]")
+
+
+def _add_compared(made: argparse.ArgumentParser) -> None:
+    """Add the methods, and the number of pairs of clips."""
+    compared = made.add_argument_group("comparison")
+    compared.add_argument(
+        "--method", metavar="METHOD", action="append", default=[],
+        help="ours, keyframes, dominance, held, NAME=FOLDER of files named after the lines, "
+        "NAME=character:OTHER, NAME=bank:FILE or NAME=motion:PRESET; give two or more",
+    )  # fmt: skip
+    compared.add_argument(
+        "--pairs", metavar="N", type=_positive, help="largest number of pairs, chosen evenly [all]"
+    )
+    compared.add_argument(
+        "--checks", metavar="N", type=_whole,
+        help="number of attention checks [one for every ten pairs]",
+    )  # fmt: skip
+    compared.add_argument(
+        "--raters-see", metavar="N", type=_positive,
+        help="number of pairs that each rater sees [all]",
+    )  # fmt: skip
+    compared.add_argument(
+        "--seed", metavar="N", type=int, default=1, help="seed of all random choices [1]"
+    )
+
+
+def _add_clips(made: argparse.ArgumentParser) -> None:
+    """Add the characters, and the options of the clips."""
+    clips = made.add_argument_group("clips")
+    clips.add_argument(
+        "-c", "--character", metavar="CHARACTER", action="append", default=[],
+        help="a character or a pose set [the project's]; may be repeated",
+    )  # fmt: skip
+    clips.add_argument(
+        "--model", metavar="GLB", type=Path, help="film this model instead of the characters' own"
+    )
+    clips.add_argument(
+        "--fps", metavar="N", type=parse_rate, default=30.0, help="frames per second [30]"
+    )
+    clips.add_argument(
+        "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
+        help="change a motion setting of every method, or use a preset: --set motion=paper",
+    )  # fmt: skip
+    add_path(clips)
+
+
+def _add_page(page: argparse._ArgumentGroup) -> None:
+    """Add the texts and questions of the page."""
+    page.add_argument(
+        "--title", metavar="TEXT", default="Which face speaks better?",
+        help="the page's title [Which face speaks better?]",
+    )  # fmt: skip
+    page.add_argument(
+        "--consent", metavar="FILE", type=argument_path,
+        help="the text that raters agree to [a plain one]; - is standard input",
+    )  # fmt: skip
+    page.add_argument(
+        "--ask", metavar="'LABEL: A|B'", action="append", default=[],
+        help="a question about the rater, with its choices; may be repeated",
+    )  # fmt: skip
+    page.add_argument(
+        "--question", choices=("accuracy", "naturalness"), action="append", default=[],
+        help="ask this of each pair [both]; may be repeated",
+    )  # fmt: skip
+    page.add_argument(
+        "--post", metavar="URL", help="send the answers to this address [save them as a file]"
+    )
+
+
+def _positive(text: str) -> int:
+    return _number(text, 1)
+
+
+def _whole(text: str) -> int:
+    return _number(text, 0)
+
+
+def _number(text: str, least: int) -> int:
+    if not (text.isascii() and text.isdecimal() and int(text) >= least):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of {least} or more")
+    return int(text)
+
+
+def new(options: Namespace) -> int:
+    """Render the clips of a study, and write its key and its page."""
+    from lipsync_lang.study.study_maker import KEY, PAGE, make_study
+
+    plan = _plan(options)
+    try:
+        made = make_study(
+            plan,
+            options.output,
+            workers=options.workers,
+            told=lambda what, done, of: progress(f"{what} {done} of {of} ..."),
+        )
+    finally:
+        wipe()
+    key, page = options.output / KEY, options.output / PAGE
+    if options.json:
+        facts = {
+            "study": made.study.study,
+            "pairs": len(made.study.pairs),
+            "checks": sum(pair.check is not None for pair in made.study.pairs),
+            "rendered": made.rendered,
+            "page_bytes": made.page_bytes,
+            "left_out": made.remarks,
+        }
+        print(as_json(facts))
+    print(_summary(made), file=sys.stderr)
+    print(f"wrote {key} for you and {page} for raters", file=sys.stderr)
+    return FAULTS if made.remarks else SOUND
+
+
+def _summary(made: "NewStudy") -> str:
+    checks = sum(pair.check is not None for pair in made.study.pairs)
+    pairs = count(len(made.study.pairs) - checks, "pair")
+    told = (
+        f"{pairs}, {count(checks, 'attention check')}, "
+        f"{count(made.rendered, 'clip')} rendered, page of {made.page_bytes / 1e6:.1f} MB"
+    )
+    if made.page_bytes > MAX_PAGE_BYTES:
+        told += f"\nthe page is larger than {MAX_PAGE_BYTES // 10**6} MB; give fewer --pairs"
+    return "\n".join((told, *made.remarks))
+
+
+def _plan(options: Namespace) -> "StudyPlan":
+    from lipsync_lang.study.methods import parse_methods
+    from lipsync_lang.study.study_maker import StudyPlan
+
+    methods = parse_methods(options.method)
+    return StudyPlan(
+        _lines(options),
+        tuple(_cast(options, name) for name in dict.fromkeys(options.character)),
+        methods,
+        options.title,
+        _texts(options),
+        tuple(dict.fromkeys(options.question)) or StudyPlan.questions,
+        options.pairs,
+        options.checks,
+        options.raters_see,
+        options.seed,
+        options.tts,
+    )
+
+
+def _lines(options: Namespace) -> "tuple[StudyLine, ...]":
+    from lipsync_lang.lines import read_lines
+    from lipsync_lang.study.study_lines import study_lines
+
+    def remark(text: str) -> None:
+        print(text, file=sys.stderr)
+
+    found = read_lines(
+        options.lines,
+        column=options.column,
+        encoding=options.encoding,
+        remark=remark,
+        cleaning=cleaning(options),
+    )
+    return study_lines(found, options.text, options.audio, remark)
+
+
+def _texts(options: Namespace) -> "PageTexts":
+    from lipsync_lang.files import read_input
+    from lipsync_lang.study.study_page import CONSENT, PageTexts, parse_asked
+
+    consent = CONSENT
+    if options.consent is not None:
+        content = read_input(options.consent, MAX_CONSENT_BYTES, mend="shorten it")
+        try:
+            consent = content.decode("utf-8-sig").replace("\r\n", "\n")
+        except UnicodeDecodeError as error:
+            raise LipsyncError(
+                f"{options.consent}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+            ) from None
+    return PageTexts(consent, tuple(map(parse_asked, options.ask)), options.post)
+
+
+def _cast(options: Namespace, name: str) -> "StudyCharacter":
+    """Return a character with its performers for the methods."""
+    from dataclasses import replace
+
+    from lipsync_lang.commands.performing import motion_settings
+    from lipsync_lang.performing.resolving import resolve as resolve_pair
+    from lipsync_lang.study.methods import StudyCharacter, with_bank
+
+    def resolved(character: str | Path) -> "Performer":
+        performer = resolve_pair(
+            options.language,
+            character,
+            paths=options.path,
+            motion=motion_settings(options.settings),
+        )
+        return replace(performer, cleaning=cleaning(options))
+
+    own = resolved(name)
+
+    def other(method: "Method") -> "Performer":
+        if method.how == "motion":
+            return own.with_motion(method.what)
+        if method.how == "character":
+            return resolved(method.what)
+        return with_bank(own, name, Path(method.what), resolved)
+
+    model = options.model or own.model
+    if model is None:
+        raise LipsyncError(f"{name} has no model to film; name one with --model GLB")
+    return StudyCharacter(own, model, other, options.fps)
+
+
+def serve(options: Namespace) -> int:
+    """Serve a study's page and append the answers to a file, until it is interrupted."""
+    from contextlib import suppress
+
+    try:
+        from lipsync_lang.study.answer_server import answer_server
+    except ImportError:
+        raise LipsyncError(
+            f"the server needs Starlette and uvicorn: {install_line('studio')}"
+        ) from None
+
+    with answer_server(options.folder, options.host, options.port, options.origin) as server:
+        host = f"[{options.host}]" if ":" in options.host else options.host
+        print(f"the study is at http://{host}:{server.port}/", flush=True)
+        print(f"answers are appended to {server.answers}; close with Ctrl-C", file=sys.stderr)
+        with suppress(KeyboardInterrupt):  # the usual end of a server
+            server.run()
+    return SOUND

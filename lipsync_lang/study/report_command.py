@@ -1,0 +1,199 @@
+"""The commands that report a study, and plan its size."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
+from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.shared_options import add_json, add_json_form
+from lipsync_lang.errors import LipsyncError, OutputError, did_you_mean
+from lipsync_lang.files import STANDARD_STREAM, argument_path
+
+if TYPE_CHECKING:
+    from lipsync_lang.study.study_report import StudyReport
+
+SUFFIXES = {".json": "json", ".html": "html"}
+"""Format of a file by its suffix; all other files are text."""
+
+FORMS = ("text", "json", "html")
+
+
+@command("study report")
+def add_report(action: Add) -> None:
+    """Add `study report`."""
+    made = action(
+        "report",
+        report,
+        "report which method people prefer, how strongly, and how certain the result is",
+        "study report study/ -o report.html",
+    )
+    made.add_argument("study", metavar="STUDY", type=Path, help="the study's folder")
+    made.add_argument(
+        "answers", metavar="ANSWERS", type=argument_path, nargs="*",
+        help="files of answers, or folders of them; - is standard input [those in the study's "
+        "folder]",
+    )  # fmt: skip
+    made.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=argument_path,
+        help="write to a file, as HTML, JSON or text by its suffix; - is standard output [print "
+        "it]",
+    )
+    made.add_argument(
+        "--format",
+        metavar="NAME",
+        help="output format: text, json, html [by the suffix of -o, else text]",
+    )
+    add_json_form(made)
+    made.add_argument(
+        "--failed-checks", metavar="N", type=int, default=0,
+        help="number of attention checks that a rater may fail [0]",
+    )  # fmt: skip
+    made.add_argument(
+        "--least-seconds", metavar="N", type=float,
+        help="shortest time for a pair [the length of the clip]",
+    )  # fmt: skip
+    made.add_argument(
+        "--one-side", metavar="N", type=int, default=10,
+        help="exclude a rater who chooses one side in all of N or more pairs; 0 for never [10]",
+    )  # fmt: skip
+    made.add_argument(
+        "--keep-unfinished", action="store_true", help="count raters who stopped early, too"
+    )
+
+
+@command("study power")
+def add_power(action: Add) -> None:
+    """Add `study power`."""
+    made = action(
+        "power",
+        power,
+        "compute the raters and pairs that a study needs, or the power of a design",
+        "study power --share 0.6 --pairs 20",
+    )
+    made.add_argument(
+        "--share", metavar="X", type=float, required=True,
+        help="expected share of choices for the better method, such as 0.6",
+    )  # fmt: skip
+    made.add_argument(
+        "--raters", metavar="N", type=int, help="number of raters [as many as needed]"
+    )
+    made.add_argument(
+        "--pairs", metavar="N", type=int, help="number of pairs per rater [10, 20 and 40]"
+    )
+    made.add_argument(
+        "--power", metavar="X", type=float, default=0.8,
+        help="wanted probability of a significant result [0.8]",
+    )  # fmt: skip
+    made.add_argument(
+        "--alpha", metavar="X", type=float, default=0.05,
+        help="level of the two-sided test [0.05]",
+    )  # fmt: skip
+    made.add_argument(
+        "--correlation", metavar="X", type=float, default=0.1,
+        help="correlation of the choices of one rater, 0 to 1; the report of a study measures it "
+        "[0.1]",
+    )  # fmt: skip
+    add_json(made)
+
+
+def report(options: Namespace) -> int:
+    """Print or write the report of a study; no choices to count are a fault."""
+    from lipsync_lang.study.answer_sorting import SortingRules
+    from lipsync_lang.study.study_report import report_study
+
+    form = _form(options)
+    for name in ("failed_checks", "least_seconds", "one_side"):
+        value = getattr(options, name)
+        if value is not None and not 0 <= value < float("inf"):
+            raise LipsyncError(f"--{name.replace('_', '-')} {value:g}: give 0 or more")
+    rules = SortingRules(
+        failed_checks=options.failed_checks,
+        keep_unfinished=options.keep_unfinished,
+        least_seconds=options.least_seconds,
+        one_side=options.one_side,
+    )
+    with working("reading answers"):
+        found = report_study(options.study, options.answers, rules)
+    _refuse_inputs(options, found)
+    text = _written(found, form)
+    if options.output in (None, STANDARD_STREAM):
+        sys.stdout.write(text)
+    else:
+        _write(options, text)
+    if not found.answers.choices:
+        print(
+            "no choice counts; the report lists the excluded answers and the reasons",
+            file=sys.stderr,
+        )
+        return FAULTS
+    return SOUND
+
+
+def _form(options: Namespace) -> str:
+    suffix = options.output.suffix.lower() if options.output else ""
+    form: str = options.format or SUFFIXES.get(suffix, "text")
+    if form not in FORMS:
+        raise LipsyncError(f"--format {form}: {did_you_mean(form, FORMS)}")
+    return form
+
+
+def _refuse_inputs(options: Namespace, found: "StudyReport") -> None:
+    """Refuse an output that is a file of the study."""
+    from lipsync_lang.study.answer_texts import STUDY_NAME
+
+    if options.output in (None, STANDARD_STREAM):
+        return
+    study = options.study / STUDY_NAME if options.study.is_dir() else options.study
+    read = {path.resolve() for path in (study, *map(Path, found.files))}
+    if options.output.resolve() in read:
+        raise OutputError(f"{options.output}: is a file of the study; name another file")
+
+
+def _written(found: "StudyReport", form: str) -> str:
+    """Return the report in a format."""
+    if form == "json":
+        return as_json(found.to_dict()) + "\n"
+    if form == "html":
+        from lipsync_lang.study.preference_page import report_page
+
+        return report_page(found)
+    from lipsync_lang.study.study_text import report_text
+
+    return report_text(found)
+
+
+def _write(options: Namespace, text: str) -> None:
+    from lipsync_lang.files import write_all
+
+    def encoded(stream: BinaryIO) -> None:
+        stream.write(text.encode("utf-8", "backslashreplace"))
+
+    write_all({options.output: encoded})
+    tell_written(options.output)
+
+
+def power(options: Namespace) -> int:
+    """Print the necessary size of a study, or the power of a design."""
+    from lipsync_lang.study.power import PowerQuestion, plan_study
+    from lipsync_lang.study.study_text import plan_text
+
+    plan = plan_study(
+        PowerQuestion(
+            share=options.share,
+            raters=options.raters,
+            pairs=options.pairs,
+            power=options.power,
+            alpha=options.alpha,
+            correlation=options.correlation,
+        )
+    )
+    if options.json:
+        print(as_json(plan.to_dict()))
+    else:
+        sys.stdout.write(plan_text(plan))
+    return SOUND

@@ -1,0 +1,167 @@
+"""A Dask cluster: all results once, with equal bytes, and refusals of schedulers and workers."""
+
+import re
+import socket
+import subprocess
+import sys
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+import toy_work
+from build_project import left_behind
+from lanes import full
+from toy_work import WORKER_ENVIRONMENT, lines
+
+import lipsync_lang as ll
+from lipsync_lang.build.workers import run_batches
+from lipsync_lang.cluster import dask_cluster
+from lipsync_lang.errors import LipsyncError
+
+# A cluster's answers, without one
+
+
+class Told:
+    """Client of a cluster with stated versions."""
+
+    def __init__(self, worker=(), scheduler=(), count=1):
+        self.worker, self.scheduler, self.count = dict(worker), dict(scheduler), count
+
+    def wait_for_workers(self, count, timeout):
+        if self.count < count:
+            raise TimeoutError(timeout)
+
+    def get_versions(self, packages):
+        own = {"python": "3.11.7.final.0", "distributed": "2025.1.0", "numpy": "2.1.0"}
+        own |= dict.fromkeys(packages, "0.1.0")
+        return {
+            "client": {"packages": own},
+            "scheduler": {"packages": own | self.scheduler},
+            "workers": {"tcp://far:1": {"packages": own | self.worker}},
+        }
+
+
+@pytest.mark.parametrize(
+    ("client", "words"),
+    [
+        (Told({"python": "3.12.1.final.0"}), "tcp://far:1 has Python 3.12, this machine 3.11"),
+        (Told({"numpy": "1.26.0"}), "numpy 1.26.0, this machine 2.1.0; install the same"),
+        (Told({"lipsync-lang": None}), r"lipsync-lang \(none\), this machine 0.1.0"),
+        (Told(scheduler={"distributed": "2024.8.0"}), "the scheduler has distributed 2024.8.0"),
+        (Told(count=0), "has no workers; start one with `dask worker tcp://s:1 --nthreads 1`"),
+    ],
+)
+def test_a_cluster_of_other_versions_or_without_workers_is_named(client, words):
+    with pytest.raises(LipsyncError, match=words):
+        dask_cluster.check_versions(client, "tcp://s:1")
+
+
+@pytest.mark.parametrize(
+    "client", [Told(), Told({"python": "3.11.2.final.0"}), Told(scheduler={"numpy": None})]
+)
+def test_small_differences_of_a_cluster_are_none(client):
+    dask_cluster.check_versions(client, "tcp://s:1")
+
+
+def test_a_worker_that_does_not_see_the_folder_is_named(tmp_path):
+    class Blind:
+        def run(self, function, *arguments):
+            return {"tcp://far:1": False, "tcp://near:1": function(*arguments)}
+
+    words = "tcp://far:1 does not see this folder; share it"
+    with dask_cluster.sight_mark(tmp_path) as mark, pytest.raises(LipsyncError, match=words):
+        dask_cluster.check_sight(Blind(), tmp_path, mark)
+    assert list(tmp_path.iterdir()) == []
+    left_behind(tmp_path, "seen")
+    with dask_cluster.sight_mark(tmp_path) as mark:
+        assert list(tmp_path.iterdir()) == [Path(mark)], "a killed build left its mark"
+    with pytest.raises(LipsyncError, match="does not see this folder"):
+        dask_cluster.run_there(mark, b"")
+
+
+# On a cluster
+
+
+@contextmanager
+def dask(*arguments, says):
+    """Run a program of Dask; yield it and the first group of a pattern in its output."""
+    run = [sys.executable, "-m", "dask", *arguments]
+    with subprocess.Popen(
+        run, env=WORKER_ENVIRONMENT, stderr=subprocess.PIPE, text=True
+    ) as started:
+        try:
+            found = next(m for line in started.stderr if (m := re.search(says, line)))
+            threading.Thread(target=started.stderr.read, daemon=True).start()
+            yield started, found[1]
+        finally:
+            started.kill()
+
+
+@contextmanager
+def cluster(count):
+    """Run a scheduler and workers; yield its address and the workers' processes."""
+    from contextlib import ExitStack
+
+    with ExitStack() as stack:
+        host = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard")
+        _, address = stack.enter_context(
+            dask("scheduler", *host, says=r"Scheduler at:\s+(tcp://\S+)")
+        )
+        single = ("--nthreads", "1", "--no-nanny", "--no-dashboard")
+        started = [
+            stack.enter_context(dask("worker", address, *single, says="(Registered to)"))[0]
+            for _ in range(count)
+        ]
+        yield address, started
+
+
+@full
+def test_a_cluster_that_loses_a_worker_finds_the_same_bytes(tmp_path):
+    performer = ll.resolve("english", "facefx")
+    known = list(run_batches(toy_work.written, lines(), shared=lambda _: performer, workers=1))
+    with cluster(2) as (address, started):
+        found = run_batches(
+            toy_work.written, lines(), shared=lambda _: performer, scheduler=address,
+            folder=tmp_path,
+        )  # fmt: skip
+        assert sorted(found) == known
+        results = run_batches(toy_work.leisurely, range(60), scheduler=address)
+        seen = [next(results) for _ in range(20)]
+        assert len({process for process, _ in seen}) == 2
+        started[0].kill()
+        seen += results
+        assert sorted(number for _, number in seen) == list(range(60))
+
+
+@full
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("nowhere", "'nowhere' is not the address of a Dask scheduler .missing port"),
+        ("http://127.0.0.1:80", "unknown address scheme"),
+        ("tcp://127.0.0.1:1", "tcp://127.0.0.1:1: no Dask scheduler answers within 1 s"),
+    ],
+)
+def test_a_scheduler_that_is_absent_is_named(monkeypatch, address, words):
+    monkeypatch.setattr(dask_cluster, "LIMIT_SECONDS", 1)
+    with pytest.raises(LipsyncError, match=words):
+        list(run_batches(toy_work.doubled, [(1,)], scheduler=address))
+
+
+@full
+def test_a_server_that_is_no_scheduler_is_named(monkeypatch):
+    monkeypatch.setattr(dask_cluster, "LIMIT_SECONDS", 1)
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        address = f"tcp://127.0.0.1:{mute.getsockname()[1]}"
+        with pytest.raises(LipsyncError, match=f"{address}: no Dask scheduler answers within 1 s"):
+            list(run_batches(toy_work.doubled, [(1,)], scheduler=address))
+
+
+@full
+def test_a_scheduler_that_ends_is_named():
+    with cluster(1) as (address, _):
+        results = run_batches(toy_work.leisurely, range(10**6), scheduler=address)
+        next(results)
+    with pytest.raises(LipsyncError, match="the scheduler is gone; finished lines are kept"):
+        list(results)
