@@ -17,17 +17,16 @@ from packs_tree import TREE, plant
 
 from lipsync_lang import Performer, Schedule, resolve
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.glb import write_glb
-from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATIONS
+from lipsync_lang.animations.animation_readers import ANIMATION_READERS as ANIMATIONS
+from lipsync_lang.animations.writers.glb import write_glb
 from lipsync_lang.authoring.inventories import read_inventory
-from lipsync_lang.banks.smartbody import Remarks, read_smartbody
 from lipsync_lang.build.script import read_script
 from lipsync_lang.capture.capture_files import find_captures
 from lipsync_lang.capture.fit_file import read_fit
 from lipsync_lang.capture.sensors import read_sensors
 from lipsync_lang.coverage.changes import read_document
-from lipsync_lang.errors import PackError
-from lipsync_lang.lines.line_readers import READERS as LINES
+from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.lines.line_readers import LINE_READERS as LINES
 from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
@@ -37,13 +36,15 @@ from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.quality.fitting import read_for
 from lipsync_lang.render.staging import staged
 from lipsync_lang.rigs.model import read_model
-from lipsync_lang.schedules.timing_readers import READERS as TIMINGS
+from lipsync_lang.schedules.timing_readers import TIMING_READERS as TIMINGS
 from lipsync_lang.schedules.timing_readers import read_timings
+from lipsync_lang.smartbody.bank_files import ImportRemarks, read_smartbody
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.study.answer_texts import texts_of
 from lipsync_lang.study.preference_page import report_page
-from lipsync_lang.study.study_file import read_answers, read_study
+from lipsync_lang.study.study_file import Submission, parsed, read_study
 from lipsync_lang.study.study_report import report_answers
 from lipsync_lang.study.study_text import report_text
 
@@ -109,13 +110,13 @@ def _found() -> Iterator[Target]:
     yield Target("models/written", _written)
     yield Target("models/drawn", _drawn)
     yield Target("sound/recording", read_audio)
-    yield Target("banks/smartbody", lambda path: read_smartbody(path, Remarks()))
+    yield Target("banks/smartbody", lambda path: read_smartbody(path, ImportRemarks()))
     yield Target("banks/fit", read_fit)
     yield Target("words/lexicon", read_lexicon)
     yield Target("words/inventory", lambda path: read_inventory(path, "1"))
     yield Target("words/coverage", read_document)
     yield Target("study/key", read_study)
-    yield Target("study/answers", read_answers)
+    yield Target("study/answers", _answers)
     yield Target("study/report", _report)
 
 
@@ -238,6 +239,13 @@ def _written(path: Path) -> None:
 
 
 # Studies
+
+
+def _answers(path: Path) -> None:
+    for place, text in texts_of([path]):
+        if isinstance(text, LipsyncError):
+            raise text
+        parsed(Submission, text, place)
 
 
 def _report(path: Path) -> None:

@@ -1,0 +1,203 @@
+"""`languages check`: a report for the author of a language, who need not write code."""
+
+import json
+import re
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lanes import swept
+from shipped import LANGUAGES, LIBRARY
+
+from lipsync_lang.authoring import language_check
+from lipsync_lang.authoring.language_check import (
+    FAINTEST_WEIGHT,
+    MOST_SOUNDS,
+    check_language,
+    mouths_in,
+    mouths_of,
+)
+from lipsync_lang.authoring.mouth_sheet import draw_mouths
+from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.performing.resolving import resolve
+
+PACK = """kind: language
+format: 1
+name: stage-english
+tag: en-x-stage
+extends: english
+notations:
+  ipa: {ŋ: kg}
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("languages").mkdir()
+    Path("languages/stage-english.yaml").write_text(PACK, "utf-8")
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", swept(LANGUAGES, quick=LANGUAGES[::20]))
+def test_every_sound_of_every_language_has_a_mouth(name):
+    found = check_language(LIBRARY, LIBRARY.find("language", name), "facefx")
+    assert found.sound
+    mouths = mouths_in(found.sounds)
+    assert mouths
+    assert {phoneme for mouth in mouths for phoneme in mouth} <= found.mouths.keys()
+    assert all(row["need"] != "unmapped" for own in mouths.values() for row in own)
+    told = str(found).split("\n")
+    assert sum(line.startswith("  ") for line in told) >= len(mouths) + 1
+
+
+def test_a_pack_is_checked_by_its_file_or_its_name(cli):
+    by_file = cli("languages", "check", "languages/stage-english.yaml", "-c", "facefx")
+    by_name = cli("languages", "check", "stage-english", "-c", "facefx")
+    assert by_file.code == by_name.code == 0, by_file.err
+    assert by_file.out == by_name.out
+    rows = {line.split()[0]: line for line in by_file.out.split("\n") if line.startswith("  ")}
+    assert "ŋ" in rows["kg"], "the pack's own mapping"
+    assert "ng" not in rows
+    assert "PBM 1.00" in rows["bmp"]
+    assert "lips pressed together" in rows["bmp"]
+    assert "0 faults, 0 warnings" in by_file.err
+
+
+def test_weights_are_those_of_the_targets():
+    targets = LIBRARY.poseset("facefx").model.targets
+    mouths = mouths_of(LIBRARY, "english", "facefx")
+    for phoneme, steps in targets.items():
+        if phoneme in mouths:
+            for pose, weight in steps[0].weights.items():
+                if weight == max(step.weights.get(pose, 0) for step in steps) and weight >= 0.05:
+                    assert f"{pose} {weight:.2f}" in mouths[phoneme]
+
+
+def test_the_largest_poses_come_first_and_the_faintest_are_left_out():
+    weights = {"low": FAINTEST_WEIGHT - 0.01, "wide": 0.2, "open": 0.6, "round": FAINTEST_WEIGHT}
+    told = language_check._described([*weights.values()], [*weights])  # noqa: SLF001
+    assert told == "open 0.60, wide 0.20, round 0.05"
+    assert language_check._described([0.0], ["open"]) == language_check.REST  # noqa: SLF001
+
+
+def test_faults_come_before_the_table(cli):
+    path = Path("languages/stage-english.yaml")
+    path.write_text(PACK.replace("ŋ: kg", "ŋ: gk").replace("tag: en-x-stage", "tag: 7"), "utf-8")
+    ended = cli("languages", "check", path)
+    assert ended.code == 1
+    assert len(ended.out.strip().split("\n")) >= 2
+    assert all("stage-english.yaml:" in line or "hint:" in line for line in ended.out.splitlines())
+    assert "mouth" not in ended.out
+
+
+def test_a_failing_test_is_counted_and_located(cli):
+    path = Path("languages/stage-english.yaml")
+    path.write_text(PACK + "tests:\n  - {text: sing, phonemes: [s, ih, d]}\n", "utf-8")
+    ended = cli("languages", "check", path)
+    assert ended.code == 1
+    assert "stage-english.yaml:9" in ended.out
+    assert "0 of 1 tests pass" in ended.out
+
+
+def test_json_says_the_same(cli):
+    told = json.loads(cli("languages", "check", "stage-english", "-c", "facefx", "--json").out)
+    assert told["faults"] == []
+    assert told["character"] == "facefx"
+    assert told["mouths"]["bmp"].startswith("PBM 1.00")
+    assert {row["label"] for row in told["sounds"]["rows"]} >= {"ŋ", "NG"}
+
+
+def test_rows_are_short_and_begin_with_sounds_that_words_show():
+    mouths = mouths_in(english_sounds())
+    assert max(map(len, mouths.values())) > MOST_SOUNDS
+    for own in mouths.values():
+        shown = [bool(row["words"]) for row in own]
+        assert shown == sorted(shown, reverse=True)
+    rows = str(check_language(LIBRARY, LIBRARY.find("language", "english"))).split("\n")
+    (row,) = (row for row in rows if row.startswith("  bmp "))
+    assert f" + {len(mouths['bmp',]) - MOST_SOUNDS} " in row
+    assert len(row.split(" + ")[0].split()) == 1 + MOST_SOUNDS
+
+
+def test_a_mapping_against_its_features_needs_a_look(cli):
+    path = Path("languages/stage-english.yaml")
+    path.write_text(PACK.replace("ŋ: kg", "m͡ɲ: ih"), "utf-8")
+    ended = cli("languages", "check", path)
+    assert ended.code == 0
+    assert "stage-english.yaml:7" in ended.out
+    assert re.search("look at:\n  m͡ɲ: .*closure", ended.out)
+    assert "0 faults, 1 warning" in ended.err
+
+
+def test_texts_that_nothing_reads_are_told(cli):
+    path = Path("languages/mute.yaml")
+    tests = "tests:\n  - {text: oh, phonemes: [ow]}\n"
+    path.write_text(PACK.replace("stage-english", "mute") + tests, "utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lipsync_lang.authoring.trial.Speaker", refusing)
+        ended = cli("languages", "check", path)
+    assert "1 of 1 tests pass; texts were not read: no voice here" in ended.out
+
+
+def refusing(*_, **__):
+    raise LipsyncError("no voice here")
+
+
+def test_each_still_shows_its_own_mouth(monkeypatch):
+    drawn = []
+
+    def moments(animation, seconds, _, **options):
+        drawn.append((animation.schedule, seconds, options))
+
+    monkeypatch.setattr("lipsync_lang.render.sheet.moments", moments)
+    sounds = english_sounds()
+    draw_mouths(resolve("english", "facefx"), sounds, BytesIO())
+    ((schedule, seconds, options),) = drawn
+    assert options == {"close": True}
+    alone = [own[0] for mouth, own in mouths_in(sounds).items() if len(mouth) == 1]
+    for row, at in zip(alone, seconds, strict=True):
+        number = int(np.searchsorted(schedule.times, at)) - 1
+        assert schedule.labels[number] == row["label"]
+        assert at == pytest.approx(schedule.times[number : number + 2].mean())
+        assert schedule.word_at(number).text == next(iter(row["words"]), row["label"])
+
+
+def test_a_language_without_sounds_has_no_picture():
+    sounds = english_sounds()
+    with pytest.raises(OutputError, match="maps no sounds"):
+        draw_mouths(resolve("english", "facefx"), {**sounds, "rows": []}, BytesIO())
+
+
+def test_the_mouths_are_drawn(cli):
+    from PIL import Image
+
+    ended = cli("languages", "check", "stage-english", "-c", "facefx", "--picture", "mouths.png")
+    assert ended.code == 0, ended.err
+    with Image.open("mouths.png") as picture:
+        height = picture.height
+    alone = [mouth for mouth in mouths_in(english_sounds()) if len(mouth) == 1]
+    rows = -(-len(alone) // 4)
+    assert rows * 320 < height < (rows + 1) * 400
+
+
+def english_sounds():
+    return check_language(LIBRARY, LIBRARY.find("language", "english")).sounds
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "languages check languages/NAME.yaml"),
+        (("stage-english", "--picture", "m.png"), "name one with -c CHARACTER"),
+        (("languages/none.yaml",), "no such file"),
+        (("stage-english", "-c", "facef"), "did you mean 'facefx'?"),
+        (("stage-english", "-c", "arkit", "--picture", "m.png"), "model"),
+    ],
+)
+def test_misuse_is_told_and_nothing_is_written(arguments, said, cli):
+    ended = cli("languages", "check", *arguments)
+    assert (ended.code, ended.out) == (2, "")
+    assert said in ended.err
+    assert not Path("m.png").exists()

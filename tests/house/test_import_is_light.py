@@ -1,0 +1,166 @@
+"""The import of the package is light: heavy libraries are imported only for use."""
+
+import importlib
+import json
+import pkgutil
+import subprocess
+import sys
+import typing
+
+import pytest
+from lanes import full
+
+import lipsync_lang as ll
+
+HEAVY = {
+    "jinja2",
+    "numpy",
+    "pydantic",
+    "ruamel",
+    "yaml",
+    "matplotlib",
+    "praatio",
+    "espeakng_loader",
+    "platformdirs",
+    "http",
+    "asyncio",
+    "importlib.metadata",
+}
+
+
+def modules_after(code):
+    """Return the modules that some code loads in a separate process."""
+    command = f"import json, sys\n{code}\nprint(json.dumps(sorted(sys.modules)), file=sys.stderr)"
+    options = {"capture_output": True, "encoding": "utf-8", "check": True, "timeout": 60}
+    done = subprocess.run([sys.executable, "-c", command], **options)  # noqa: PLW1510
+    return set(json.loads(done.stderr.splitlines()[-1]))
+
+
+BEFORE = modules_after("")
+assert not HEAVY & BEFORE, "a sweep over what is there anyway passes"
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import lipsync_lang",
+        "import lipsync_lang; dir(lipsync_lang)",
+        "import lipsync_lang.cli; lipsync_lang.cli.parser('run')",
+        "from lipsync_lang import LipsyncError",
+    ],
+)
+def test_importing_is_light(code):
+    assert not HEAVY & modules_after(code)
+
+
+ENTRY_POINTS = {"importlib.metadata"}
+"""Read where other distributions may have the command."""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "read"),
+    [(["--help"], ENTRY_POINTS), (["dance"], ENTRY_POINTS), (["run", "--help"], set())],
+)
+def test_help_is_light(arguments, read):
+    code = (
+        "from lipsync_lang.cli import main\n"
+        f"try: main({arguments!r})\n"
+        "except SystemExit: print(file=sys.stderr)"
+    )
+    assert HEAVY & modules_after(code) == read
+
+
+@full
+def test_performing_a_schedule_needs_no_speech_and_no_pictures():
+    code = (
+        "import lipsync_lang as ll\n"
+        "schedule = ll.Schedule(('HH', 'AY'), [0, 0.1, 0.3])\n"
+        "animation = ll.resolve('english', 'facefx').perform(schedule)\n"
+        "animation.explain(0.1)"
+    )
+    assert not {"jinja2", "matplotlib", "praatio", "espeakng_loader", "http"} & modules_after(code)
+
+
+@full
+def test_resolving_builds_only_the_models_it_reads_and_parses_none_of_their_source():
+    code = (
+        "import lipsync_lang as ll\n"
+        "ll.resolve('english', 'facefx', cache=False)\n"
+        "from lipsync_lang.packs.models import attribute_docs, MODELS\n"
+        "built = [kind for kind, model in MODELS.items() if model.__pydantic_complete__]\n"
+        "assert 'poseset' in built and not {'rig', 'character'} & {*built}, built\n"
+        "assert not attribute_docs._docstrings.cache_info().misses\n"
+    )
+    loaded = modules_after(code)
+    assert "pydantic" in loaded
+    assert "ruamel.yaml" not in loaded
+
+
+@pytest.mark.parametrize("name", ll.__all__)
+def test_every_public_name_is_there(name):
+    assert getattr(ll, name) is not None
+    assert name in dir(ll)
+
+
+def test_a_name_that_is_not_there_is_told():
+    with pytest.raises(AttributeError, match="perfrom"):
+        ll.perfrom  # noqa: B018 asking is the point
+
+
+@full
+def test_writers_load_nothing_of_the_network():
+    code = "from lipsync_lang.animations.animation_writers import WRITERS; list(WRITERS)"
+    assert not {"xml.sax", "urllib.request", "http", "ssl"} & modules_after(code)
+
+
+def exported():
+    """Public functions and classes of the package."""
+    return [getattr(ll, name) for name in ll.__all__ if callable(getattr(ll, name))]
+
+
+def raised():
+    """All public errors of the package's modules."""
+    for _, name, _ in pkgutil.walk_packages(ll.__path__, "lipsync_lang."):
+        if name.split(".")[-1] not in UNIMPORTED and not name.endswith("_worker"):
+            importlib.import_module(name)
+    ahead, found = [ll.LipsyncError], []
+    while ahead:
+        found.append(ahead.pop())
+        ahead += found[-1].__subclasses__()
+    return [one for one in found if one.__module__.startswith("lipsync_lang.")]
+
+
+UNIMPORTED = {"__main__"}
+"""Modules with an effect at import."""
+
+
+def classes_in(hint):
+    """Yield the classes of the package in an annotation."""
+    if isinstance(hint, type) and hint.__module__.startswith("lipsync_lang."):
+        yield hint
+    for inner in typing.get_args(hint):
+        yield from classes_in(inner)
+
+
+def test_every_error_is_exported():
+    found = raised()
+    own = {one.__name__ for one in found if one.__module__.startswith("lipsync_lang.studio.")}
+    assert own, "answers of the studio's server, which no public function raises"
+    own |= {"MissingReaderError"}  # a kind of SpeechError, for which another reader steps in
+    assert {one.__name__ for one in found} - own <= set(ll.__all__)
+
+
+@pytest.mark.parametrize("function", [f for f in exported() if not isinstance(f, type)])
+def test_every_type_that_a_function_returns_is_exported(function):
+    names = {name: getattr(ll, name) for name in ll.__all__}
+    returned = typing.get_type_hints(function, localns=names)["return"]
+    found = {one.__name__ for one in classes_in(returned)}
+    assert found, "public functions return something of ours"
+    assert found <= set(ll.__all__)
+
+
+def test_what_an_animation_tells_is_exported():
+    animation = ll.resolve("english", "facefx").perform(ll.Schedule(("AA",), [0, 1]))
+    told = [animation.explain(0.1), animation.source.performer.report, ll.check(animation)]
+    told += [animation.source.performer.motion, *animation.channels, told[-1].figures[0]]
+    assert {type(one).__name__ for one in told} <= set(ll.__all__)
