@@ -3,17 +3,15 @@
 The match counts shown poses; output paths are relative to the project folder.
 """
 
-import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from lipsync_lang.authoring.placing import place_model
+from lipsync_lang.authoring.new_pack import PackDraft, check_name, head, place_model, title_of
 from lipsync_lang.authoring.poseset_text import scalar
 from lipsync_lang.authoring.rig import drafted, laid_out
 from lipsync_lang.errors import LipsyncError, ModelError, PackError, did_you_mean
-from lipsync_lang.files import write_all
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.rigs.model import Model, read_model, some
@@ -23,10 +21,8 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
     from lipsync_lang.packs.models import RigPack
 
-OTHERS = 3
+MAX_ALTERNATIVES = 3
 """Maximum number of alternatives in a message."""
-
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
 
 
 @dataclass(frozen=True)
@@ -43,45 +39,37 @@ class CharacterWish:
 
 
 @dataclass(frozen=True, eq=False)
-class CharacterDraft:
-    """A drafted character: output files and their summary."""
+class CharacterDraft(PackDraft):
+    """A drafted character with its match; as text, a message with the next steps."""
 
-    path: Path
     match: Match
     others: tuple[Match, ...]
     rig: str | None
     """Name of the drafted or known rig."""
     model: Model
-    outputs: dict[Path, Callable[[BinaryIO], object]] = field(default_factory=dict)
-    said: dict[Path, str] = field(default_factory=dict)
-
-    def write(self) -> None:
-        """Write the character and its dependent files.
-
-        Raises
-        ------
-        OutputError
-            A file is not writable; no file is changed.
-        """
-        for path in self.outputs:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        write_all(self.outputs, durable=True)
+    summaries: Mapping[Path, str]
+    """Summary of each output file."""
 
     def __str__(self) -> str:
-        return "\n".join(self._told())
+        return "\n".join(self._lines())
 
-    def _told(self) -> Iterator[str]:
-        """Return a message on the match, the output files, the lost poses and the next steps."""
+    def _lines(self) -> Iterator[str]:
         shapes = dict.fromkeys(name for mesh in self.model.meshes for name in mesh.shapes)
         meshes = len(self.model.meshes)
         within = f"{meshes} meshes" if meshes > 1 else "one mesh"
         yield f"{shown(self.model.path)}: {len(shapes)} shapes in {within}; {self.match}"
         yield from (f"  or {other}: {_asking(other)}" for other in self.others)
-        yield from (f"wrote {path}: {self.said[path]}" for path in self.outputs)
+        yield from (f"wrote {path}: {self.summaries[path]}" for path in self.outputs)
         yield from (f"doubtful: {doubt}" for doubt in self.match.found.doubts)
         for shape, channels in self.match.found.shared.items():
             yield f"approximate: {' and '.join(channels)} share one shape, {shape}"
-        yield from _lost(self.match)
+        absent = [loss.pose for loss in self.match.losses if not (loss.shown or loss.why)]
+        if absent:
+            yield f"not shown: {', '.join(absent)}"
+        yield from (f"lost: {loss}" for loss in self.match.losses if loss.pose not in absent)
+        if self.match.missing and self.match.rig:
+            lacking = some(self.match.missing)
+            yield f"shapes of rig {self.match.rig} that the model lacks: {lacking}"
         if self.match.left:
             yield f"not used: {some(self.match.left)}"
         yield "next:"
@@ -99,16 +87,6 @@ class CharacterDraft:
         }
 
 
-def _lost(match: Match) -> Iterator[str]:
-    """Return the lost and approximated poses with the missing features of the model."""
-    absent = [loss.pose for loss in match.losses if not (loss.shown or loss.why)]
-    if absent:
-        yield f"not shown: {', '.join(absent)}"
-    yield from (f"lost: {loss}" for loss in match.losses if loss.pose not in absent)
-    if match.missing and match.rig:
-        yield f"shapes of rig {match.rig} that the model lacks: {some(match.missing)}"
-
-
 def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> CharacterDraft:
     """Draft a character.
 
@@ -124,34 +102,29 @@ def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> C
         The model is unreadable or without a match, or the name is invalid or in use.
     """
     path = folder / FOLDERS["character"] / f"{wanted.name}.yaml"
-    _refuse(library, wanted, path)
-    model = read_model(wanted.model)
-    matches = recognise(library, model)
-    match = _chosen(library, wanted, model, matches)
-    title = " ".join((wanted.title or "").split()) or re.sub("[-_]", " ", wanted.name).title()
-    placed = place_model(wanted.model, path)
-    fits = match.complete
-    rig = match.rig if fits else wanted.name
-    made = CharacterDraft(path, match, tuple(_others(match, matches)), rig, model)
-    text = "\n".join(_lines(made, title, placed.stated)) + "\n"
-    _add(made, path, text, f"the poses of {match.poseset}" + (f", rig {rig}" if rig else ""))
-    if not fits:
-        _add_rig(library, made, title, folder)
-    if placed.copy is not None:
-        copy = path.with_name(placed.stated)
-        made.outputs[copy] = placed.write
-        made.said[copy] = f"a copy of {placed.copy}"
-    return made
-
-
-def _refuse(library: "Library", wanted: CharacterWish, path: Path) -> None:
-    if not _NAME.fullmatch(wanted.name):
-        raise LipsyncError(
-            f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
-        )
+    check_name(wanted.name)
     there = [path] if path.exists() else library.finder.lookup("character", wanted.name)
     for one in there:
         raise PackError(f"{shown(Path(one))}: already exists; choose another name")
+    model = read_model(wanted.model)
+    matches = recognise(library, model)
+    match = _chosen(library, wanted, model, matches)
+    title = title_of(wanted.name, wanted.title)
+    stated, copy = place_model(wanted.model, path)
+    rig = match.rig if match.complete else wanted.name
+    text = "\n".join(_lines(wanted, match, rig, title, stated)) + "\n"
+    outputs: dict[Path, bytes | Path] = {path: text.encode()}
+    summaries = {path: f"the poses of {match.poseset}" + (f", rig {rig}" if rig else "")}
+    if not match.complete:
+        rig_path = _new_rig_path(library, match, wanted.name, folder)
+        outputs[rig_path] = _rig_text(library, match, wanted.name, title, model).encode()
+        count = sum(len(places) for places in match.found.places.values())
+        summaries[rig_path] = f"{count} channel{'s' * (count != 1)} for the model"
+    if copy is not None:
+        outputs[copy] = wanted.model
+        summaries[copy] = f"a copy of {wanted.model}"
+    others = tuple(_others(match, matches))
+    return CharacterDraft(path, outputs, match, others, rig, model, summaries)
 
 
 def _chosen(
@@ -162,7 +135,8 @@ def _chosen(
         library.find("poseset", wanted.poseset)
     fitting = [m for m in matches if wanted.poseset in {None, m.poseset}]
     if wanted.rig is not None:
-        rigs = _rigs(library, wanted.poseset)
+        known = [wanted.poseset] if wanted.poseset else [p.name for p in library.names("poseset")]
+        rigs = [path.stem for name in dict.fromkeys(known) for path in library.rigs_of(name)]
         if wanted.rig not in rigs:
             raise PackError(f"unknown rig '{wanted.rig}': {did_you_mean(wanted.rig, rigs)}")
         fitting = [m for m in fitting if m.rig == wanted.rig]
@@ -183,17 +157,12 @@ def _chosen(
     )
 
 
-def _rigs(library: "Library", poseset: str | None) -> list[str]:
-    sets = [poseset] if poseset else dict.fromkeys(f.name for f in library.names("poseset"))
-    return [path.stem for name in sets for path in library.rigs_of(name)]
-
-
 def _others(match: Match, matches: Sequence[Match]) -> list[Match]:
     """Return the alternatives: the best match of each other pose set."""
     best: dict[str, Match] = {}
     for other in matches:
         best.setdefault(other.poseset, other)
-    return [m for m in best.values() if m.poseset != match.poseset and m.enough][:OTHERS]
+    return [m for m in best.values() if m.poseset != match.poseset and m.enough][:MAX_ALTERNATIVES]
 
 
 def _asking(match: Match) -> str:
@@ -207,52 +176,44 @@ def _running(name: str, model: Path) -> str:
     return f'lipsync-lang run "Hello" -l LANGUAGE -c {name} -o {name}{"-line" * same}.glb'
 
 
-def _add(made: CharacterDraft, path: Path, text: str, said: str) -> None:
-    made.outputs[path] = lambda stream: stream.write(text.encode("utf-8"))
-    made.said[path] = said
-
-
-def _add_rig(library: "Library", made: CharacterDraft, title: str, folder: Path) -> None:
-    """Add a rig under the names of the model."""
-    match, name = made.match, made.path.stem
+def _new_rig_path(library: "Library", match: Match, name: str, folder: Path) -> Path:
+    """Return the path of a new rig, in a folder that is searched for rigs of the pose set."""
     path = folder / FOLDERS["poseset"] / match.poseset / "rigs" / f"{name}.yaml"
     known = {one.stem: one for one in library.rigs_of(match.poseset)}
     if path.exists() or name in known:
         raise PackError(f"{shown(known.get(name, path))}: already exists; choose another name")
-    _refuse_hidden(library, match.poseset, folder)
-    poseset = library.poseset(match.poseset).model
-    base = None
-    if match.rig is not None:
-        base = cast("RigPack", library.load(known[match.rig], "rig", match.rig).model)
-    rig = drafted(name, title, match, poseset, base)
-    count = sum(len(places) for places in match.found.places.values())
-    said = f"{count} channel{'s' * (count != 1)} for the model"
-    _add(made, path, laid_out(rig, made.model, match, poseset), said)
-
-
-def _refuse_hidden(library: "Library", poseset: str, folder: Path) -> None:
-    """Reject a folder outside the search path for rigs of the pose set."""
-    home = library.find("poseset", poseset).parent.parent.parent
+    home = library.find("poseset", match.poseset).parent.parent.parent
     roots = [root.path.resolve() for root in library.roots]
     here = folder.resolve()
     if here not in roots or roots.index(home.resolve()) < roots.index(here):
+        source = shown(home / FOLDERS["poseset"] / match.poseset / POSESET)
         raise LipsyncError(
-            f"the rig of a new character must be beside pose set '{poseset}', which is in "
-            f"{shown(home / FOLDERS['poseset'] / poseset / POSESET)}; change to {shown(home)} first"
+            f"the rig of a new character must be beside pose set '{match.poseset}', which is in "
+            f"{source}; change to {shown(home)} first"
         )
+    return path
 
 
-def _lines(made: CharacterDraft, title: str, model: str) -> Iterator[str]:
-    name, poseset = made.path.stem, made.match.poseset
-    yield f"# {title}: the poses of {poseset} on {made.model.path.name}. See it speak:"
-    yield f"#   {_running(name, made.model.path)}"
-    yield "kind: character"
-    yield "format: 1"
-    yield f"name: {name}"
+def _rig_text(library: "Library", match: Match, name: str, title: str, model: Model) -> str:
+    """Return a rig under the names of the model."""
+    poseset = library.poseset(match.poseset).model
+    base = None
+    if match.rig is not None:
+        known = {one.stem: one for one in library.rigs_of(match.poseset)}
+        base = cast("RigPack", library.load(known[match.rig], "rig", match.rig).model)
+    return laid_out(drafted(name, title, match, poseset, base), model, match, poseset)
+
+
+def _lines(
+    wanted: CharacterWish, match: Match, rig: str | None, title: str, model: str
+) -> Iterator[str]:
+    yield f"# {title}: the poses of {match.poseset} on {wanted.model.name}. See it speak:"
+    yield f"#   {_running(wanted.name, wanted.model)}"
+    yield from head("character", wanted.name)
     yield f"title: {scalar(title)}"
-    yield f"poseset: {poseset}"
-    if made.rig is not None:
-        yield f"rig: {made.rig}"
+    yield f"poseset: {match.poseset}"
+    if rig is not None:
+        yield f"rig: {rig}"
     yield f"model: {scalar(model)}"
     yield ""
     yield "# Optional settings of this character; it can also have bigrams, words and lines"

@@ -16,14 +16,14 @@ from typing import NamedTuple
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 
-NUMBER = ("InventoryID", "inventory_id")
+ID_COLUMNS = ("InventoryID", "inventory_id")
 SEGMENT = ("Phoneme", "phoneme_raw", "phoneme", "segment")
-NAME = ("LanguageName", "language")
-CODE = ("ISO6393", "iso6393")
+NAME_COLUMNS = ("LanguageName", "language")
+CODE_COLUMNS = ("ISO6393", "iso6393")
 SOURCE = ("Source", "source")
 """Column names: first of the PHOIBLE file itself, then of tables derived from it."""
 
-SHOWN = 12
+SHOWN_INVENTORIES = 12
 
 MAX_INVENTORY_BYTES = 128 * MIB_BYTES
 """Upper limit of the decompressed size in bytes; the PHOIBLE table has 24 million."""
@@ -54,7 +54,7 @@ def read_inventory(path: Path, which: str | None = None) -> Inventory:
     """
     text = _text(path)
     first = text.partition("\n")[0]
-    if not any(name in first for name in SEGMENT) or not any(name in first for name in NUMBER):
+    if not any(name in first for name in SEGMENT) or not any(name in first for name in ID_COLUMNS):
         segments = tuple(dict.fromkeys(text.split()))
         if not segments:
             raise LipsyncError(f"{path}: has no segments; write them with spaces between them")
@@ -103,9 +103,9 @@ def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:
     )  # fmt: skip
     found: dict[str, list[Mapping[str, str]]] = {}
     for row in rows:
-        found.setdefault(_of(row, NUMBER), []).append(row)
+        found.setdefault(_of(row, ID_COLUMNS), []).append(row)
     for number, members in found.items():
-        name, code = _of(members[0], NAME), _of(members[0], CODE)
+        name, code = _of(members[0], NAME_COLUMNS), _of(members[0], CODE_COLUMNS)
         segments = tuple(dict.fromkeys(filter(None, (_of(row, SEGMENT) for row in members))))
         source = ", ".join(filter(None, (_of(members[0], SOURCE), name)))
         if segments:
@@ -124,7 +124,9 @@ def _chosen(path: Path, found: Mapping[str, Inventory], which: str) -> Inventory
     if len(fits) == 1:
         return next(iter(fits.values()))
     if fits:
-        listed = ", ".join(f"{n} ({len(i.segments)} segments)" for n, i in [*fits.items()][:SHOWN])
+        listed = ", ".join(
+            f"{n} ({len(i.segments)} segments)" for n, i in [*fits.items()][:SHOWN_INVENTORIES]
+        )
         raise LipsyncError(f"{path}: several inventories match '{which}'; name one: {listed}")
     names = {n for i in found.values() for n in (i.language, i.code) if n}
     raise LipsyncError(f"{path}: has no inventory '{which}'; {did_you_mean(which, names)}")

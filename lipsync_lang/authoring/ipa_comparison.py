@@ -72,14 +72,11 @@ def compare_models(
     for name, table in tables.items():
         for label, to in table.items():
             mapped.setdefault(label, {}).setdefault(to, []).append(name)
+    numbers = {label: sum(map(len, found.values())) for label, found in mapped.items()}
     return [
-        _row(label, found, tables, own, shared)
-        for label, found in sorted(mapped.items(), key=_prevalence)
+        _row(label, mapped[label], tables, own, shared)
+        for label in sorted(mapped, key=lambda label: (-numbers[label], label))
     ]
-
-
-def _prevalence(item: tuple[str, Mapping[Mapped, Sequence[str]]]) -> tuple[int, str]:
-    return -sum(map(len, item[1].values())), item[0]
 
 
 def _row(

@@ -10,7 +10,7 @@ from lipsync_lang.authoring.trial import doubts, try_out
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.text_table import columns
+from lipsync_lang.reports.text_table import columns
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 FAILED_TEST = "P221"
 
-FAINTEST = 0.05
+FAINTEST_WEIGHT = 0.05
 """Smallest weight of a pose in the description of a mouth."""
 
 MUTE, REST = "(mute)", "at rest"
@@ -63,15 +63,22 @@ class LanguageCheck:
         }
 
     def __str__(self) -> str:
-        return "\n".join(self._told())
+        return "\n".join(self._lines())
 
-    def _told(self) -> Iterator[str]:
+    def _lines(self) -> Iterator[str]:
         yield from map(str, self.faults)
         if self.sounds is None:
             return
         yield from self._mouth_table(self.sounds)
-        yield from _looks_needed(self.sounds)
-        yield self._told_tests()
+        needed = [row for row in self.sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
+        if needed:
+            yield "look at:"
+            yield from (f"  {row['label']}: {row['says']}" for row in needed)
+        if not self.tests:
+            yield "no tests yet: add words with their phonemes under `tests`"
+            return
+        unread = f"; texts were not read: {self.refusal}" if self.refusal else ""
+        yield f"{self.tests - self.failed} of {self.tests} tests pass{unread}"
 
     def _mouth_table(self, sounds: Mapping[str, Any]) -> Iterator[str]:
         mouths = mouths_in(sounds)
@@ -89,20 +96,6 @@ class LanguageCheck:
             rows.append([*told, poses])
         shown = rows if self.mouths else [row[:-1] for row in rows]
         yield from (f"  {line}" for line in columns(shown, widest=64))
-
-    def _told_tests(self) -> str:
-        if not self.tests:
-            return "no tests yet: add words with their phonemes under `tests`"
-        unread = f"; texts were not read: {self.refusal}" if self.refusal else ""
-        return f"{self.tests - self.failed} of {self.tests} tests pass{unread}"
-
-
-def _looks_needed(sounds: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the mappings to check, the most urgent first."""
-    needed = [row for row in sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
-    if needed:
-        yield "look at:"
-        yield from (f"  {row['label']}: {row['says']}" for row in needed)
 
 
 def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str, Any]]]:
@@ -168,5 +161,7 @@ def mouths_of(library: "Library", language: str, character: str) -> dict[str, st
 
 
 def _described(weights: Sequence[float], poses: Sequence[str]) -> str:
-    seen = sorted((-w, pose) for w, pose in zip(weights, poses, strict=True) if w >= FAINTEST)
+    seen = sorted(
+        (-w, pose) for w, pose in zip(weights, poses, strict=True) if w >= FAINTEST_WEIGHT
+    )
     return ", ".join(f"{pose} {-weight:.2f}" for weight, pose in seen) or REST

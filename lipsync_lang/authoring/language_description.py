@@ -10,12 +10,7 @@ from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.phonology.labels import normalise
-from lipsync_lang.resolver.nearest_phonemes import (
-    Disagreement,
-    among,
-    disagreements,
-    reason_for,
-)
+from lipsync_lang.resolver.nearest_phonemes import among, disagreements, reason_for
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -55,7 +50,15 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
             for number, (name, table) in enumerate(model.notations.items())
         },
         "inventory": model.inventory.model_dump(mode="json") if model.inventory else None,
-        "disagreements": _disagreements(disagreements(model, near, decided)),
+        "disagreements": [
+            {
+                "label": row.label,
+                "common": " ".join(name for name, _ in row.common) or "(mute)",
+                "automatic": " ".join(name for name, _ in row.automatic) or "(mute)",
+                "reason": row.reason,
+            }
+            for row in disagreements(model, near, decided)
+        ],
         "tests": _tests(library, pack),
     }
 
@@ -111,16 +114,3 @@ def _untested(trial: Trial, common: "models.Phonemes") -> dict[str, list[str]]:
         "common phonemes": [name for name in names if name in mapped and name not in heard],
         "rules": [rules[number].spelling for number in trial.silent_rules()],
     }
-
-
-def _disagreements(rows: list[Disagreement]) -> list[dict[str, str]]:
-    """Return the labels whose map entry differs from the automatic one."""
-    return [
-        {
-            "label": row.label,
-            "common": " ".join(name for name, _ in row.common) or "(mute)",
-            "automatic": " ".join(name for name, _ in row.automatic) or "(mute)",
-            "reason": row.reason,
-        }
-        for row in rows
-    ]

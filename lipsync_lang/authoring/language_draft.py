@@ -5,19 +5,20 @@ articulatory features; doubtful labels are listed first, with their lost feature
 empty, because expected results must come from a source independent of this program.
 """
 
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.inventories import Inventory, read_inventory
-from lipsync_lang.errors import LipsyncError, PackError
-from lipsync_lang.files import read_input, write_all
+from lipsync_lang.authoring.new_pack import PackDraft, check_name, head, title_of
+from lipsync_lang.authoring.poseset_text import scalar
+from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, IPA
-from lipsync_lang.phonology.g2p import Said, Settings, engine
-from lipsync_lang.phonology.g2p.lexicon import MAX_LEXICON_BYTES, read_lexicon
+from lipsync_lang.phonology.g2p import Settings, engine
+from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.resolver.nearest_phonemes import among_all
 
@@ -28,9 +29,13 @@ if TYPE_CHECKING:
 NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 100, 1000, 1000000))
 """Sample texts for any voice: number words, which cover most sounds of a language."""
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
-_PLAIN = re.compile(r"[^\W\d_][\w\u0300-\u036f\u02b0-\u02ff]*")
-_WORDS = {"true", "false", "null"}
+EMPTY_TESTS = """
+# Words with the IPA of a dictionary or a grammar, and the expected common phonemes:
+#  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}
+tests: []
+"""
+
+_PLAIN_LABEL = re.compile(r"[^\W\d_][\w\u0300-\u036f\u02b0-\u02ff]*")
 
 
 @dataclass(frozen=True)
@@ -68,38 +73,19 @@ class FoundSounds:
                 self.words[label] = word
 
 
-@dataclass(frozen=True)
-class LanguageDraft:
-    """A drafted pack: path, text and label counts."""
+@dataclass(frozen=True, eq=False)
+class LanguageDraft(PackDraft):
+    """A drafted language with its label counts; as text, a message with the next steps."""
 
-    path: Path
-    text: str
-    lexicon: Path | None
     doubtful: int
     labels: int
 
-    def write(self) -> str:
-        """Write the pack with its lexicon, and return a message with the next steps.
-
-        Raises
-        ------
-        OutputError
-            A file is not writable; no file is changed.
-        """
-        made = {self.path: lambda stream: stream.write(self.text.encode("utf-8"))}
-        if self.lexicon is not None:
-            copy = self.path.with_name(self.path.stem + self.lexicon.suffix)
-            content = read_input(self.lexicon, MAX_LEXICON_BYTES, mend="keep the words needed")
-            if copy.resolve() != self.lexicon.resolve():
-                made[copy] = lambda stream: stream.write(content)
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        write_all(made, durable=True)
-        name = self.path.stem
-        wrote = "\n".join(f"wrote {path}" for path in made)
+    def __str__(self) -> str:
+        wrote = "\n".join(f"wrote {path}" for path in self.outputs)
         return (
             f"{wrote}: {self.labels} labels, {self.doubtful} of them doubtful\n"
             f"next: check the doubtful labels, at the top of the map, and then run\n"
-            f"  lipsync-lang languages show {name}\n"
+            f"  lipsync-lang languages show {self.path.stem}\n"
             f"  lipsync-lang validate {self.path}"
         )
 
@@ -125,30 +111,32 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
         inventory = read_inventory(wanted.inventory, wanted.inventory_id)
         sounds.add(inventory.segments)
     for settings, name in _readers(wanted):
-        for said in engine(name, settings)([*wanted.texts, *NUMBERS]):
-            _note(sounds, said)
+        for words in engine(name, settings)([*wanted.texts, *NUMBERS]):
+            for word in words:
+                # Phrases and digits are unsuitable as example words.
+                single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
+                sounds.add(word.labels, word.text if single else "")
+    outputs: dict[Path, bytes | Path] = {}
     if wanted.lexicon is not None:
-        for word, labels in read_lexicon(wanted.lexicon).items():
-            sounds.add(labels, word)
+        for spelling, labels in read_lexicon(wanted.lexicon).items():
+            sounds.add(labels, spelling)
+        copy = path.with_name(path.stem + wanted.lexicon.suffix)
+        if copy.resolve() != wanted.lexicon.resolve():
+            outputs[copy] = wanted.lexicon
     among = among_all(library)
     found = {label: among.nearest(label) for label in sounds.words}
     common = library.common().model
     mapped = {n for near in found.values() for n, _ in near.value}
     parents = {common.shades[n].like if n in common.shades else n for n in mapped}
     added, order = sorted(parents - {*common.base}), [*common.phonemes, *common.shades]
-    text = "\n".join([*_head(wanted, inventory, added), *_body(sounds, found, order)])
-    text += "\n" + "\n".join([*_inventory(inventory, found), *_tests()]) + "\n"
+    parts = _head(wanted, inventory, added), _body(sounds, found, order)
+    text = "\n".join([*chain(*parts, _inventory(inventory, found)), EMPTY_TESTS])
     doubtful = sum(map(_doubtful, found.values()))
-    return LanguageDraft(path, text, wanted.lexicon, doubtful, len(found))
+    return LanguageDraft(path, {path: text.encode()} | outputs, doubtful, len(found))
 
 
 def _refuse(wanted: LanguageWish, path: Path) -> None:
-    if not _NAME.fullmatch(wanted.name):
-        raise LipsyncError(
-            f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
-        )
-    if path.exists():
-        raise PackError(f"{path}: already exists; choose another name, or delete it first")
+    check_name(wanted.name, path)
     if not any((wanted.voice, wanted.epitran, wanted.lexicon, wanted.inventory)):
         raise LipsyncError(
             "a new language needs a source: --voice, --epitran, --lexicon or --inventory"
@@ -169,19 +157,12 @@ def _readers(wanted: LanguageWish) -> Iterator[tuple[Settings, str]]:
         yield Settings(wanted.name, code=wanted.epitran), "epitran"
 
 
-def _note(sounds: FoundSounds, said: Sequence[Said]) -> None:
-    for word in said:
-        # Phrases and digits are unsuitable as example words.
-        single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
-        sounds.add(word.labels, word.text if single else "")
-
-
 def _doubtful(near: "Nearest") -> bool:
     return near.distance > 0 or not near.value or bool(near.unknown)
 
 
 def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str]) -> Iterator[str]:
-    title = wanted.title or wanted.name.replace("-", " ").replace("_", " ").title()
+    title = title_of(wanted.name, wanted.title)
     yield f"# {title}: a draft. It runs as it is, but its doubtful labels may be wrong."
     yield "#"
     yield "# 1. Check the doubtful labels, at the top: does each have the mouth that you see?"
@@ -189,9 +170,7 @@ def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str
     yield f"# 3. lipsync-lang languages show {wanted.name}    lists what is untested,"
     yield f"#    lipsync-lang validate languages/{wanted.name}.yaml    lists the faults."
     yield "# 4. Remove `automatic` when the map has every label that you need."
-    yield "kind: language"
-    yield "format: 1"
-    yield f"name: {wanted.name}"
+    yield from head("language", wanted.name)
     tag = wanted.tag or (wanted.voice or "").partition("+")[0] or (wanted.epitran or "")[:3]
     tag = tag or (inventory.code if inventory else "")
     yield (f"tag: {tag}" if tag else "tag: und            # write the BCP 47 tag of the language")
@@ -281,15 +260,5 @@ def _inventory(inventory: Inventory | None, found: Mapping[str, "Nearest"]) -> I
         yield from (f"    {_scalar(segment)}: it is not visible" for segment in toned)
 
 
-def _tests() -> Iterator[str]:
-    yield ""
-    yield "# Words with the IPA of a dictionary or a grammar, and the expected common phonemes:"
-    yield '#  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}'
-    yield "tests: []"
-
-
 def _scalar(text: str) -> str:
-    """Format a string as a YAML scalar, quoted if necessary."""
-    if _PLAIN.fullmatch(text) and text.casefold() not in _WORDS:
-        return text
-    return json.dumps(text, ensure_ascii=False)
+    return scalar(text, _PLAIN_LABEL)

@@ -13,7 +13,7 @@ from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
-HELD_SECONDS = 0.5
+HELD_SOUND_SECONDS = 0.5
 """Duration of each sound, and of the silence around it."""
 
 
@@ -39,7 +39,7 @@ def draw_mouths(performer: "Performer", sounds: Mapping[str, Any], out: BinaryIO
     if not shown:
         raise OutputError("the language maps no sounds; there is no mouth to draw")
     labels = [SILENCE, *chain.from_iterable((row["label"], SILENCE) for row in shown)]
-    times = np.arange(len(labels) + 1, dtype=np.float64) * HELD_SECONDS
+    times = np.arange(len(labels) + 1, dtype=np.float64) * HELD_SOUND_SECONDS
     words = tuple(
         Word(next(iter(row["words"]), row["label"]), 2 * n + 1, 2 * n + 2)
         for n, row in enumerate(shown)

@@ -3,13 +3,13 @@
 A copy takes precedence over its original, and its animations are identical, bit for bit.
 """
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from os.path import normpath, relpath
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
+from lipsync_lang.authoring.new_pack import write_new
 from lipsync_lang.errors import PackError
-from lipsync_lang.files import write_all
 from lipsync_lang.packs.finding import FOLDERS, POSESET, beside, yaml_files
 from lipsync_lang.packs.splicing import spliced
 from lipsync_lang.packs.yaml.faults import shown
@@ -57,15 +57,11 @@ def copy_poseset(library: "Library", name: str, folder: Path) -> list[Path]:
             content = spliced(read_yaml(target, content), content, [(("name",), stem)])
         if target.parent != home / "rigs" or not target.exists():
             outputs[target] = content
-    _refuse_others(outputs)
-    for target in outputs:
-        target.parent.mkdir(parents=True, exist_ok=True)
-    write_all({target: _writing(content) for target, content in outputs.items()}, durable=True)
+    for target, content in outputs.items():
+        if target.exists() and not (target.is_file() and target.read_bytes() == content):
+            raise PackError(f"{shown(target)}: already exists and differs; move or delete it")
+    write_new(outputs)
     return list(outputs)
-
-
-def _writing(content: bytes) -> Callable[[BinaryIO], object]:
-    return lambda stream: stream.write(content)
 
 
 def _refuse(library: "Library", source: Path, target: Path) -> None:
@@ -94,13 +90,6 @@ def _whole(library: "Library", source: Path) -> Iterator[Path]:
     model = beside(source, stated) if isinstance(stated, str) else None
     if model is not None and home not in model.parents:
         yield model
-
-
-def _refuse_others(outputs: dict[Path, bytes]) -> None:
-    """Refuse to overwrite a file, unless it has the same content."""
-    for target, content in outputs.items():
-        if target.exists() and not (target.is_file() and target.read_bytes() == content):
-            raise PackError(f"{shown(target)}: already exists and differs; move or delete it")
 
 
 def _behind(known: Collection[str], stem: str) -> str:

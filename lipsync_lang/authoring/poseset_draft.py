@@ -5,17 +5,15 @@ Without any match, the targets are at rest, or on request a heuristic assignment
 sounds per pose. Weights are from 0 to 1; the speed limit is in weight per second.
 """
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.authoring.placing import Placed, place_model
+from lipsync_lang.authoring.new_pack import PackDraft, check_name, place_model, title_of
 from lipsync_lang.authoring.poseset_text import laid_out, scalar
 from lipsync_lang.errors import LipsyncError, PackError
-from lipsync_lang.files import write_all
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.models import (
     AtMost,
@@ -39,19 +37,17 @@ if TYPE_CHECKING:
 STRONG = 0.8
 """Weight of a guessed pose at the sounds assigned to it."""
 
-WEAK = 0.3
+WEAK_WEIGHT = 0.3
 """Weight of the first guessed pose at unassigned sounds."""
 
 SHUT = 0.1
 """Ceiling of the first guessed pose at closure sounds."""
 
-RESERVED = frozenset({"dominance", "status", "weights"})
+RESERVED_TARGET_KEYS = frozenset({"dominance", "status", "weights"})
 """Reserved keys of a target, excluded as pose names."""
 
-LONGEST = 120
+MAX_POSE_NAME_CHARS = 120
 """Maximum length of a pose name, in characters."""
-
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
 
 
 @dataclass(frozen=True)
@@ -69,33 +65,17 @@ class PoseSetWish:
     """Assign sounds to unknown poses instead of targets at rest."""
 
 
-@dataclass(frozen=True)
-class PoseSetDraft:
-    """A drafted pose set: path, text and summary."""
+@dataclass(frozen=True, eq=False)
+class PoseSetDraft(PackDraft):
+    """A drafted pose set with its summary; as text, a message with the next steps."""
 
-    path: Path
-    text: str
-    said: str
-    model: Placed | None = None
-    """Reference to the model, with a pending copy if required."""
+    summary: str
 
-    def write(self) -> str:
-        """Write the pose set with its model, and return a message with the next steps.
-
-        Raises
-        ------
-        OutputError
-            A file is not writable; no file is changed.
-        """
-        made = {self.path: lambda stream: stream.write(self.text.encode("utf-8"))}
-        if self.model is not None and self.model.copy is not None:
-            made[self.path.with_name(self.model.stated)] = self.model.write
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        write_all(made, durable=True)
+    def __str__(self) -> str:
         name = self.path.parent.name
-        copied = "".join(f"wrote {path}, a copy\n" for path in [*made][1:])
+        copied = "".join(f"wrote {path}, a copy\n" for path in [*self.outputs][1:])
         return (
-            f"wrote {self.path}: {self.said}\n{copied}"
+            f"wrote {self.path}: {self.summary}\n{copied}"
             f"next: look at its targets, then\n"
             f'  lipsync-lang run "Hello" -l LANGUAGE -c {name} --plot {name}.png\n'
             f"  lipsync-lang validate {self.path}"
@@ -117,52 +97,48 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
         The request has no source, the name is invalid or in use, or a source is invalid.
     """
     path = folder / FOLDERS["poseset"] / wanted.name / POSESET
-    _refuse(wanted, path)
+    check_name(wanted.name, path)
+    if not wanted.poses and wanted.model is None and wanted.like is None:
+        raise LipsyncError(
+            "a new pose set needs a source: the names of its poses, --model or --like"
+        )
     sets = _sets(library, wanted.like)
     shapes = _shapes(wanted.model)
     names = _names(wanted.poses or shapes or sets[0].poses)
     common = library.common().model
     known, called = max(((s, _called(names, s)) for s in sets), key=lambda pair: len(pair[1]))
     if called:
-        made, why = taken(known, called, common), _named_otherwise(called)
+        made = taken(known, called, common)
+        why = {name: f"as {scalar(pose)}" for name, pose in called.items() if name != pose}
+        origin = f"with the targets of {known.name}"
         why[""] = f"Poses move as in pose set '{known.name}' until you change them."
     elif not wanted.guess:
         made, why = at_rest(names, common), {}
+        origin = "all at rest until you give them targets, or use --guess"
         why[""] = (
             "No pose set knows these poses, so every target is at rest. Give each sound its poses, "
             "such as {NAME: 0.8}, or draft again with --guess to distribute the sounds."
         )
     else:
         made, why = guessed(names[: len(common.base)], _shutting(sets, common), common), {}
+        origin = "with guessed targets"
         why[""] = (
             f"No pose set knows these poses: a first guess by sounds ({_kinds(made, common)})."
         )
     left = [name for name in names if name not in made.poses]
-    placed = place_model(wanted.model, path) if wanted.model is not None else None
-    stated = placed.stated if placed is not None else None
-    title = " ".join((wanted.title or "").split()) or re.sub("[-_]", " ", wanted.name).title()
+    stated, copy = place_model(wanted.model, path) if wanted.model is not None else (None, None)
+    title = title_of(wanted.name, wanted.title)
     made = made.model_copy(update={"name": wanted.name, "title": title, "model": stated})
     absent = [name for name in made.poses if shapes and name not in shapes]
     said = [
-        f"{len(made.poses)} pose{'s' * (len(made.poses) != 1)}, "
-        + _manner(known.name if called else None, guess=wanted.guess),
+        f"{len(made.poses)} pose{'s' * (len(made.poses) != 1)}, {origin}",
         *([f"{len(left)} unused, in a comment"] if left else ()),
         *([f"the model has no shape called {', '.join(absent)}"] if absent else ()),
     ]
-    return PoseSetDraft(path, laid_out(made, common, why, left), "; ".join(said), placed)
-
-
-def _refuse(wanted: PoseSetWish, path: Path) -> None:
-    if not _NAME.fullmatch(wanted.name):
-        raise LipsyncError(
-            f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
-        )
-    if path.exists():
-        raise PackError(f"{path}: already exists; choose another name, or delete it first")
-    if not wanted.poses and wanted.model is None and wanted.like is None:
-        raise LipsyncError(
-            "a new pose set needs a source: the names of its poses, --model or --like"
-        )
+    outputs: dict[Path, bytes | Path] = {path: laid_out(made, common, why, left).encode()}
+    if copy is not None and wanted.model is not None:
+        outputs[copy] = wanted.model
+    return PoseSetDraft(path, outputs, "; ".join(said))
 
 
 def _sets(library: "Library", like: str | None) -> list[PoseSet]:
@@ -193,8 +169,8 @@ def _names(stated: Iterable[str]) -> list[str]:
     """Return the distinct names, after a check of each as a pose name."""
     names = list(dict.fromkeys(stated))
     for name in names:
-        fits = name == name.strip() and name.isprintable() and 0 < len(name) <= LONGEST
-        if not fits or name in RESERVED:
+        fits = name == name.strip() and name.isprintable() and 0 < len(name) <= MAX_POSE_NAME_CHARS
+        if not fits or name in RESERVED_TARGET_KEYS:
             raise LipsyncError(f"{name!r} cannot be the name of a pose; choose another name")
     return names
 
@@ -209,10 +185,6 @@ def _called(names: Sequence[str], known: PoseSet) -> dict[str, str]:
         for name in shapes:
             called.setdefault(name, poses[number])
     return {name: called[name] for name in names if name in called}
-
-
-def _named_otherwise(called: Mapping[str, str]) -> dict[str, str]:
-    return {name: f"as {scalar(pose)}" for name, pose in called.items() if name != pose}
 
 
 def _bare(poses: Mapping[str, Pose]) -> PoseSet:
@@ -254,7 +226,10 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
     }
     measures = {name: renamed(gains) for name, gains in known.measures.items()}
     rest = (PhonemeTarget(),)
-    return _bare({name: _untitled(known.poses[pose]) for name, pose in called.items()}).model_copy(
+    # The spellings of a pose in models go, because they are specific to its old name.
+    old = {name: known.poses[pose] for name, pose in called.items()}
+    poses = {name: Pose(title=pose.title, region=pose.region) for name, pose in old.items()}
+    return _bare(poses).model_copy(
         update={
             "constraints": _constraints(known.constraints, new),
             "priority": tuple(name for pose in known.priority for name in new.get(pose, ())),
@@ -276,11 +251,6 @@ def _unusual(motion: MotionFields) -> dict[str, Any]:
     return {name: value for name, value in stated.items() if value != usual.get(name)}
 
 
-def _untitled(pose: Pose) -> Pose:
-    """Return a pose without the model spellings, which are specific to the old name."""
-    return Pose(title=pose.title, region=pose.region)
-
-
 def _constraints(known: Constraints, new: Mapping[str, Sequence[str]]) -> Constraints:
     pairs: list[Threshold | AtMost] = []
     for pair in known.pairs:
@@ -292,17 +262,6 @@ def _constraints(known: Constraints, new: Mapping[str, Sequence[str]]) -> Constr
             one, other = new.get(pair.pose, ()), new.get(pair.at_most, ())
             pairs += [AtMost(pose=a, at_most=b) for a, b in product(one, other)]
     return Constraints(default=known.default, pairs=tuple(pairs))
-
-
-def _manner(known: str | None, *, guess: bool) -> str:
-    """Return a phrase on the origin of the targets."""
-    if known is not None:
-        return f"with the targets of {known}"
-    return (
-        "with guessed targets"
-        if guess
-        else "all at rest until you give them targets, or use --guess"
-    )
 
 
 def at_rest(poses: Sequence[str], common: "Phonemes") -> PoseSet:
@@ -327,7 +286,7 @@ def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -
     targets = {}
     for label in common.base:
         pose = dealt.get(label)
-        weights = {first: WEAK} if pose is None else {pose: STRONG}
+        weights = {first: WEAK_WEIGHT} if pose is None else {pose: STRONG}
         shut = {first: 0.0} if label in shutting else {}
         targets[label] = (PhonemeTarget(weights={**weights, **shut}),)
     contacts = {"closure": ContactRule(phonemes=tuple(shutting), ceiling={first: SHUT})}

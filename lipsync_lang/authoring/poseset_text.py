@@ -8,18 +8,19 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 
+from lipsync_lang.authoring.new_pack import head
 from lipsync_lang.packs.models import ContactRule, Phonemes, PhonemeTarget, PoseSet
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 
-MAX_LINES = 90
+MAX_SCREEN_LINES = 90
 """Maximum number of lines before a denser layout is used."""
 
-WIDTH = 100
+WRAP_CHARS = 100
 """Maximum line width in characters for wrapped lists."""
 
-_PLAIN = re.compile(r"[^\W\d][\w.]*(-[\w.]+)*")
+_PLAIN_NAME = re.compile(r"[^\W\d][\w.]*(-[\w.]+)*")
 _SPACED = re.compile(r"[^\W\d]\w*( [\w()/'-]+)+")
-_WORDS = {"true", "false", "null"}
+_YAML_LITERALS = {"true", "false", "null"}
 
 
 def laid_out(
@@ -37,14 +38,14 @@ def laid_out(
     for packed, dense in ((False, False), (True, False), (True, True)):
         lines = [*_lines(model, common, why, left, packed=packed)]
         lines = [line for line in lines if line or not dense]
-        if len(lines) <= MAX_LINES:
+        if len(lines) <= MAX_SCREEN_LINES:
             break
     return "\n".join(lines) + "\n"
 
 
-def scalar(text: str) -> str:
-    """Format a string as a YAML scalar, quoted if necessary."""
-    if _PLAIN.fullmatch(text) and text.casefold() not in _WORDS:
+def scalar(text: str, plain: re.Pattern[str] = _PLAIN_NAME) -> str:
+    """Format a string as a YAML scalar, quoted if it does not match the pattern of plain text."""
+    if plain.fullmatch(text) and text.casefold() not in _YAML_LITERALS:
         return text
     return json.dumps(text, ensure_ascii=False)
 
@@ -60,10 +61,8 @@ def _lines(
     name = model.name
     yield f"# {model.title}: a draft. It runs as it is:"
     yield f'#   lipsync-lang run "Hello" -l LANGUAGE -c {name} --plot {name}.png'
-    yield from (f"# {line}" for line in wrap(why[""], WIDTH - 2))
-    yield "kind: poseset"
-    yield "format: 1"
-    yield f"name: {name}"
+    yield from (f"# {line}" for line in wrap(why[""], WRAP_CHARS - 2))
+    yield from head("poseset", name)
     yield f"title: {_flow(model.title)}"
     if model.model is not None:
         yield f"model: {scalar(model.model)}"
@@ -144,14 +143,12 @@ def _contacts(contacts: Mapping[str, ContactRule]) -> Iterator[str]:
 
 
 def _steps(steps: Sequence[PhonemeTarget]) -> str:
-    told = [_target(step) for step in steps]
+    told = []
+    for step in steps:
+        insisting = step.dominance or step.overall
+        dominance = {} if insisting in ({}, None) else {"dominance": insisting}
+        told.append(_flow({**step.weights, **dominance}))
     return told[0] if len(told) == 1 else f"[{', '.join(told)}]"
-
-
-def _target(target: PhonemeTarget) -> str:
-    insisting = target.dominance or target.overall
-    dominance = {} if insisting in ({}, None) else {"dominance": insisting}
-    return _flow({**target.weights, **dominance})
 
 
 def _stated(**fields: str) -> dict[str, str]:
@@ -180,7 +177,7 @@ def _wrapped(head: str, items: Iterable[str], end: str) -> Iterator[str]:
     for number, item in enumerate(told):
         last = number == len(told) - 1
         more = item + (end if last else ", ")
-        if len(line) + len(more) > WIDTH and line.strip(" #"):
+        if len(line) + len(more) > WRAP_CHARS and line.strip(" #"):
             yield line.rstrip()
             line = indent
         line += more

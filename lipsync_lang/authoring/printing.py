@@ -6,7 +6,7 @@ Input is the plain data of the JSON output; output is one string with line break
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from lipsync_lang.text_table import columns
+from lipsync_lang.reports.text_table import columns
 
 
 def transcript_table(told: dict[str, Any]) -> str:
@@ -21,7 +21,11 @@ def transcript_table(told: dict[str, Any]) -> str:
         rows.append((word["text"], labels, " ".join([*common, *unread])))
     lines = list(columns(rows))
     table = [
-        (label, " ".join(near["common"]) or "(mute)", _losing(near["loses"]))
+        (
+            label,
+            " ".join(near["common"]) or "(mute)",
+            f"loses {', '.join(near['loses'])}" if near["loses"] else "",
+        )
         for label, near in told["automatic"].items()
         if near["distance"] or near["loses"]
     ]
@@ -34,10 +38,6 @@ def transcript_table(told: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _losing(losses: Sequence[str]) -> str:
-    return f"loses {', '.join(losses)}" if losses else ""
-
-
 def language_table(told: dict[str, Any]) -> str:
     """Format a language like Table 1 of the paper: phoneme, common phoneme, example, reason.
 
@@ -48,11 +48,12 @@ def language_table(told: dict[str, Any]) -> str:
     lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}", *_facts(told)]
     for number, (name, rows) in enumerate(told["notations"].items()):
         lines.append(f"\n{name}: {len(rows)} labels")
-        if number == 0:
-            lines += _rows(rows)
-        else:
-            lines += _grouped(rows)
-    lines += _inventory(told["inventory"]) if told["inventory"] else []
+        lines += _rows(rows) if number == 0 else _grouped(rows)
+    inventory = told["inventory"]
+    if inventory:
+        lines.append(f"\ninventory: {len(inventory['segments'])} phonemes, {inventory['source']}")
+        absent = inventory["absent"].items()
+        lines += [f"  absent: {segment} ({reason})" for segment, reason in absent]
     if told["disagreements"]:
         lines.append("\nlabels that differ from the automatic mapping:")
         table = [("phoneme", "here", "by features", "why")]
@@ -88,12 +89,6 @@ def _grouped(rows: Sequence[dict[str, str]]) -> Iterator[str]:
         groups.setdefault(row["common"], []).append(row["label"])
     for common, labels in sorted(groups.items(), key=lambda group: " " in group[0]):
         yield f"  {common or '(mute)':<10}{'  '.join(labels)}"
-
-
-def _inventory(inventory: dict[str, Any]) -> Iterator[str]:
-    yield f"\ninventory: {len(inventory['segments'])} phonemes, {inventory['source']}"
-    for segment, reason in inventory["absent"].items():
-        yield f"  absent: {segment} ({reason})"
 
 
 def _tests(told: dict[str, Any]) -> Iterator[str]:

@@ -3,11 +3,12 @@
 Gains are in channel units per pose weight: shape weight, or degrees for the rotation of a bone.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from lipsync_lang.authoring.poseset_text import WIDTH, scalar
+from lipsync_lang.authoring.new_pack import head
+from lipsync_lang.authoring.poseset_text import WRAP_CHARS, scalar
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.braces import expanded
 from lipsync_lang.packs.models.rig_channels import channels_of
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from lipsync_lang.rigs.model import Model
     from lipsync_lang.rigs.recognise import Match
 
-ABSENT = "the model has no shape for it"
+ABSENT_SHAPE = "the model has no shape for it"
 """Reason for a lost pose without a shape in the model."""
 
 TURN = 15
@@ -41,7 +42,7 @@ def drafted(
     found = dict(_channels(match, channels))
     shown = {pose for one in found.values() for pose, gain in one.gains.items() if gain}
     known = rig.lost if rig is not None else {}
-    lost = {pose: known.get(pose, ABSENT) for pose in poseset.poses if pose not in shown}
+    lost = {pose: known.get(pose, ABSENT_SHAPE) for pose in poseset.poses if pose not in shown}
     return RigPack(
         kind="rig",
         format=1,
@@ -60,24 +61,16 @@ def _channels(
     found = match.found.places
     places = {n: (n,) if channels[n].node is not None else own for n, own in found.items()}
     for name, channel in channels.items():
-        for number, shape in enumerate(filter(_plain, places.get(name, ()))):
+        # A rig would expand a name with braces to several channels.
+        plain = [shape for shape in places.get(name, ()) if expanded(shape) == (shape,)]
+        limits = places.get(channel.at_most, ()) if channel.at_most is not None else ()
+        for number, shape in enumerate(plain):
             sharing = [channels[other].gains for other in match.found.shared.get(shape, (name,))]
             # The mean over the sharing channels, because their sum would overdrive the shape.
             poses = dict.fromkeys(pose for gains in sharing for pose in gains)
             gains = {p: sum(g.get(p, 0) for g in sharing) / len(sharing) for p in poses}
-            limit = _limit(places, channel.at_most, number)
+            limit = limits[min(number, len(limits) - 1)] if limits else None
             yield shape, channel.model_copy(update={"gains": gains, "at_most": limit})
-
-
-def _plain(shape: str) -> bool:
-    """Check a shape name for braces, which a rig would expand to several channels."""
-    return expanded(shape) == (shape,)
-
-
-def _limit(places: Mapping[str, Sequence[str]], name: str | None, number: int) -> str | None:
-    """Return the limiting shape for `at_most`, under the name in the model."""
-    shapes = places.get(name, ()) if name is not None else ()
-    return shapes[min(number, len(shapes) - 1)] if shapes else None
 
 
 def _paired(channels: Mapping[str, RigChannel]) -> dict[str, RigChannel]:
@@ -86,16 +79,15 @@ def _paired(channels: Mapping[str, RigChannel]) -> dict[str, RigChannel]:
     done: set[str] = set()
     for name, channel in channels.items():
         if name not in done:
-            alike = (one for one in _braced(name) if _same(channels, one))
-            key = next(alike, name)
+            key = name
+            for braced in _braced(name):
+                left, right = map(channels.get, expanded(braced))
+                if left is not None and left == right:
+                    key = braced
+                    break
             made[key] = channel
             done.update(expanded(key))
     return made
-
-
-def _same(channels: Mapping[str, RigChannel], braced: str) -> bool:
-    one, other = map(channels.get, expanded(braced))
-    return one is not None and one == other
 
 
 def _braced(name: str) -> Iterator[str]:
@@ -119,9 +111,7 @@ def laid_out(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> 
 def _lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:
     yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
     yield "# A gain is shape weight per pose weight; a shape may have several, also negative ones."
-    yield "kind: rig"
-    yield "format: 1"
-    yield f"name: {scalar(rig.name)}"
+    yield from head("rig", scalar(rig.name))
     yield f"title: {scalar(rig.title)}"
     yield f"poseset: {scalar(rig.poseset)}"
     yield "channels:"
@@ -133,7 +123,7 @@ def _lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> It
     yield from _bones(rig, model, poseset)
     if match.left:
         yield "# Unused shapes:"
-        yield from (f"#   {line}" for line in wrap(", ".join(match.left), WIDTH - 4))
+        yield from (f"#   {line}" for line in wrap(", ".join(match.left), WRAP_CHARS - 4))
 
 
 def _channel(channel: RigChannel) -> str:
@@ -149,17 +139,13 @@ def _channel(channel: RigChannel) -> str:
     return f"{{{', '.join(parts)}}}"
 
 
-def _free(model: "Model") -> list[str]:
-    """Return the names of nodes without a mesh, the candidates for bones."""
-    nodes = model.document.get("nodes", ())
-    return [str(node["name"]) for node in nodes if "name" in node and "mesh" not in node]
-
-
 def _bones(rig: RigPack, model: "Model", poseset: PoseSet) -> Iterator[str]:
     """Yield a commented example of a bone channel for the first lost pose with a matching node."""
+    nodes = model.document.get("nodes", ())
+    free = [str(node["name"]) for node in nodes if "name" in node and "mesh" not in node]
     for pose in rig.lost:
         region = folded(poseset.poses[pose].region)
-        node = next((node for node in _free(model) if region and region in folded(node)), None)
+        node = next((node for node in free if region and region in folded(node)), None)
         if node is not None:
             turned = RigChannel(gains={pose: TURN}, node=node, rotation=(1, 0, 0))
             yield f"# A bone may show '{pose}'. Degrees, about x; try other axes and signs:"

@@ -4,7 +4,7 @@ Rows are in order of urgency: unmapped labels, mappings that their features
 contradict, mappings that lose much of the sound, and the rest.
 """
 
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Iterator, MutableMapping
 from dataclasses import dataclass, field, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -25,7 +25,7 @@ from lipsync_lang.resolver.nearest_phonemes import (
     fights,
     reason_for,
 )
-from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 NEEDS = ("unmapped", "doubtful", "automatic", "loses", "")
 """Reasons to check a row, the most urgent first."""
 
-MAX_WORDS = 3
+MAX_EXAMPLE_WORDS = 3
 """Maximum number of example words in a row."""
 
 
@@ -115,7 +115,7 @@ class SoundTable:
         notations = notations_of(self.library, self.pack)
         speaker = Speaker(manner, notations, near, self._read(manner))
         (transcript,) = speaker.transcribe([text])
-        return speaker.told(transcript)
+        return speaker.to_json(transcript)
 
     def _manner(self) -> Manner:
         return manner_of(self.pack, self.library.common().model)
@@ -143,8 +143,11 @@ class SoundTable:
                 rows.append(row | judged.get(label, {}))
         rows += self._automatic(trial, near)
         for row in rows:
-            row["words"] = row["words"][:MAX_WORDS]
-        return sorted(rows, key=_urgency)
+            row["words"] = row["words"][:MAX_EXAMPLE_WORDS]
+        return sorted(
+            rows,
+            key=lambda row: (NEEDS.index(row["need"]), -row["distance"] if row["need"] else 0.0),
+        )
 
     def _row(self, notation: str, label: str, to: list[str], shares: list[float]) -> dict[str, Any]:
         stated = self.pack.source.data
@@ -336,7 +339,3 @@ def _described(name: str, stated: "models.SoundFields", like: str) -> dict[str, 
         "like": like,
         "reason": getattr(stated, "reason", ""),
     }
-
-
-def _urgency(row: Mapping[str, Any]) -> tuple[int, float]:
-    return NEEDS.index(row["need"]), -row["distance"] if row["need"] else 0.0

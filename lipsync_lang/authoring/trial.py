@@ -19,7 +19,8 @@ from lipsync_lang.phonology.g2p.tokens import pieces
 from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import among, fights
-from lipsync_lang.speech.speaking import Speaker, Transcript
+from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.speech.speaking.transcripts import Transcript
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -55,7 +56,8 @@ class Trial:
             said = [name for name in heard.phonemes if name != silence]
             loc: Loc = ("tests", index)
             if heard.unmapped:
-                what = f"'{test.text}' has {_listed(heard.unmapped)}, which the pack does not map"
+                labels = ", ".join(f"'{label}'" for label in heard.unmapped)
+                what = f"'{test.text}' has {labels}, which the pack does not map"
                 hint = f"map it under `notations: {heard.notation}`"
                 yield self.pack.fault(loc, "P221", what, hint)
             elif not test.accepts_read(said, self.shades):
@@ -137,7 +139,3 @@ def _files(library: Library, paths: Sequence[Path]) -> Iterator[Path]:
         found = sorted(folder.glob("*.yaml")) if absolute.is_dir() else [absolute]
         in_place = (f for f in found if f.parent.name == FOLDERS["language"])
         yield from (file for file in in_place if file.stem not in SHARED)
-
-
-def _listed(labels: Sequence[str]) -> str:
-    return ", ".join(f"'{label}'" for label in labels)

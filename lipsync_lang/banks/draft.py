@@ -20,7 +20,7 @@ from functools import cache
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
 from lipsync_lang.pipeline.curve import bspline
 
 TIMES: Floats = np.array([0, 0.15, 0.35, 0.5, 0.65, 0.85, 1])

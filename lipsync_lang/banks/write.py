@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.packs.yaml.value_text import INDENT, block_lines, plain_or_quoted
@@ -11,7 +11,7 @@ from lipsync_lang.packs.yaml.value_text import INDENT, block_lines, plain_or_quo
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
-Points = list[list[float]]
+CurvePoints = list[list[float]]
 Interpolation = Literal["bspline", "linear"]
 
 NEUTRAL = "neutral"
@@ -23,7 +23,7 @@ class Drafts:
     """Drafted bigrams of one pose set, ready to be written."""
 
     poseset: str
-    bigrams: dict[str, dict[str, Points]]
+    bigrams: dict[str, dict[str, CurvePoints]]
     """For each bigram, such as `l-ow`, control points by pose."""
     character: str = ""
     """Character whose own targets were drafted; empty for the targets of the pose set."""
@@ -34,7 +34,7 @@ class Made:
     """Bigrams of one pose set from any source, with the style and curve type of their bank."""
 
     poseset: str
-    bigrams: Mapping[str, Mapping[str, Points]]
+    bigrams: Mapping[str, Mapping[str, CurvePoints]]
     status: str
     style: str | None = None
     """Style of their bank; None for any style."""
@@ -47,7 +47,7 @@ def draft_yaml(drafts: Drafts) -> str:
     return bigrams_yaml(drafts.bigrams, "drafted")
 
 
-def bigrams_yaml(bigrams: Mapping[str, Mapping[str, Points]], status: str) -> str:
+def bigrams_yaml(bigrams: Mapping[str, Mapping[str, CurvePoints]], status: str) -> str:
     """Return bigrams as the text of a bank's `bigrams`."""
     if not bigrams:
         return "bigrams: {}\n"
@@ -57,7 +57,7 @@ def bigrams_yaml(bigrams: Mapping[str, Mapping[str, Points]], status: str) -> st
     return "\n".join(["bigrams:", *entries]) + "\n"
 
 
-def entry(key: str, stated: Mapping[str, str], curves: Mapping[str, Points]) -> list[str]:
+def entry(key: str, stated: Mapping[str, str], curves: Mapping[str, CurvePoints]) -> list[str]:
     """Return the YAML lines of a bigram, indented below `bigrams`."""
     return block_lines({key: {**stated, "curves": curves}}, INDENT)
 
@@ -99,7 +99,7 @@ def make_room(path: Path) -> None:
 
 def add_bigrams(library: "Library", path: Path, made: Made) -> list[str]:
     """Add bigrams to a bank file, which is made if missing, and return the new ones."""
-    from lipsync_lang.packs.editing import write_edited
+    from lipsync_lang.files import atomic
     from lipsync_lang.packs.splicing import spliced
     from lipsync_lang.packs.yaml.source import read_bytes
 
@@ -108,19 +108,16 @@ def add_bigrams(library: "Library", path: Path, made: Made) -> list[str]:
     source = library.scanned(path, content)
     _refuse_other(path, source.data, made)
     there = source.data.get("bigrams") or {}
-    stated = _stated(source.data, made)
+    stated = {"status": made.status}
+    if made.interpolation not in {None, source.data.get("interpolation", "bspline")}:
+        stated["interpolation"] = str(made.interpolation)
     new = {key: curves for key, curves in made.bigrams.items() if key not in there}
     if new or create is not None:
         added = [(("bigrams", key), {**stated, "curves": new[key]}) for key in new]
-        write_edited(path, spliced(source, content, added))
+        content = spliced(source, content, added)
+        with atomic(path, durable=True) as stream:
+            stream.write(content)
     return list(new)
-
-
-def _stated(bank: Mapping[str, Any], made: Made) -> dict[str, str]:
-    """Return the fields of each bigram other than its curves."""
-    if made.interpolation in {None, bank.get("interpolation", "bspline")}:
-        return {"status": made.status}
-    return {"status": made.status, "interpolation": str(made.interpolation)}
 
 
 def done(path: Path, new: int, kept: int, what: str) -> str:

@@ -15,14 +15,13 @@ from collections.abc import Callable
 from typing import Any
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.live.live_frame import LiveFrame
-from lipsync_lang.live.outlets import as_row
+from lipsync_lang.live.outlets import LiveFrame, as_row
 from lipsync_lang.performing.stream import Stream
 
 MAX_MESSAGE_BYTES = 64 * 1024
 """Maximum size of a message: some thousand phonemes, or a page of text."""
 
-MAX_ROWS = 2000
+MAX_PHONEME_ROWS = 2000
 """Maximum number of phonemes in a message."""
 
 MAX_OWN_SECONDS = 600.0
@@ -112,9 +111,9 @@ def _read(message: str | bytes) -> dict[str, Any]:
 
 def _rows(rows: object) -> list[tuple[Any, Any, Any]]:
     """Check the form of rows of phonemes; the stream checks their times."""
-    if not isinstance(rows, list) or len(rows) > MAX_ROWS:
+    if not isinstance(rows, list) or len(rows) > MAX_PHONEME_ROWS:
         raise LipsyncError(
-            f"`phonemes` must be a list of at most {MAX_ROWS} rows of label, start and end"
+            f"`phonemes` must be a list of at most {MAX_PHONEME_ROWS} rows of label, start and end"
         )
     for row in rows:
         if not isinstance(row, list) or len(row) != ROW:

@@ -13,12 +13,12 @@ from fractions import Fraction
 from uuid import NAMESPACE_DNS, uuid5
 
 from lipsync_lang.animations.fixed import names, shapes_held
-from lipsync_lang.live.live_frame import LiveFrame
+from lipsync_lang.live.outlets import LiveFrame
 from lipsync_lang.rigs.channel import Channel
 
 VERSION = 6
-HELD = "live-link-packet.txt"
-PROGRAM = "Live Link Face"
+PACKET_SHAPES = "live-link-packet.txt"
+LIVE_LINK_PROGRAM = "Live Link Face"
 MAX_DENOMINATOR = 1001
 MAX_SUBJECT_BYTES = 128
 WRAP = 2**31
@@ -44,9 +44,9 @@ class LiveLinkPacket:
     def __init__(
         self, columns: Sequence[Channel], fps: float, subject: str, start: int = 0
     ) -> None:
-        held = names(HELD)
+        held = names(PACKET_SHAPES)
         numbers = {shape: number for number, shape in enumerate(held.shapes)}
-        found = shapes_held(columns, held, PROGRAM)
+        found = shapes_held(columns, held, LIVE_LINK_PROGRAM)
         self.places = [
             (column, numbers[shape]) for column, shapes in found.items() for shape in shapes
         ]

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.live.live_frame import LiveFrame
-from lipsync_lang.performing.stream import Stream
+from lipsync_lang.live.outlets import LiveFrame
 
 if TYPE_CHECKING:
     from lipsync_lang.live.outlets import Outlet
     from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.performing.stream import Stream
     from lipsync_lang.schedules.schedule import Schedule
 
 IDLE_SECONDS = 0.5
@@ -120,7 +120,9 @@ class LivePlayer:
     def _take_in(self, now: float) -> None:
         """Feed the next utterance to the open stream, or to a new one."""
         stream = self.stream
-        if stream is not None and (stream.finished or self._ahead(stream, now) > AHEAD_SECONDS):
+        known = 0.0 if stream is None else (stream.known or 0.0) - stream.delay
+        ahead = known + self.zero - now
+        if stream is not None and (stream.finished or ahead > AHEAD_SECONDS):
             return
         try:
             schedule = self.waiting.get_nowait()
@@ -139,10 +141,6 @@ class LivePlayer:
         self.zero = now - (schedule.start if stream.start is None else stream.start)
         self.stream = stream
         self._tell(schedule, self.zero)
-
-    def _ahead(self, stream: Stream, now: float) -> float:
-        """Return the seconds of a stream that are known beyond its look-ahead."""
-        return (stream.known or 0.0) + self.zero - now - stream.delay
 
     def _tell(self, schedule: "Schedule", start: float) -> None:
         text = " ".join(word.text for word in schedule.words)

@@ -5,18 +5,27 @@ import socket
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from time import localtime
-from typing import TYPE_CHECKING, Any, Protocol, TextIO
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TextIO
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.live.addresses import STANDARD_OUTPUT, LiveAddress
-from lipsync_lang.live.live_frame import LiveFrame
 
 if TYPE_CHECKING:
     from lipsync_lang.live.web_socket import Session
     from lipsync_lang.performing.performer import Performer
 
-DIGITS = 5
+FRAME_DECIMALS = 5
 """Decimal places of times and weights in text."""
+
+
+class LiveFrame(NamedTuple):
+    """A frame and its time."""
+
+    seconds: float
+    """Time since the start of the session."""
+    weights: Floats
+    """(P,) in [0, 1]."""
 
 
 class Outlet(Protocol):
@@ -34,8 +43,8 @@ class Outlet(Protocol):
 
 def as_row(frame: LiveFrame) -> dict[str, Any]:
     """Return a frame as JSON data."""
-    weights = [round(weight, DIGITS) for weight in frame.weights.tolist()]
-    return {"time": round(frame.seconds, DIGITS), "weights": weights}
+    weights = [round(weight, FRAME_DECIMALS) for weight in frame.weights.tolist()]
+    return {"time": round(frame.seconds, FRAME_DECIMALS), "weights": weights}
 
 
 class LineOutlet:

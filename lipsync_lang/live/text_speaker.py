@@ -16,7 +16,7 @@ SENTENCE_END = re.compile(r"(?<=[.!?…।؟])\s+|(?<=[。！？])")
 
 MAX_WAITING_TEXTS = 100
 
-MAX_TEXT_CHARS = 20_000
+MAX_SPOKEN_CHARS = 20_000
 
 
 class TextSpeaker:
@@ -56,9 +56,10 @@ class TextSpeaker:
         """
         if not text.strip():
             raise LipsyncError("the text is empty; write at least one word")
-        if len(text) > MAX_TEXT_CHARS:
+        if len(text) > MAX_SPOKEN_CHARS:
             raise LipsyncError(
-                f"the text has {len(text)} characters, more than {MAX_TEXT_CHARS}; send it in parts"
+                f"the text has {len(text)} characters, more than {MAX_SPOKEN_CHARS}; "
+                "send it in parts"
             )
         with self.lock:
             if self.pending >= MAX_WAITING_TEXTS:

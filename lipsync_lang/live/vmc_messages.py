@@ -13,7 +13,7 @@ from lipsync_lang.extras import install_line
 if TYPE_CHECKING:
     from pythonosc.osc_message import OscMessage
 
-    from lipsync_lang.live.live_frame import LiveFrame
+    from lipsync_lang.live.outlets import LiveFrame
 
 VALUE, APPLY, READY = "/VMC/Ext/Blend/Val", "/VMC/Ext/Blend/Apply", "/VMC/Ext/OK"
 

@@ -24,7 +24,7 @@ from lipsync_lang.performing.stream import Stream
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
-    from lipsync_lang.live.live_frame import LiveFrame
+    from lipsync_lang.live.outlets import LiveFrame
 
 _log = logging.getLogger(__name__)
 
@@ -120,7 +120,9 @@ class WebSocketOutlet:
     def _broadcast(self, text: str) -> None:
         from websockets.asyncio.server import broadcast
 
-        slow = [one for one in self.clients if _unsent(one) > MAX_UNSENT_BYTES]
+        slow = [
+            one for one in self.clients if one.transport.get_write_buffer_size() > MAX_UNSENT_BYTES
+        ]
         for one in slow:
             self.clients.discard(one)
             self.loop.create_task(one.close(SLOW, "the client reads its frames too slowly"))
@@ -146,11 +148,6 @@ class WebSocketOutlet:
             _log.exception("the connection of a client failed")
         finally:
             self.clients.discard(connection)
-
-
-def _unsent(connection: "ServerConnection") -> int:
-    """Return the number of bytes that wait for a client."""
-    return connection.transport.get_write_buffer_size()
 
 
 def _quiet() -> logging.Logger:

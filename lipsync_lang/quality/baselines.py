@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.arrays import Floats
 from lipsync_lang.banks.draft import PASSIVE
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.own_face import own_face
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.quality.check_animation import Limits, check
 from lipsync_lang.quality.figures import Quality

@@ -5,9 +5,10 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.performing.performed_line import performer_of
 from lipsync_lang.quality.figures import Figure, Quality
+from lipsync_lang.quality.measured_scene import MeasuredScene, scene_of
 from lipsync_lang.quality.measures import Measure, load_measures
-from lipsync_lang.quality.take import Take, scene_of
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -46,7 +47,7 @@ def check(
     >>> ll.check(animation)["contacts lips"].verdict
     'ok'
     """
-    performer = performer or animation.performer
+    performer = performer or performer_of(animation)
     if performer is None:
         raise LipsyncError("this animation has no performer; give a performer of its face")
     measures = load_measures()
@@ -54,23 +55,19 @@ def check(
     asked = {name: one.limit for name, one in measures.items()}
     asked["speed"] = performer.motion.speed_limit
     asked |= performer.compiled.checks["limits"]
-    asked |= _sound(limits or {}, measures)
+    for name, value in (limits or {}).items():
+        if name not in measures:
+            raise LipsyncError(f"unknown measure '{name}'; {did_you_mean(name, measures)}")
+        if not isfinite(value) or value < 0:
+            raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
+        asked[name] = value
     figures = [
         figure for one in measures.values() for figure in _figures(one, scene, asked[one.name])
     ]
     return Quality(_subject(animation, performer), tuple(figures), remarks)
 
 
-def _sound(limits: Limits, measures: Mapping[str, Measure]) -> Limits:
-    for name, value in limits.items():
-        if name not in measures:
-            raise LipsyncError(f"unknown measure '{name}'; {did_you_mean(name, measures)}")
-        if not isfinite(value) or value < 0:
-            raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
-    return limits
-
-
-def _figures(measure: Measure, scene: Take, limit: float | None) -> Iterator[Figure]:
+def _figures(measure: Measure, scene: MeasuredScene, limit: float | None) -> Iterator[Figure]:
     for found in measure.find(scene):
         yield Figure(
             f"{measure.name} {found.of}".rstrip(),

@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Finding
+from lipsync_lang.quality.measured_scene import MeasuredScene
 from lipsync_lang.quality.measures import (
     Measured,
     measure,
@@ -17,7 +18,6 @@ from lipsync_lang.quality.measures import (
     runs,
     unjudged,
 )
-from lipsync_lang.quality.take import Take
 
 SEARCH_SECONDS = 0.25
 """Maximum distance of a closure from its sound."""
@@ -32,7 +32,7 @@ NO_CONTACT = "the pose set has no contacts"
 
 
 @measure("contacts", "of sounds", limit=0)
-def contacts(scene: Take) -> Iterable[Measured]:
+def contacts(scene: MeasuredScene) -> Iterable[Measured]:
     """Sounds that demand a contact and do not get it, for each contact.
 
     A sound gets its contact if two conditions hold at one frame, within half a frame of the sound.
@@ -60,7 +60,7 @@ def contacts(scene: Take) -> Iterable[Measured]:
         yield from unjudged(NO_CONTACT)
 
 
-def _missed(scene: Take, contact: int, missed: Ints) -> Iterator[Finding]:
+def _missed(scene: MeasuredScene, contact: int, missed: Ints) -> Iterator[Finding]:
     """Yield a finding for each sound without its contact: the pose that prevents it."""
     least = scene.margin[contact]
     descriptions = {}
@@ -70,7 +70,7 @@ def _missed(scene: Take, contact: int, missed: Ints) -> Iterator[Finding]:
     return places(scene, descriptions)
 
 
-def _short(scene: Take, contact: int, frame: int) -> str:
+def _short(scene: MeasuredScene, contact: int, frame: int) -> str:
     """Describe the pose that prevents a contact at a frame."""
     touch, part = scene.face.touches[contact], scene.face.bounded.part(contact)
     pose = int(scene.face.bounded.columns[part][scene.margins[part, frame].argmin()])
@@ -80,7 +80,7 @@ def _short(scene: Take, contact: int, frame: int) -> str:
 
 
 @measure("false_contacts", "of sounds", limit=0)
-def false_contacts(scene: Take) -> Iterable[Measured]:
+def false_contacts(scene: MeasuredScene) -> Iterable[Measured]:
     """Sounds with a contact at their middle frame that they do not demand, for each contact.
 
     Contacts that raise no pose are left out, because a face at rest makes them too::
@@ -119,13 +119,13 @@ class Offset(NamedTuple):
 
 
 @once
-def offsets(scene: Take) -> tuple[Offset, ...]:
+def offsets(scene: MeasuredScene) -> tuple[Offset, ...]:
     """Return the offset of each closure of an animation."""
     asked = [number for number, count in enumerate(scene.wanted) if count]
     return tuple(offset for number in asked for offset in _offsets(scene, number))
 
 
-def _offsets(scene: Take, contact: int) -> Iterator[Offset]:
+def _offsets(scene: MeasuredScene, contact: int) -> Iterator[Offset]:
     bounds, raised = scene.track.bounds, scene.face.raised[contact]
     # Neighbours that demand the contact share one closure.
     begin, past = runs(scene.demanded[contact])
@@ -174,7 +174,7 @@ def _nearest(places: Floats, to: Floats) -> Ints:
     return np.where(nearer, after - 1, after)
 
 
-def _largest_offset(scene: Take, sign: int) -> Iterable[Measured]:
+def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[Measured]:
     """Return the largest offset in one direction: late for sign 1, early for -1."""
     every = offsets(scene)
     if not every:
@@ -188,7 +188,7 @@ def _largest_offset(scene: Take, sign: int) -> Iterable[Measured]:
 
 
 @measure("closure_late", "s", limit=0.045)
-def closure_late(scene: Take) -> Iterable[Measured]:
+def closure_late(scene: MeasuredScene) -> Iterable[Measured]:
     """Lateness of the latest closure.
 
     A closure is a run of frames that make a contact. It belongs to the sounds that demand it and
@@ -202,7 +202,7 @@ def closure_late(scene: Take) -> Iterable[Measured]:
 
 
 @measure("closure_early", "s", limit=0.125)
-def closure_early(scene: Take) -> Iterable[Measured]:
+def closure_early(scene: MeasuredScene) -> Iterable[Measured]:
     """Earliness of the earliest closure; viewers notice an early picture beyond 0.125 s.
 
     It is::
@@ -213,7 +213,7 @@ def closure_early(scene: Take) -> Iterable[Measured]:
 
 
 @measure("closure_offset", "s", limit=0.045)
-def closure_offset(scene: Take) -> Iterable[Measured]:
+def closure_offset(scene: MeasuredScene) -> Iterable[Measured]:
     """Absolute offset of the median closure; `median` is the signed offset, positive if late.
 
     It is::
@@ -228,7 +228,7 @@ def closure_offset(scene: Take) -> Iterable[Measured]:
 
 
 @measure("rules", "of sounds", limit=0)
-def rules(scene: Take) -> Iterable[Measured]:
+def rules(scene: MeasuredScene) -> Iterable[Measured]:
     """Phonemes that violate a rule of the pose set, for each rule.
 
     A rule names phonemes, a measure of the pose set, and a bound. At one frame of the
@@ -243,7 +243,7 @@ def rules(scene: Take) -> Iterable[Measured]:
         yield from _rule(scene, name, rule)
 
 
-def _rule(scene: Take, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
+def _rule(scene: MeasuredScene, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
     gains = scene.face.measures.get(rule["measure"])
     which = np.flatnonzero(scene.face.meant[name][scene.track.ids])
     if gains is None:

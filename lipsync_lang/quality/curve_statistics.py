@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.arrays import Bools, Floats
 
 HIGH_HERTZ = 8.0
 """Frequency above which a captured jaw has hardly any power."""

@@ -11,8 +11,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.constrain import Cap
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.readers.animation_readers import Recording, read_animation
+from lipsync_lang.animations.animation_readers import Recording, read_animation
+from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.errors import AnimationError, shortlist
-from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.rigs.driver import Driver
 from lipsync_lang.rigs.shape_matching import placed
 
@@ -26,7 +26,7 @@ UNEVEN_FRAMES = 0.02
 MAX_FPS = 240.0
 """Maximum number of keys per second; files with more are resampled."""
 
-MAX_FRAMES = 1_000_000
+MAX_RESAMPLED_FRAMES = 1_000_000
 """Maximum number of resampled frames: more than an hour at the highest rate."""
 
 MAX_FRAMES_EACH = 100
@@ -35,10 +35,10 @@ MAX_FRAMES_EACH = 100
 PERCENT_ABOVE = 5.0
 """Weights above this are percentages, not fractions."""
 
-MAX_NAMES = 8
+MAX_REMARK_NAMES = 8
 """Maximum number of names in a remark."""
 
-Read = tuple[Animation, tuple[str, ...]]
+AnimationWithRemarks = tuple[Animation, tuple[str, ...]]
 """An animation with remarks on doubtful points."""
 
 
@@ -48,7 +48,7 @@ def read_for(
     schedule: "Schedule | None" = None,
     *,
     channels: bool = False,
-) -> Read:
+) -> AnimationWithRemarks:
     """Read an animation file as the poses of a performer, or as the channels of its rig.
 
     Columns are found by name in any spelling, like shapes of a model. Poses without a column
@@ -76,7 +76,7 @@ def read_for(
 
 def fit(
     recording: Recording, performer: "Performer", schedule: "Schedule", *, channels: bool = False
-) -> Read:
+) -> AnimationWithRemarks:
     """Return a recording as an animation of a face; see `read_for`."""
     found = placed_columns(recording, performer, channels=channels)
     values = np.zeros((len(found.times), len(found.face)))
@@ -188,7 +188,7 @@ def even_times(source: str, times: Floats) -> tuple[Floats, float]:
     if apart.max() <= UNEVEN_FRAMES:
         return times, fps
     count = int(np.floor((times[-1] - times[0]) * fps + 1e-6)) + 1
-    if count > min(MAX_FRAMES, MAX_FRAMES_EACH * len(times)):
+    if count > min(MAX_RESAMPLED_FRAMES, MAX_FRAMES_EACH * len(times)):
         raise AnimationError(
             f"{source}: has {len(times)} frames over {times[-1] - times[0]:g} s, too uneven "
             "to judge; export it at an even rate"
@@ -198,4 +198,4 @@ def even_times(source: str, times: Floats) -> tuple[Floats, float]:
 
 def some_names(names: "Iterable[str]") -> str:
     """Format the first few names as a list."""
-    return shortlist(names, MAX_NAMES)
+    return shortlist(names, MAX_REMARK_NAMES)

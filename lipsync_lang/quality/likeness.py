@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.quality import curve_statistics as statistics
 from lipsync_lang.quality.face_columns import Roles
 from lipsync_lang.quality.figures import Finding
+from lipsync_lang.quality.measured_scene import MeasuredScene
 from lipsync_lang.quality.measures import (
     VISIBLE_SHARE,
     Measured,
@@ -27,7 +28,6 @@ from lipsync_lang.quality.measures import (
     places,
     unjudged,
 )
-from lipsync_lang.quality.take import Take
 
 CAPTURE_FPS = 30.0
 """Frames per second of the captures; jerk and power depend on it."""
@@ -35,7 +35,7 @@ CAPTURE_FPS = 30.0
 LEAST_FPS = 29.0
 """Minimum frame rate for a comparison with captures."""
 
-LEAST_SECONDS = 2.0
+LEAST_SPEECH_SECONDS = 2.0
 """Minimum length of speech for statistics."""
 
 HELD_SECONDS = 0.3
@@ -79,7 +79,7 @@ class Opening(NamedTuple):
 
 
 @once
-def _opening(scene: Take) -> Opening | str:
+def _opening(scene: MeasuredScene) -> Opening | str:
     """Return the opening of the mouth, or the reason why there is none."""
     roles = scene.face.roles
     if roles is None:
@@ -94,7 +94,7 @@ def _opening(scene: Take) -> Opening | str:
 
 
 @once
-def _jaws(scene: Take) -> list[Jaw] | str:
+def _jaws(scene: MeasuredScene) -> list[Jaw] | str:
     """Return the jaw sampled like the captures, or the reason why it cannot be compared.
 
     A multiple of the captures' frame rate gives several jaws, each one frame later.
@@ -104,8 +104,9 @@ def _jaws(scene: Take) -> list[Jaw] | str:
         return opening
     if 1 / scene.frame < LEAST_FPS:
         return f"the animation has fewer than the {CAPTURE_FPS:g} frames per second of captures"
-    if scene.seconds < LEAST_SECONDS:
-        return f"{scene.seconds:.1f} s of speech are too short; statistics need {LEAST_SECONDS:g} s"
+    if scene.seconds < LEAST_SPEECH_SECONDS:
+        few = f"{scene.seconds:.1f} s of speech are too short"
+        return f"{few}; statistics need {LEAST_SPEECH_SECONDS:g} s"
     curve = opening.curve / opening.peak
     phases = max(1, int(1 / scene.frame / CAPTURE_FPS + 0.01))
     starts = scene.times[0] + scene.frame * np.arange(phases)
@@ -113,13 +114,15 @@ def _jaws(scene: Take) -> list[Jaw] | str:
     return [Jaw(times, np.interp(times, scene.times, curve)) for times in grids]
 
 
-def _judged(scene: Take, figure: Callable[[list[Jaw]], Iterable[Measured]]) -> Iterable[Measured]:
+def _judged(
+    scene: MeasuredScene, figure: Callable[[list[Jaw]], Iterable[Measured]]
+) -> Iterable[Measured]:
     jaws = _jaws(scene)
     return unjudged(jaws) if isinstance(jaws, str) else figure(jaws)
 
 
 @measure("jerk", "peaks per s^3", limit=2.2e4)
-def jerk(scene: Take) -> Iterable[Measured]:
+def jerk(scene: MeasuredScene) -> Iterable[Measured]:
     """Jerk of the jaw: the 95th percentile of its third derivative.
 
     Corners have a large jerk. Captures have 1.1e4 to 1.3e4 over eight lines. Single lines reach
@@ -140,7 +143,7 @@ def jerk(scene: Take) -> Iterable[Measured]:
 
 
 @measure("high_power", "of power", limit=0.055)
-def high_power(scene: Take) -> Iterable[Measured]:
+def high_power(scene: MeasuredScene) -> Iterable[Measured]:
     """Share of the power of the jaw's spectrum above 8 Hz.
 
     Speech is not that fast, so this power comes from corners and tremble. Captures have 0.010 to
@@ -158,7 +161,7 @@ def high_power(scene: Take) -> Iterable[Measured]:
 
 
 @measure("shelves", "of open frames", limit=0.1)
-def shelves(scene: Take) -> Iterable[Measured]:
+def shelves(scene: MeasuredScene) -> Iterable[Measured]:
     """Frames with an open jaw that stands still.
 
     A frame is still if the jaw moves by less than 0.015 of its peak before and after it, so a
@@ -187,7 +190,7 @@ def shelves(scene: Take) -> Iterable[Measured]:
     return _judged(scene, figure)
 
 
-def _still(scene: Take, jaw: Jaw, lasting: Bools) -> tuple[Bools, Bools, Ints]:
+def _still(scene: MeasuredScene, jaw: Jaw, lasting: Bools) -> tuple[Bools, Bools, Ints]:
     """Return the frames with an open jaw, the still ones among them, and their sounds.
 
     Long sounds are left out. The shapes are (F,).
@@ -200,7 +203,7 @@ def _still(scene: Take, jaw: Jaw, lasting: Bools) -> tuple[Bools, Bools, Ints]:
 
 
 @measure("turns", "per second")
-def turns(scene: Take) -> Iterable[Measured]:
+def turns(scene: MeasuredScene) -> Iterable[Measured]:
     """Turns of the jaw, larger than 0.02 of its peak, per second of the line.
 
     Captures have 6.5 to 7.3. Mumbled or slow lines have fewer, so only packs that state a limit
@@ -217,7 +220,7 @@ def turns(scene: Take) -> Iterable[Measured]:
 
 
 @measure("lead_missing", "s", limit=0.05)
-def lead_missing(scene: Take) -> Iterable[Measured]:
+def lead_missing(scene: MeasuredScene) -> Iterable[Measured]:
     """Delay of poses with anticipation, relative to 0.1 s before their sound.
 
     A pose with anticipation (`anticipate`) begins when it rises to a tenth of its peak in a sound
@@ -244,7 +247,7 @@ def lead_missing(scene: Take) -> Iterable[Measured]:
     return one(max(0.0, LEAD_SECONDS - middle), parts, places(scene, told))
 
 
-def _leads(scene: Take, roles: Roles) -> Iterator[tuple[int, float]]:
+def _leads(scene: MeasuredScene, roles: Roles) -> Iterator[tuple[int, float]]:
     """Yield sounds and the seconds by which their poses lead, for sounds without an obstacle."""
     track, times = scene.track, scene.times
     for pose in np.flatnonzero(roles.ahead > 0).tolist():
@@ -263,7 +266,7 @@ def _leads(scene: Take, roles: Roles) -> Iterator[tuple[int, float]]:
 
 
 @measure("shut_vowels", "of frames", limit=0.12)
-def shut_vowels(scene: Take) -> Iterable[Measured]:
+def shut_vowels(scene: MeasuredScene) -> Iterable[Measured]:
     """Frames with a shut jaw, in sounds beside a contact that should open the mouth.
 
     These are the sounds that open the mouth wide if spoken alone. Captures keep the jaw shut for
@@ -275,7 +278,11 @@ def shut_vowels(scene: Take) -> Iterable[Measured]:
     if isinstance(opening, str):
         return unjudged(opening)
     curve, level = opening.curve, statistics.SHUT_SHARE * opening.peak
-    which = _beside(scene)
+    touched = _touched(scene)
+    beside = np.zeros(len(touched), bool)
+    beside[:-1] |= touched[1:]
+    beside[1:] |= touched[:-1]
+    which = np.flatnonzero(beside & _opens(scene))
     if len(which) < LEAST_SOUNDS:
         return unjudged(f"fewer than {LEAST_SOUNDS} sounds beside a contact open the mouth")
     meant = np.zeros(len(scene.track.ids), bool)
@@ -294,23 +301,14 @@ def shut_vowels(scene: Take) -> Iterable[Measured]:
     return one(closed.sum() / max(1, inside.sum()), parts, places(scene, told))
 
 
-def _beside(scene: Take) -> Ints:
-    """Return the sounds that open the mouth and are next to a contact."""
-    touched = _touched(scene)
-    around = np.zeros(len(touched), bool)
-    around[:-1] |= touched[1:]
-    around[1:] |= touched[:-1]
-    return np.flatnonzero(around & _opens(scene))
-
-
 @once
-def _touched(scene: Take) -> Bools:
+def _touched(scene: MeasuredScene) -> Bools:
     """Return True for the sounds that demand any contact: (n,)."""
     touched: Bools = np.asarray(scene.demanded.any(axis=0))
     return touched
 
 
-def _opens(scene: Take) -> Bools:
+def _opens(scene: MeasuredScene) -> Bools:
     """Return True for the sounds that open the mouth if spoken alone: (n,)."""
     roles = scene.face.roles
     if roles is None:
@@ -320,7 +318,7 @@ def _opens(scene: Take) -> Bools:
 
 
 @measure("opening_lag", "s", limit=0.017)
-def opening_lag(scene: Take) -> Iterable[Measured]:
+def opening_lag(scene: MeasuredScene) -> Iterable[Measured]:
     """Time from the end of a sound with a contact until the mouth opens for the next sound.
 
     The sounds open the mouth wide if spoken alone, and follow a contact. Each counts the seconds
@@ -344,7 +342,7 @@ def opening_lag(scene: Take) -> Iterable[Measured]:
     return one(median(lags.tolist()), parts, places(scene, told))
 
 
-def _lag(scene: Take, curve: Floats, level: float, number: int) -> float:
+def _lag(scene: MeasuredScene, curve: Floats, level: float, number: int) -> float:
     """Return the seconds from the start of a sound until the jaw opens and stays open."""
     around = scene.track.bounds[number - 1 : number + 2]
     _, start, end = map(float, around.tolist())

@@ -13,9 +13,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Finding
-from lipsync_lang.quality.take import Take
+from lipsync_lang.quality.measured_scene import MeasuredScene
 
 VISIBLE_SHARE = 0.05
 """Smallest visible change of a pose."""
@@ -55,7 +55,7 @@ class Measured:
     limit: float | None = None
 
 
-Find = Callable[[Take], Iterable[Measured]]
+Find = Callable[[MeasuredScene], Iterable[Measured]]
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,11 @@ def measure(name: str, unit: str, limit: float | None = None) -> Callable[[Find]
 Found = TypeVar("Found")
 
 
-def once(find: Callable[[Take], Found]) -> Callable[[Take], Found]:
+def once(find: Callable[[MeasuredScene], Found]) -> Callable[[MeasuredScene], Found]:
     """Cache the result of a function of a scene, which several measures need."""
 
     @wraps(find)
-    def remembered(scene: Take) -> Found:
+    def remembered(scene: MeasuredScene) -> Found:
         known = scene.remembered
         if find not in known:
             known[find] = find(scene)
@@ -136,7 +136,7 @@ def runs(mask: Bools) -> tuple[Ints, Ints]:
     return edges[::2], edges[1::2]
 
 
-def places(scene: Take, told: Mapping[int, str]) -> Iterator[Finding]:
+def places(scene: MeasuredScene, told: Mapping[int, str]) -> Iterator[Finding]:
     """Yield a finding for each description, by the phoneme's index in the track."""
     for number, what in told.items():
         at = round(float(scene.track.bounds[number]), 4)

@@ -4,8 +4,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Finding
+from lipsync_lang.quality.measured_scene import MeasuredScene
 from lipsync_lang.quality.measures import (
     CONSTRAINT_TOLERANCE,
     FLICKER_SECONDS,
@@ -22,13 +23,12 @@ from lipsync_lang.quality.measures import (
     share,
     unjudged,
 )
-from lipsync_lang.quality.take import Take
 
-SILENT = "the line has no sounds"
+NO_SOUNDS = "the line has no sounds"
 
 
 @measure("constraints", "of frames", limit=0)
-def constraints(scene: Take) -> Iterable[Measured]:
+def constraints(scene: MeasuredScene) -> Iterable[Measured]:
     """Frames in which poses break a constraint by more than 0.01.
 
     Pose b yields to pose a, which has the higher priority. Parts are the largest excess of a pair::
@@ -53,7 +53,7 @@ def constraints(scene: Take) -> Iterable[Measured]:
     return one(share(np.asarray((over > CONSTRAINT_TOLERANCE).any(axis=0))), parts, findings)
 
 
-def _over(scene: Take) -> Floats:
+def _over(scene: MeasuredScene) -> Floats:
     """Return the excess over each constraint: (K, T)."""
     curves = scene.curves
     low, high, threshold = scene.face.capped
@@ -62,7 +62,7 @@ def _over(scene: Take) -> Floats:
     return np.concatenate((capped, curves[pose] - curves[other]))
 
 
-def _constrained(scene: Take) -> Iterator[str]:
+def _constrained(scene: MeasuredScene) -> Iterator[str]:
     """Yield the name of each constraint, in the order of `_over`."""
     names = scene.face.names
     yield from (f"{names[low]} + {names[high]}" for low, high, _ in scene.face.caps)
@@ -70,7 +70,7 @@ def _constrained(scene: Take) -> Iterator[str]:
 
 
 @measure("speed", "per second")
-def speed(scene: Take) -> Iterable[Measured]:
+def speed(scene: MeasuredScene) -> Iterable[Measured]:
     """The top speed of the fastest pose.
 
     It is::
@@ -88,7 +88,7 @@ def speed(scene: Take) -> Iterable[Measured]:
 
 
 @measure("jitter", "per second", limit=2)
-def jitter(scene: Take) -> Iterable[Measured]:
+def jitter(scene: MeasuredScene) -> Iterable[Measured]:
     """Flickers per second of speech, for the pose with most flickers.
 
     A flicker is a movement of 0.05 or more and a movement back of 0.05 or more, both within
@@ -97,7 +97,7 @@ def jitter(scene: Take) -> Iterable[Measured]:
         value = max over poses of (flickers / seconds of sound)
     """
     if not scene.seconds:
-        return unjudged(SILENT)
+        return unjudged(NO_SOUNDS)
     names = scene.face.names
     pose, frame = _flickers(scene)
     counts = np.bincount(pose, minlength=len(names)) / scene.seconds
@@ -109,7 +109,7 @@ def jitter(scene: Take) -> Iterable[Measured]:
     return one(counts.max(), named(names, counts), findings)
 
 
-def _flickers(scene: Take) -> tuple[Ints, Ints]:
+def _flickers(scene: MeasuredScene) -> tuple[Ints, Ints]:
     """Return the poses and frames at which a curve turns within a flicker.
 
     A stroke is a movement in one direction; a flicker is two quick, visible strokes in sequence.
@@ -130,7 +130,7 @@ def _flickers(scene: Take) -> tuple[Ints, Ints]:
 
 
 @once
-def _shapes(scene: Take) -> tuple[Ints, Ints, Ints]:
+def _shapes(scene: MeasuredScene) -> tuple[Ints, Ints, Ints]:
     """Return the runs of the strongest pose during speech: pose, first frame, frame past the last.
 
     The pose is -1 if none is visible.
@@ -145,7 +145,7 @@ def _shapes(scene: Take) -> tuple[Ints, Ints, Ints]:
 
 
 @measure("changes", "per second")
-def changes(scene: Take) -> Iterable[Measured]:
+def changes(scene: MeasuredScene) -> Iterable[Measured]:
     """Changes of the strongest pose per second of speech. Only some pose sets limit it.
 
     It is::
@@ -153,12 +153,12 @@ def changes(scene: Take) -> Iterable[Measured]:
         value = changes of argmax over poses of w(t) / seconds of sound
     """
     if not scene.speaking.any():
-        return unjudged(SILENT)
+        return unjudged(NO_SOUNDS)
     return one((len(_shapes(scene)[0]) - 1) / scene.seconds)
 
 
 @measure("short_holds", "of stays")
-def short_holds(scene: Take) -> Iterable[Measured]:
+def short_holds(scene: MeasuredScene) -> Iterable[Measured]:
     """Stays of the strongest pose that are shorter than 0.06 s, without the first and the last.
 
     Only some pose sets limit it: the strongest of blended poses often changes, but drawings that
@@ -167,31 +167,28 @@ def short_holds(scene: Take) -> Iterable[Measured]:
         value = stays under 0.06 s / stays
     """
     if not scene.speaking.any():
-        return unjudged(SILENT)
+        return unjudged(NO_SOUNDS)
     pose, first, stop = (part[1:-1] for part in _shapes(scene))
     if not pose.size:
         return one(0.0)
     seconds = scene.times[stop] - scene.times[first]
     short = np.flatnonzero(seconds < SHORT_HOLD_SECONDS - 1e-6)
+    names = (*scene.face.names, "rest")  # the pose -1 is the last name
     return one(
         len(short) / len(pose),
         {"shortest": round(float(seconds.min()), 6)},
         (
             Finding(
                 round(float(scene.times[first[n]]), 4),
-                f"{_called(scene, pose[n])} stays {seconds[n]:.3f} s",
+                f"{names[pose[n]]} stays {seconds[n]:.3f} s",
             )
             for n in short
         ),
     )
 
 
-def _called(scene: Take, pose: int) -> str:
-    return scene.face.names[pose] if pose >= 0 else "rest"
-
-
 @measure("silence", "of its range", limit=VISIBLE_SHARE)
-def silence(scene: Take) -> Iterable[Measured]:
+def silence(scene: MeasuredScene) -> Iterable[Measured]:
     """Largest movement of a pose in a pause.
 
     Next to a sound, the mouth may move for `silence_reach` plus the duration of a pose's movement
@@ -218,7 +215,7 @@ def silence(scene: Take) -> Iterable[Measured]:
     )
 
 
-def _quiet(scene: Take, room: float) -> Bools:
+def _quiet(scene: MeasuredScene, room: float) -> Bools:
     """Return True for silent frames, farther than `room` seconds from any sound: (T,)."""
     bounds, sounds = scene.track.bounds, np.flatnonzero(scene.sounds)
     if not sounds.size:
@@ -231,7 +228,7 @@ def _quiet(scene: Take, room: float) -> Bools:
 
 
 @measure("saturation", "of frames")
-def saturation(scene: Take) -> Iterable[Measured]:
+def saturation(scene: MeasuredScene) -> Iterable[Measured]:
     """Frames of speech with a pose at its maximum. Only some pose sets limit it.
 
     A curve that is clipped at 1 for long has lost its shape::
@@ -239,7 +236,7 @@ def saturation(scene: Take) -> Iterable[Measured]:
         value = frames of sound with any w(t) > 0.999 / frames of sound
     """
     if not scene.speaking.any():
-        return unjudged(SILENT)
+        return unjudged(NO_SOUNDS)
     level = scene.face.high - FULL_TOLERANCE * scene.face.span
     if (scene.curves.max(axis=1) < level).all():
         return one(0.0)
@@ -248,7 +245,7 @@ def saturation(scene: Take) -> Iterable[Measured]:
 
 
 @measure("still", "of frames")
-def still(scene: Take) -> Iterable[Measured]:
+def still(scene: MeasuredScene) -> Iterable[Measured]:
     """Frames of speech without a moving pose. Only some pose sets limit it.
 
     A pose slower than 0.1 per second is still. Long sounds are still, but a mouth that is still
@@ -257,7 +254,7 @@ def still(scene: Take) -> Iterable[Measured]:
         value = frames of sound with all |w'(t)| < 0.1 / frames of sound
     """
     if not scene.speaking.any():
-        return unjudged(SILENT)
+        return unjudged(NO_SOUNDS)
     resting = scene.speeds.max(axis=0) < STILL_SPEED
     said = scene.speaking[:-1] & scene.speaking[1:]
     first, stop = runs(resting & said)

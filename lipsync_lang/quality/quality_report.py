@@ -2,9 +2,9 @@
 
 import json
 from collections.abc import Callable, Mapping
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from lipsync_lang.quality.figures import Figure, Quality, describe
+from lipsync_lang.reports.junit import JunitCase, JunitSuite, junit_text
 
 Qualities = Mapping[str, Quality]
 """Results by name; the first is for the judged animation, the others are for comparison."""
@@ -42,27 +42,20 @@ def as_json(qualities: Qualities) -> str:
 
 def as_junit(qualities: Qualities) -> str:
     """Return a test suite for each result, with a case for each figure."""
-    root = Element("testsuites")
-    for name, quality in qualities.items():
-        figures = quality.figures
-        skipped = sum(figure.verdict == "-" for figure in figures)
-        counts = {"tests": len(figures), "failures": len(quality.failed), "skipped": skipped}
-        told_counts = {key: str(number) for key, number in counts.items()}
-        suite = SubElement(root, "testsuite", {"name": name, **told_counts})
-        for figure in figures:
-            _case(
-                SubElement(suite, "testcase", classname=quality.subject, name=figure.name), figure
-            )
-    indent(root)
-    return tostring(root, encoding="unicode", xml_declaration=True)
+    suites = [
+        JunitSuite(name, [_case(quality.subject, figure) for figure in quality.figures])
+        for name, quality in qualities.items()
+    ]
+    return junit_text(suites, counts=("tests", "failures", "skipped"))
 
 
-def _case(case: Element, figure: Figure) -> None:
+def _case(subject: str, figure: Figure) -> JunitCase:
     if figure.verdict == "-":
-        SubElement(case, "skipped", message=describe(figure))
-    if not figure.passed:
-        failure = SubElement(case, "failure", message=describe(figure))
-        failure.text = "\n".join(f"{one.at:.3f} s: {one.what}" for one in figure.findings)
+        return JunitCase(subject, figure.name, "skipped", describe(figure))
+    if figure.passed:
+        return JunitCase(subject, figure.name)
+    findings = "\n".join(f"{one.at:.3f} s: {one.what}" for one in figure.findings)
+    return JunitCase(subject, figure.name, "failure", describe(figure), findings)
 
 
 FORMATS: dict[str, Callable[[Qualities], str]] = {

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 import numpy as np
 
 from lipsync_lang.errors import OutputError
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.render.plot import BIGRAMS, FINAL, INK, STAGES, THIN, draw
-from lipsync_lang.render.view import VISIBLE, WIDTH
+from lipsync_lang.render.view import VISIBLE_WEIGHT, WIDTH
 from lipsync_lang.resolver.bank_diff import TIMES, BigramChange, Diff
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ COLUMNS, MOST = 4, 12
 HEAD, TITLE, AXIS, ROW, GAP, MARGIN = 0.85, 0.42, 0.45, 0.5, 0.14, 0.2
 """Inches: page head, panel title, panel axis, pose row, gap between panels, margin."""
 
-LETTER = 0.085
+LETTER_INCHES = 0.085
 """Approximate width in inches of one letter of a pose name."""
 
 PALE, EDGE = BIGRAMS[0]
@@ -33,7 +32,7 @@ AFTER: dict[str, Any] = {"color": FINAL, "lw": 1.7, "zorder": 4}
 
 
 class Panel(NamedTuple):
-    """A bigram with the poses that move in either version."""
+    """A bigram with the poses that move before or after the change."""
 
     change: BigramChange
     poses: list[int]
@@ -50,7 +49,7 @@ def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noq
     Parameters
     ----------
     stream : binary stream, open for writing
-    format : a name in `FORMATS`, in any case
+    format : a name in `PLOT_FORMATS`, in any case
 
     Raises
     ------
@@ -65,7 +64,10 @@ def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noq
 def _page(diff: Diff) -> "Figure":
     from matplotlib.figure import Figure
 
-    panels = [Panel(change, _moved(change)) for change in diff.named[:MOST]]
+    panels = []
+    for change in diff.named[:MOST]:
+        tops = np.maximum(change.before.curves, change.after.curves).max(axis=0)
+        panels.append(Panel(change, np.flatnonzero(tops > VISIBLE_WEIGHT).tolist()))
     columns = min(COLUMNS, len(panels))
     bands = [panels[n : n + columns] for n in range(0, len(panels), columns)]
     tall = [TITLE + max(panel.height for panel in band) + AXIS for band in bands]
@@ -73,7 +75,7 @@ def _page(diff: Diff) -> "Figure":
     figure = Figure(figsize=(WIDTH, height))
     _head(figure, diff, len(panels), height)
     names = [diff.poses[pose] for panel in panels for pose in panel.poses]
-    left = 0.35 + LETTER * max(map(len, names), default=0)
+    left = 0.35 + LETTER_INCHES * max(map(len, names), default=0)
     cell = (WIDTH - MARGIN) / COLUMNS
     for number, band in enumerate(bands):
         top = height - HEAD - sum(tall[:number]) - TITLE
@@ -83,12 +85,6 @@ def _page(diff: Diff) -> "Figure":
             place = (*corner, (cell - left - MARGIN) / WIDTH, size / height)
             _panel(figure.add_axes(place, xlim=(0, 1), ylim=(size, 0)), panel, diff.poses)
     return figure
-
-
-def _moved(change: BigramChange) -> list[int]:
-    """List the poses that move before or after the change."""
-    tops = np.maximum(change.before.curves, change.after.curves).max(axis=0)
-    return [int(pose) for pose in np.flatnonzero(tops > VISIBLE)]
 
 
 def _head(figure: "Figure", diff: Diff, shown: int, height: float) -> None:
@@ -133,15 +129,11 @@ def _panel(axes: "Axes", panel: Panel, poses: tuple[str, ...]) -> None:
         for boundary in side.boundaries:
             axes.axvline(boundary, color=look["color"], lw=0.8, ls=":", zorder=1)
     for top, pose in zip(tops, panel.poses, strict=True):
-        _row(axes, float(top), change.before.curves[:, pose], change.after.curves[:, pose])
-
-
-def _row(axes: "Axes", top: float, before: Floats, after: Floats) -> None:
-    """Draw the curves of one pose before and after the change."""
-    axes.axhline(top + ROW, **THIN | {"color": INK})
-    axes.axhline(top, **THIN)
-    old, new = (top + ROW * (1 - curve) for curve in (before, after))
-    axes.fill_between(TIMES, top + ROW, old, color=PALE, lw=0, alpha=0.7, zorder=2)
-    axes.fill_between(TIMES, old, new, color=CHANGED, lw=0, alpha=0.6, zorder=2.5)
-    axes.plot(TIMES, old, **BEFORE)
-    axes.plot(TIMES, new, **AFTER)
+        axes.axhline(top + ROW, **THIN | {"color": INK})
+        axes.axhline(top, **THIN)
+        sides = (change.before, change.after)
+        old, new = (top + ROW * (1 - side.curves[:, pose]) for side in sides)
+        axes.fill_between(TIMES, top + ROW, old, color=PALE, lw=0, alpha=0.7, zorder=2)
+        axes.fill_between(TIMES, old, new, color=CHANGED, lw=0, alpha=0.6, zorder=2.5)
+        axes.plot(TIMES, old, **BEFORE)
+        axes.plot(TIMES, new, **AFTER)

@@ -1,6 +1,7 @@
 """Plot of one line on several faces, stacked on a common time axis in seconds."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from textwrap import shorten
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -8,12 +9,15 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.render.plot import INK, RULE, SILENT, TITLE, draw
-from lipsync_lang.render.view import SHOWN, VISIBLE, text_width
+from lipsync_lang.performing.performed_line import performer_of
+from lipsync_lang.render.plot import INK, RULE, SILENT, TITLE_CHARS, draw
+from lipsync_lang.render.view import SHOWN, VISIBLE_WEIGHT, text_width
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from lipsync_lang.schedules.schedule import Schedule
 
 WIDTH, PER_SECOND, MOST = 4.0, 4.0, 15.0
 """Page width in inches: minimum, per second of the line, maximum."""
@@ -52,17 +56,14 @@ def plot_beside(animations: Sequence[Animation], stream: BinaryIO, format: str =
     draw(lambda: _page(animations), stream, format)
 
 
-def _moving(animation: Animation) -> list[int]:
-    return np.flatnonzero(np.abs(animation.weights).max(axis=0) > VISIBLE).tolist()
-
-
 def _page(animations: Sequence[Animation]) -> "Figure":
     from matplotlib.figure import Figure
 
     schedule = animations[0].schedule
     begin = min(float(one.times[0]) for one in animations)
     end = min(max(float(one.times[-1]) for one in animations), begin + SHOWN)
-    rows = [_moving(one) for one in animations]
+    tops = [np.abs(one.weights).max(axis=0) for one in animations]
+    rows: list[list[int]] = [np.flatnonzero(top > VISIBLE_WEIGHT).tolist() for top in tops]
     heights = [max(1, len(row)) * ROW for row in rows]
     named = [one.poses[pose] for one, row in zip(animations, rows, strict=True) for pose in row]
     left = MARGIN + max((text_width(name, 8) for name in named), default=0.0)
@@ -70,7 +71,7 @@ def _page(animations: Sequence[Animation]) -> "Figure":
     height = HEAD + sum(heights) + GAP * len(heights) + FOOT
     figure = Figure(figsize=(width, height))
     texts = [word.text for word in schedule.words] or schedule.labels
-    title = shorten(" ".join(texts), TITLE, placeholder=" …")
+    title = shorten(" ".join(texts), TITLE_CHARS, placeholder=" …")
     figure.text(left / width, 1 - 0.1 / height, title, size=12, weight="bold", va="top")
     top = height - HEAD
     for number, (one, row, tall) in enumerate(zip(animations, rows, heights, strict=True)):
@@ -78,10 +79,9 @@ def _page(animations: Sequence[Animation]) -> "Figure":
         place = (left / width, (top - tall) / height, 1 - (left + RIGHT) / width, tall / height)
         axes = figure.add_axes(place, xlim=(begin, end), ylim=(max(1, len(row)), 0))
         _face(axes, one, row, HUES[number % len(HUES)])
-        if number == 0:
-            _phonemes(axes, one)
         axes.tick_params(axis="x", labelbottom=number == len(animations) - 1, length=0)
         top -= tall
+    _label_phonemes(figure.axes[0], schedule)
     return figure
 
 
@@ -94,9 +94,9 @@ def _face(axes: "Axes", animation: Animation, rows: Sequence[int], hue: str) -> 
         )
     axes.set_yticks(np.arange(len(rows)) + 0.6, [animation.poses[p] for p in rows], size=8)
     axes.tick_params(axis="y", length=0)
-    axes.set_title(
-        animation.performer.character, loc="left", size=10, color=hue, weight="bold", pad=4
-    )
+    performer = performer_of(animation)
+    name = performer.character if performer else ""
+    axes.set_title(name, loc="left", size=10, color=hue, weight="bold", pad=4)
     axes.spines[["left", "right", "top"]].set_visible(False)
     axes.xaxis.set_major_formatter("{x:g} s")
     bounds = animation.schedule.times
@@ -105,15 +105,12 @@ def _face(axes: "Axes", animation: Animation, rows: Sequence[int], hue: str) -> 
         axes.axvspan(start, stop, color=SILENT, lw=0, zorder=-1)
 
 
-def _phonemes(axes: "Axes", animation: Animation) -> None:
+def _label_phonemes(axes: "Axes", schedule: "Schedule") -> None:
     """Draw the phoneme labels above the first face."""
-    schedule, (low, high) = animation.schedule, axes.get_xlim()
-    for label, start, stop in zip(
-        schedule.labels, schedule.times[:-1], schedule.times[1:], strict=True
-    ):
+    low, high = axes.get_xlim()
+    for label, (start, stop) in zip(schedule.labels, pairwise(schedule.times), strict=True):
         if low <= start < high:
-            at = (start + stop) / 2
-            text = " ".join(label.split())
             axes.annotate(
-                text, (at, 0), (0, 17), textcoords="offset points", ha="center", size=8, color=INK
-            )
+                " ".join(label.split()), ((start + stop) / 2, 0), (0, 17),
+                textcoords="offset points", ha="center", size=8, color=INK,
+            )  # fmt: skip

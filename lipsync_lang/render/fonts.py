@@ -15,14 +15,14 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-FOLDERS = {
+FONT_FOLDERS = {
     "linux": ("/usr/share/fonts", "/usr/local/share/fonts", "~/.local/share/fonts", "~/.fonts"),
     "darwin": ("/System/Library/Fonts", "/Library/Fonts", "~/Library/Fonts"),
     "win32": ("%WINDIR%/Fonts", "%LOCALAPPDATA%/Microsoft/Windows/Fonts"),
 }
 """Folders of fonts by platform; other systems use those of Linux."""
 
-SUFFIXES = (".ttf", ".otf", ".ttc", ".otc")
+FONT_SUFFIXES = (".ttf", ".otf", ".ttc", ".otc")
 
 MAX_FONTS = 5000
 """Maximum number of font files to read."""
@@ -33,10 +33,10 @@ SHOWN_LETTERS = 12
 ELLIPSIS = "…"
 """Replaces letters that no font has."""
 
-UNFIT = re.compile(r"last ?resort|blank|emoji|color|symbol|music", re.IGNORECASE)
+NO_LETTERS = re.compile(r"last ?resort|blank|emoji|color|symbol|music", re.IGNORECASE)
 """Words in names of fonts that show boxes or symbols instead of letters."""
 
-UNUSUAL = re.compile(
+UNUSUAL_STYLES = re.compile(
     r"bold|italic|oblique|black|thin|light|medium|condensed|narrow|mono|serif|slant|kufi|nastaliq"
     r"|looped|display|supplement|[a-z]UI\b",
     re.IGNORECASE,
@@ -54,12 +54,12 @@ EAST_ASIAN_SCRIPTS = {
     "FULLWIDTH", "HALFWIDTH",
 }  # fmt: skip
 
-Coverage = Callable[[Path, frozenset[str]], frozenset[str]]
+FontCoverage = Callable[[Path, frozenset[str]], frozenset[str]]
 """Return the subset of letters that a font file contains."""
 
 
 _log = logging.getLogger(__name__)
-_told: set[str] = set()
+_remarked: set[str] = set()
 
 
 class FoundFonts(NamedTuple):
@@ -71,7 +71,7 @@ class FoundFonts(NamedTuple):
 
 
 @cache
-def find_fonts(letters: frozenset[str], coverage: Coverage) -> FoundFonts:
+def find_fonts(letters: frozenset[str], coverage: FontCoverage) -> FoundFonts:
     """Find a few installed fonts that contain some letters, plain fonts first.
 
     Parameters
@@ -94,25 +94,24 @@ def find_fonts(letters: frozenset[str], coverage: Coverage) -> FoundFonts:
 @cache
 def font_files() -> tuple[Path, ...]:
     """List the installed font files, plain upright ones first."""
-    stated = FOLDERS.get(sys.platform, FOLDERS["linux"])
+    stated = FONT_FOLDERS.get(sys.platform, FONT_FOLDERS["linux"])
     folders = [Path(os.path.expandvars(one)).expanduser() for one in stated]
-    found = {path for folder in folders for path in islice(_fonts_below(folder), MAX_FONTS)}
-    return tuple(sorted(found, key=_rank))
+    files = (
+        Path(here, name)
+        for folder in folders
+        for here, _, names in os.walk(folder)
+        for name in names
+        if name.lower().endswith(FONT_SUFFIXES) and not NO_LETTERS.search(name)
+    )
 
+    def rank(path: Path) -> tuple[int, bool, int, str]:
+        """Few unusual styles in the name come first, then a sans serif, then a short name."""
+        name = path.stem
+        return (
+            len(UNUSUAL_STYLES.findall(name)), "sans" not in name.lower(), len(name), str(path)
+        )  # fmt: skip
 
-def _fonts_below(folder: Path) -> Iterator[Path]:
-    for here, inner, names in os.walk(folder):
-        inner.sort()
-        for name in sorted(names):
-            if name.lower().endswith(SUFFIXES) and not UNFIT.search(name):
-                yield Path(here, name)
-
-
-def _rank(path: Path) -> tuple[int, bool, int, str]:
-    """Sort key: few unusual marks in the name, then sans serif, then a short name."""
-    name = path.stem
-    sans = "sans" in name.lower()
-    return len(UNUSUAL.findall(name)), not sans, len(name), str(path)
+    return tuple(sorted(set(islice(files, MAX_FONTS)), key=rank))
 
 
 def letters_of(texts: Iterable[str]) -> frozenset[str]:
@@ -143,8 +142,8 @@ def warn_of(missing: Collection[str]) -> None:
     """Log once the letters that no font contains, unless only their marks are left out."""
     if any(letter[0] in missing for letter in missing):
         remark = font_remark(missing)
-        if remark not in _told:
-            _told.add(remark)
+        if remark not in _remarked:
+            _remarked.add(remark)
             _log.warning(remark)
 
 
@@ -171,19 +170,15 @@ def font_remark(missing: Collection[str]) -> str:
 
 def fonts_to_install(letters: Iterable[str]) -> dict[str, str]:
     """Return names of fonts with some letters, each with its installation on this platform."""
-    return {name: _how(name) for name in dict.fromkeys(map(_font_name, sorted(letters)))}
+    names = []
+    for letter in sorted(letters):
+        script = unicodedata.name(letter[0], "").partition(" ")[0]
+        own = "CJK" if script in EAST_ASIAN_SCRIPTS else script.title()
+        names.append("Noto Sans" if script in PLAIN_SCRIPTS else f"Noto Sans {own}".strip())
+    return {name: _installation(name) for name in names}
 
 
-def _font_name(letter: str) -> str:
-    script = unicodedata.name(letter[0], "").partition(" ")[0]
-    if script in EAST_ASIAN_SCRIPTS:
-        return "Noto Sans CJK"
-    if script in PLAIN_SCRIPTS or not script:
-        return "Noto Sans"
-    return f"Noto Sans {script.title()}"
-
-
-def _how(name: str) -> str:
+def _installation(name: str) -> str:
     """Describe the installation of a font of Google's Noto family on this platform."""
     if sys.platform == "darwin":
         cask = name.lower().replace(" ", "-").replace("cjk", "cjk-jp")

@@ -4,7 +4,7 @@ from typing import BinaryIO
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
-from lipsync_lang.animations.glb import unplaced
+from lipsync_lang.animations.writers.glb import unplaced
 
 
 @binary_writer("mp4", suffix=".mp4", remarks=unplaced)

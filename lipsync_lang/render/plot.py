@@ -16,15 +16,16 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.errors import OutputError
 from lipsync_lang.extras import install_line
-from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.perform import Stage
 from lipsync_lang.render.plot_fonts import quiet_fonts, with_fonts
 from lipsync_lang.render.sound_panel import (
-    EDGES,
     IN_DOUBT,
+    PHONEME_EDGES,
     draw_doubts,
     draw_spectrogram,
     draw_waveform,
@@ -39,7 +40,7 @@ from lipsync_lang.render.view import (
     SHOWN,
     SOUND,
     SPECTRUM,
-    VISIBLE,
+    VISIBLE_WEIGHT,
     WIDTH,
     View,
 )
@@ -51,8 +52,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-FORMATS: dict[str, dict[str, Any] | None] = dict.fromkeys(("png", "svg", "pdf", "jpg", "webp"))
-FORMATS |= {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+PLOT_FORMATS: dict[str, dict[str, Any] | None] = dict.fromkeys(("png", "svg", "pdf", "jpg", "webp"))
+PLOT_FORMATS |= {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 """File formats, with the metadata that leaves out the date of each file."""
 
 RC = {
@@ -65,7 +66,7 @@ RC = {
 """Differences from matplotlib's defaults; user settings are ignored for reproducible files."""
 
 DPI = 100
-TITLE = 130  # maximum characters of a line in the title
+TITLE_CHARS = 130  # maximum characters of a line in the title
 THINNED = 4  # stride through the tabulated steps of a bigram, for small files
 
 BIGRAMS = (("#d3e7f6", "#6ba6d3"), ("#f3e8c8", "#c2a54d"))
@@ -101,18 +102,19 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
     Parameters
     ----------
     stream : binary stream, open for writing
-    format : a name in `FORMATS`, in any case
+    format : a name in `PLOT_FORMATS`, in any case
 
     Raises
     ------
     OutputError
         The format is unknown, matplotlib is missing, or the animation has no performer.
     """
-    if animation.performer is None:
+    line = PerformedLine.of(animation)
+    if line is None:
         raise OutputError(
             "an animation without a performer has no stages; perform its schedule to draw it"
         )
-    draw(lambda: _page(View(animation)), stream, format)
+    draw(lambda: _page(View(animation, line)), stream, format)
 
 
 def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  # noqa: A002
@@ -124,9 +126,9 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
         The format is unknown, or matplotlib is missing.
     """
     name = format.lower()
-    if name not in FORMATS:
+    if name not in PLOT_FORMATS:
         what = f"no picture format '{format}'" if format else "the picture's name has no suffix"
-        raise OutputError(f"{what}; known: {', '.join(FORMATS)}")
+        raise OutputError(f"{what}; known: {', '.join(PLOT_FORMATS)}")
     try:
         import matplotlib as mpl  # noqa: F401 loaded modules may hide that it is missing
         from matplotlib import style
@@ -135,7 +137,7 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
     with warnings.catch_warnings(), style.context(RC, after_reset=True), quiet_fonts():
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         warnings.filterwarnings("ignore", message="Matplotlib currently does not support")
-        with_fonts(page).savefig(stream, format=name, dpi=DPI, metadata=FORMATS[name])
+        with_fonts(page).savefig(stream, format=name, dpi=DPI, metadata=PLOT_FORMATS[name])
 
 
 def _page(view: View) -> "Figure":
@@ -143,7 +145,7 @@ def _page(view: View) -> "Figure":
 
     schedule = view.animation.schedule
     texts = [word.text for word in schedule.words] or schedule.labels
-    title = shorten(" ".join(texts), TITLE, placeholder=" …")
+    title = shorten(" ".join(texts), TITLE_CHARS, placeholder=" …")
     height = HEAD + view.strips * (view.height + AXIS) + FOOT
     figure = Figure(figsize=(WIDTH, height))
     figure.text(LEFT / WIDTH, 1 - 0.12 / height, title, size=13, weight="bold", va="top")
@@ -177,7 +179,7 @@ def _subtitle(view: View) -> str:
     if view.end < animation.times[-1]:
         parts.append(f"the first {SHOWN:g} s of {animation.times[-1] - view.begin:.1f} s")
     if view.resting:
-        parts.append(f"at rest: {shorten(', '.join(view.resting), TITLE, placeholder=' …')}")
+        parts.append(f"at rest: {shorten(', '.join(view.resting), TITLE_CHARS, placeholder=' …')}")
     return "   ·   ".join(parts)
 
 
@@ -196,7 +198,7 @@ def _legend(figure: "Figure", view: View, top: float) -> None:
     if view.gates:
         entries["bounds of a contact"] = Patch(**GATE)
     if view.spectrogram is not None:
-        entries["boundaries"] = Line2D([], [], **EDGES)
+        entries["boundaries"] = Line2D([], [], **PHONEME_EDGES)
     if view.doubts:
         entries["word in doubt"] = Patch(**IN_DOUBT)
     figure.legend(
@@ -269,7 +271,7 @@ def _bigrams(axes: "Axes", view: View) -> None:
         if times[0] < high and times[-1] > low:
             for row, pose in enumerate(view.moving):
                 curve = curves[:, pose]
-                if curve.max() > VISIBLE:
+                if curve.max() > VISIBLE_WEIGHT:
                     line = np.column_stack([times, view.y(row, curve)])
                     feet = [(at, view.y(row, 0)) for at in (times[0], times[-1])]
                     lines[i % len(BIGRAMS)].append(np.vstack([feet[:1], line, feet[1:]]))
@@ -286,7 +288,7 @@ def _changes(axes: "Axes", view: View) -> None:
         colour = _look(after)[1]
         for row, pose in enumerate(view.moving):
             old, new = before.curves[pose, near], after.curves[pose, near]
-            changed = np.abs(new - old) > VISIBLE
+            changed = np.abs(new - old) > VISIBLE_WEIGHT
             if changed.any():
                 changed = np.convolve(changed, np.ones(3))[1:-1] > 0  # to where the curves meet
                 lines = (times, view.y(row, old), view.y(row, new))

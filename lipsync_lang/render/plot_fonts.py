@@ -15,7 +15,6 @@ from lipsync_lang.render.fonts import FoundFonts, find_fonts, legible, letters_o
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from matplotlib.text import Text
 
 
 @contextmanager
@@ -37,13 +36,20 @@ def with_fonts(page: "Callable[[], Figure]") -> "Figure":
     of their text. The caller restores matplotlib's settings. Letters that no font has become "…",
     and the log has one warning with the font to install.
     """
+    from matplotlib import rcParams
+    from matplotlib.text import Text
+
     figure = page()
-    found = fonts_for(letters_of(_strings(figure)))
+    texts = [text.get_text() for text in figure.findobj(Text)]
+    for axes in figure.axes:  # matplotlib sets the texts of ticks only on request
+        for axis in (axes.xaxis, axes.yaxis):
+            texts += [label.get_text() for label in axis.get_ticklabels(which="both")]
+    found = fonts_for(letters_of(texts))
     if found.paths:
-        _take(found.paths)
+        rcParams["font.family"] = [*rcParams["font.family"], *map(_family, found.paths)]
         figure = page()
     if found.missing:
-        for text in _texts(figure):
+        for text in figure.findobj(Text):
             text.set_text(legible(text.get_text(), found.missing))
         warn_of(found.missing)
     return figure
@@ -71,13 +77,6 @@ def coverage(path: Path, letters: frozenset[str]) -> frozenset[str]:
     return frozenset(one for one in letters if all(font.get_char_index(ord(c)) for c in one))
 
 
-def _take(paths: tuple[Path, ...]) -> None:
-    """Append font files to the fonts of matplotlib's settings."""
-    from matplotlib import rcParams
-
-    rcParams["font.family"] = [*rcParams["font.family"], *map(_family, paths)]
-
-
 @cache
 def _family(path: Path) -> str:
     """Register a font file with matplotlib, and return its family."""
@@ -87,17 +86,3 @@ def _family(path: Path) -> str:
     if all(one.fname != str(path) for one in manager.ttflist):
         manager.addfont(str(path))
     return str(font_manager.get_font(str(path)).family_name)
-
-
-def _texts(figure: "Figure") -> "list[Text]":
-    from matplotlib.text import Text
-
-    return [text for text in figure.findobj(Text) if isinstance(text, Text)]
-
-
-def _strings(figure: "Figure") -> Iterator[str]:
-    """Yield the texts of a figure, with those of ticks, which matplotlib sets on request."""
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            yield from (label.get_text() for label in axis.get_ticklabels(which="both"))
-    yield from (text.get_text() for text in _texts(figure))

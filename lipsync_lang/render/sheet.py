@@ -11,8 +11,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.arrays import Ints
 from lipsync_lang.errors import OutputError
-from lipsync_lang.pipeline.arrays import Ints
 from lipsync_lang.render.fonts import (
     FoundFonts,
     find_fonts,
@@ -41,7 +41,7 @@ FONTS = ("DejaVuSans.ttf", "NotoSans-Regular.ttf", "segoeui.ttf", "Arial Unicode
 TRIED = 12
 """Pixels: font size for the test of letters."""
 
-ABSENT = "\U0010fffe"
+MISSING_CHARACTER = "\U0010fffe"
 """A character absent from every font."""
 
 
@@ -67,10 +67,7 @@ def sheet(animation: Animation, out: BinaryIO) -> None:
     pillow()
     scene, schedule = staged(animation), animation.schedule
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
-    stills = [
-        Still(float(middles[number]), schedule.labels[number], _word(schedule, number))
-        for number in _chosen(animation).tolist()
-    ]
+    stills = [_still(schedule, float(middles[number])) for number in _chosen(animation)]
     _paste(stills, Artist(scene, CELL), scene.sound, out)
 
 
@@ -108,7 +105,8 @@ def _still(schedule: Schedule, seconds: float) -> Still:
     number = int(np.searchsorted(schedule.times, seconds, side="right")) - 1
     if not 0 <= number < len(schedule):
         return Still(seconds, SILENCE, "")
-    return Still(seconds, schedule.labels[number], _word(schedule, number))
+    word = schedule.word_at(number)
+    return Still(seconds, schedule.labels[number], word.text if word else "")
 
 
 def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO) -> None:
@@ -153,11 +151,6 @@ def _chosen(animation: Animation) -> Ints:
     return found
 
 
-def _word(schedule: Schedule, number: int) -> str:
-    word = schedule.word_at(number)
-    return word.text if word else ""
-
-
 def _plain(text: str, width: int) -> str:
     return shorten(text, width, placeholder="…") or text[:width].strip()
 
@@ -176,7 +169,7 @@ def _write(draw: Any, place: tuple[int, int], text: str, size: int, ink: str) ->
 def _parts(text: str) -> list[tuple[str, str]]:
     """Split a text by the font files that contain its letters."""
     usual, letters = _usual(), letters_of([text])
-    lacking = letters - _having(usual, letters)
+    lacking = letters - coverage(usual, letters)
     found = find_fonts(lacking, coverage) if lacking else FoundFonts((), lacking)
     warn_of(found.missing)
     others = {str(path): coverage(path, lacking) for path in found.paths}
@@ -190,20 +183,18 @@ def _parts(text: str) -> list[tuple[str, str]]:
     return parts
 
 
-def coverage(path: Path, letters: frozenset[str]) -> frozenset[str]:
-    """Return the letters that a font file contains; none if Pillow cannot use it."""
+def coverage(file: Path | str, letters: frozenset[str]) -> frozenset[str]:
+    """Return the letters that a font file contains; none if Pillow cannot use it.
+
+    A letter is there if its shape differs from that of a missing character.
+    """
+    characters = {character for letter in letters for character in letter}
     try:
-        return _having(str(path), letters)
+        font = _font(str(file), TRIED, simple=True)
+        absent = bytes(font.getmask(MISSING_CHARACTER))
+        there = {one for one in characters if bytes(font.getmask(one)) != absent}
     except (OSError, ValueError):
         return frozenset()
-
-
-def _having(file: str, letters: frozenset[str]) -> frozenset[str]:
-    """Return the letters of a font file, whose shape differs from that of a missing character."""
-    font = _font(file, TRIED, simple=True)
-    absent = bytes(font.getmask(ABSENT))
-    characters = {character for letter in letters for character in letter}
-    there = {one for one in characters if bytes(font.getmask(one)) != absent}
     return frozenset(letter for letter in letters if there.issuperset(letter))
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
 from lipsync_lang.render.view import SOUND, SPECTRUM
 
 if TYPE_CHECKING:
@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 HIGHEST_HERTZ = 5_500.0
 """Highest frequency of the picture; lips and tongue show below it."""
 
-WINDOW_SECONDS = 0.008
+PANEL_WINDOW_SECONDS = 0.008
 RANGE_DECIBELS = 55.0
 """Range from black to white."""
 
 POINTS = 512
 PIXELS_PER_INCH = 100
-EMPHASIS = 0.97
+PRE_EMPHASIS = 0.97
 
-INK = "#777777"
-EDGES: dict[str, Any] = {"color": "#0072b2", "lw": 0.7, "zorder": 2}
-WORD_EDGES: dict[str, Any] = EDGES | {"lw": 1.6}
+SOUND_INK = "#777777"
+PHONEME_EDGES: dict[str, Any] = {"color": "#0072b2", "lw": 0.7, "zorder": 2}
+WORD_EDGES: dict[str, Any] = PHONEME_EDGES | {"lw": 1.6}
 """Phoneme and word boundaries."""
 
 IN_DOUBT: dict[str, Any] = {
@@ -60,10 +60,10 @@ class Spectrogram(NamedTuple):
         start, end = max(0.0, begin), min(end, audio.seconds)
         step = 1 / columns_per_second
         columns = max(0, int((end - start) / step))
-        width = max(8, int(WINDOW_SECONDS * rate))
+        width = max(8, int(PANEL_WINDOW_SECONDS * rate))
         first = int(start * rate)
         part = audio.samples[max(0, first - width) : int(end * rate) + width] / 2.0**15
-        sound = np.append(part[:1], part[1:] - EMPHASIS * part[:-1])
+        sound = np.append(part[:1], part[1:] - PRE_EMPHASIS * part[:-1])
         sound = np.pad(sound, (max(0, width - first), 2 * width))
         middles = ((np.arange(columns) + 0.5) * step * rate).astype(np.intp) + width
         frames = sound[middles[:, None] - width // 2 + np.arange(width)] * np.hanning(width)
@@ -92,7 +92,7 @@ def draw_waveform(axes: "Axes", view: "View") -> None:
     if count:
         times = (start + np.arange(count) * step) / audio.rate
         low, high = (SOUND * (0.5 - 0.45 * take(columns, axis=1)) for take in (np.min, np.max))
-        axes.fill_between(times, low, high, color=INK, lw=0.4)
+        axes.fill_between(times, low, high, color=SOUND_INK, lw=0.4)
 
 
 def draw_spectrogram(axes: "Axes", view: "View") -> None:
@@ -113,7 +113,7 @@ def draw_spectrogram(axes: "Axes", view: "View") -> None:
             aspect="auto", cmap="Greys", vmin=0, vmax=1, interpolation="bilinear", zorder=1,
         )  # fmt: skip
     edges = [schedule.times[n] for word in schedule.words for n in (word.first, word.stop)]
-    axes.vlines(schedule.times, SOUND, bottom, **EDGES)
+    axes.vlines(schedule.times, SOUND, bottom, **PHONEME_EDGES)
     axes.vlines(np.unique(edges), 0, bottom, **WORD_EDGES)
 
 

@@ -6,8 +6,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.glb import write_glb
+from lipsync_lang.animations.animation import Animation, ExportSettings
+from lipsync_lang.animations.writers.glb import write_glb
 from lipsync_lang.render.model.scene import Scene
 
 
@@ -24,7 +24,7 @@ def staged(animation: Animation) -> Scene:
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path = Path(folder) / "line.glb"
         with path.open("wb") as stream:
-            write_glb(replace(animation, offset=0.0), stream)
+            write_glb(replace(animation, export=replace(animation.export, offset=0.0)), stream)
         return Scene(path, animation.model or path)
 
 
@@ -43,7 +43,5 @@ def sweep(animation: Animation) -> Animation:
         times=np.arange(count + 1.0),
         weights=np.vstack([np.zeros(count), np.diag(levels)]),
         fps=1.0,
-        offset=0.0,
-        key_error=None,
-        key_lines=False,
+        export=ExportSettings(),
     )

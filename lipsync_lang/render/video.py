@@ -10,7 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
-from typing import BinaryIO, TypeVar
+from typing import BinaryIO
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import Audio
 from lipsync_lang.terminal import progress, wipe
 
-SIZE = 720
+FRAME_PIXELS = 720
 """Side of a frame in pixels."""
 
 CODECS = {
@@ -44,13 +44,11 @@ COLOURS = (
     *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
 )
 
-ALIKE = ("-fflags", "+bitexact", "-flags:v", "+bitexact", "-flags:a", "+bitexact")
+REPRODUCIBLE_FLAGS = ("-fflags", "+bitexact", "-flags:v", "+bitexact", "-flags:a", "+bitexact")
 """Options that keep dates and machine details out of the file, for reproducible output."""
 
-PATIENCE = 2.0
+PROGRESS_SECONDS = 2.0
 """Seconds before a terminal shows progress."""
-
-T = TypeVar("T")
 
 
 def film(  # noqa: PLR0913 the animation, and settings of the film
@@ -69,7 +67,7 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     Parameters
     ----------
     kind : a name in `CODECS`
-    size : side of a frame in pixels; `SIZE` by default
+    size : side of a frame in pixels; `FRAME_PIXELS` by default
     codec : options of the encoder, instead of those in `CODECS`
     framing : animation of the same model for camera and light; by default, this one
 
@@ -80,7 +78,7 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     ModelError
         The model cannot be drawn.
     """
-    ffmpeg, size = find_ffmpeg(), SIZE if size is None else size
+    ffmpeg, size = find_ffmpeg(), size or FRAME_PIXELS
     pillow()
     scene = staged(animation)
     audio = animation.schedule.audio
@@ -88,7 +86,7 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     count = math.floor(seconds * animation.fps + 1e-3) + 1
     widest = staged(sweep(framing)) if framing is not None else None
     artist = Artist(scene, size, None if widest is None else framed(widest), widest)
-    frames = (artist.draw(number / animation.fps) for number in _told(range(count)))
+    frames = _drawn(artist, count, animation.fps)
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path, sound = Path(folder) / f"film.{kind}", Path(folder) / "sound.wav"
         rate = Fraction(animation.fps).limit_denominator(1001)
@@ -97,9 +95,9 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
         if audio is not None:
             _write_sound(audio, scene.sound, count / animation.fps, sound)
             inputs += ["-i", str(sound)]
-        said = ["-loglevel", "error", "-nostdin", "-y"]
-        packed = [*COLOURS, *(codec or CODECS[kind]), *ALIKE, str(path)]
-        _pack([ffmpeg, *said, *inputs, *packed], frames)
+        quiet = ["-loglevel", "error", "-nostdin", "-y"]
+        output = [*COLOURS, *(codec or CODECS[kind]), *REPRODUCIBLE_FLAGS, str(path)]
+        _encode([ffmpeg, *quiet, *inputs, *output], frames)
         with path.open("rb") as stream:
             copyfileobj(stream, out)
 
@@ -136,7 +134,7 @@ def _write_sound(audio: Audio, start: float, seconds: float, path: Path) -> None
         sound.writeframes(np.pad(audio.samples, (before, after)).astype("<i2").tobytes())
 
 
-def _pack(command: Sequence[str], frames: Iterable[Pixels]) -> None:
+def _encode(command: Sequence[str], frames: Iterable[Pixels]) -> None:
     """Send frames to ffmpeg."""
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         log = Path(folder) / "log"
@@ -160,13 +158,13 @@ def _pack(command: Sequence[str], frames: Iterable[Pixels]) -> None:
             raise OutputError(f"ffmpeg could not make the video: {last.strip()}")
 
 
-def _told(items: Sequence[T]) -> Iterator[T]:
-    """Yield items, with progress on a terminal after `PATIENCE` seconds."""
+def _drawn(artist: Artist, count: int, fps: float) -> Iterator[Pixels]:
+    """Draw frames, with progress on a terminal after `PROGRESS_SECONDS` seconds."""
     began = time.monotonic()
     try:
-        for number, item in enumerate(items):
-            if time.monotonic() - began > PATIENCE:
-                progress(f"frame {number} of {len(items)} ...")
-            yield item
+        for number in range(count):
+            if time.monotonic() - began > PROGRESS_SECONDS:
+                progress(f"frame {number} of {count} ...")
+            yield artist.draw(number / fps)
     finally:
         wipe()

@@ -5,19 +5,15 @@ Units: x is seconds; y is inches from the top of a strip, the scale of a printed
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
+from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.schedules.schedule import DOUBTFUL
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.render.sound_panel import Spectrogram
-    from lipsync_lang.schedules.schedule import Schedule
 
 STRIP, SHOWN = 6.5, 60.0
 """Seconds: length of a strip, after which a line wraps, and maximum length of the plot."""
@@ -33,7 +29,7 @@ COLUMNS_PER_INCH = 100.0
 LANES = 3
 """Number of text lanes for the crowded labels of a band."""
 
-VISIBLE = 5e-3
+VISIBLE_WEIGHT = 5e-3
 """Weight threshold for resting poses and for invisible changes of a stage."""
 
 
@@ -53,13 +49,13 @@ class Band(NamedTuple):
 class View:
     """Contents and layout of a plot, before any drawing."""
 
-    def __init__(self, animation: Animation) -> None:
+    def __init__(self, animation: Animation, line: PerformedLine) -> None:
         """Run the stages on the visible part of the line."""
+        from lipsync_lang.render.sound_panel import Spectrogram
+
         self.animation = animation
-        self.performer: Performer = animation.performer
-        self.performance = self.performer.performance(
-            animation.schedule, animation.fps, **animation.asked
-        )
+        self.performer = line.performer
+        self.performance = line.performance(animation)
         self.begin = float(animation.times[0])
         self.end = min(float(animation.times[-1]), self.begin + SHOWN)
         self.end = max(self.end, self.begin + 1 / animation.fps)
@@ -69,12 +65,21 @@ class View:
         """Inches per second."""
         self.times, self.stages = _stages(self.performance, self.end)
         tops = np.max([stage.curves.max(axis=1) for stage in self.stages], axis=0)
-        self.moving = np.flatnonzero(tops > VISIBLE)
-        self.resting = [animation.poses[i] for i in np.flatnonzero(tops <= VISIBLE)]
+        self.moving = np.flatnonzero(tops > VISIBLE_WEIGHT)
+        self.resting = [animation.poses[i] for i in np.flatnonzero(tops <= VISIBLE_WEIGHT)]
         self.gates = list(_gates(self))
         self.bands = _bands(self)
-        self.spectrogram = _spectrogram(self)
-        self.doubts = list(_doubts(animation.schedule))
+        audio, columns = animation.schedule.audio, self.scale * COLUMNS_PER_INCH
+        self.spectrogram = (
+            None if audio is None else Spectrogram.of(audio, self.begin, self.end, columns)
+        )
+        times = animation.schedule.times
+        self.doubts = [
+            (float(times[word.first]), float(times[word.stop]))
+            for word in animation.schedule.words
+            if word.confidence is not None and word.confidence < DOUBTFUL
+        ]
+        """Start and end of each word with low confidence."""
         self.row = float(np.clip(ALL_ROWS / self.strips / max(1, len(self.moving)), LOW_ROW, ROW))
         first = self.bands[-1].bottom + GAP
         self.tops = first + np.arange(len(self.moving)) * (self.row + GAP)
@@ -94,23 +99,6 @@ def _stages(performance: Performance, end: float) -> tuple[Floats, list[Stage]]:
         stop = performance.frames.count
     stages = performance.stages(0, stop)
     return times, [Stage(name, curves[:, : len(times)]) for name, curves in stages]
-
-
-def _spectrogram(view: View) -> "Spectrogram | None":
-    """Analyse the sound of the visible part."""
-    from lipsync_lang.render.sound_panel import Spectrogram
-
-    audio = view.animation.schedule.audio
-    if audio is None:
-        return None
-    return Spectrogram.of(audio, view.begin, view.end, view.scale * COLUMNS_PER_INCH)
-
-
-def _doubts(schedule: "Schedule") -> Iterator[tuple[float, float]]:
-    """Yield the start and end of each word with low confidence."""
-    for word in schedule.words:
-        if word.confidence is not None and word.confidence < DOUBTFUL:
-            yield float(schedule.times[word.first]), float(schedule.times[word.stop])
 
 
 def _gates(view: View) -> Iterator[tuple[int, float, float, float, float]]:

@@ -4,8 +4,8 @@ Arrays have the shape (count, width), with one row per element. Compressed buffe
 meshes are decoded when they are read.
 
 Model files are untrusted. Each index, offset, stride and count is checked against the available
-bytes before an array is allocated. `MAX_VALUES` limits the total size of all arrays, because a
-small file can name the same bytes many times.
+bytes before an array is allocated. `MAX_ACCESSOR_VALUES` limits the total size of all arrays,
+because a small file can name the same bytes many times.
 """
 
 from collections.abc import Iterator
@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.compression import (
     DRACO,
     MESHOPT,
@@ -26,7 +27,7 @@ from lipsync_lang.rigs.compression import (
     meshopt_size,
     way_to_read,
 )
-from lipsync_lang.rigs.container import Json, binary_of, fail
+from lipsync_lang.rigs.container import binary_of, fail
 from lipsync_lang.rigs.model import Model, is_index
 
 Array = npt.NDArray[Any]
@@ -34,7 +35,7 @@ Array = npt.NDArray[Any]
 COMPONENT_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 """glTF component type codes, with their numpy types."""
 
-WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+ACCESSOR_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 """Components per element. MAT2 and MAT3 are left out: faces do not use their padded columns."""
 
 INDICES = {5121, 5123, 5125}
@@ -43,7 +44,7 @@ INDICES = {5121, 5123, 5125}
 LARGEST_STRIDE = 252
 """Maximum stride in bytes (glTF 2.0, 3.6.2.4)."""
 
-MAX_VALUES = 2**26
+MAX_ACCESSOR_VALUES = 2**26
 """Maximum values read from one model; a head of 100,000 points with 52 shapes has 16 million."""
 
 
@@ -81,7 +82,7 @@ class Accessors:
         self._rows = model.document.get("accessors", [])
         self._views = model.document.get("bufferViews", [])
         self._binary = binary_of(model.path, model.document, model.chunks)
-        self._left = MAX_VALUES
+        self._left = MAX_ACCESSOR_VALUES
         self._stored = len(self._binary)
         self._decoded: dict[int, memoryview] = {}
         self._unpacked: dict[int, Array] = {}
@@ -151,7 +152,7 @@ class Accessors:
 
     def _count(self, number: object) -> int:
         count = self._row(number).get("count")
-        if not is_index(count, MAX_VALUES + 1):
+        if not is_index(count, MAX_ACCESSOR_VALUES + 1):
             self._fail(f"accessor {number}", f"states {_shown(count)} values")
         return count
 
@@ -166,15 +167,15 @@ class Accessors:
             self._fail(what, str(error)[:120] or "needs too much memory")
 
     def spend(self, values: int) -> None:
-        """Add the size of an array to the model's total; fail past `MAX_VALUES`."""
+        """Add the size of an array to the model's total; fail past `MAX_ACCESSOR_VALUES`."""
         self._left -= values
         if self._left < 0:
             mend = "export it with fewer vertices, shapes or frames"
-            fail(self.path, f"holds more than {MAX_VALUES:,} numbers", mend)
+            fail(self.path, f"holds more than {MAX_ACCESSOR_VALUES:,} numbers", mend)
 
     def _form(self, what: str, row: Json) -> tuple[tuple[int, int], np.dtype[Any]]:
         """Validate the shape and type of an accessor, and add its size to the total."""
-        kind, width = row.get("componentType"), WIDTHS.get(str(row.get("type")))
+        kind, width = row.get("componentType"), ACCESSOR_WIDTHS.get(str(row.get("type")))
         if not is_index(kind, max(COMPONENT_TYPES) + 1) or kind not in COMPONENT_TYPES or not width:
             self._fail(what, "has numbers of an unknown type")
         # A stored value takes a byte or more; sparse-only accessors hold offsets of stored points.

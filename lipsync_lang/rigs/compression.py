@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.extras import install_line
-from lipsync_lang.rigs.container import LARGEST, Json
+from lipsync_lang.json_object import Json
+from lipsync_lang.rigs.container import LARGEST
 
 DRACO = "KHR_draco_mesh_compression"
 

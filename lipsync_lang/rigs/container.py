@@ -10,11 +10,10 @@ from binascii import Error as NotBase64
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple, NoReturn
+from typing import BinaryIO, NamedTuple, NoReturn
 
 from lipsync_lang.errors import ModelError, OutputError
-
-Json = dict[str, Any]
+from lipsync_lang.json_object import Json
 
 LARGEST = 2**30
 """Maximum model size in bytes, beyond what a browser or a game would load."""
@@ -22,7 +21,7 @@ LARGEST = 2**30
 LARGEST_WRITTEN = 2**32 - 1
 """Maximum GLB size in bytes: the header stores the length in 32 bits."""
 
-MAGIC = b"glTF"
+GLB_MAGIC = b"glTF"
 JSON_CHUNK = 0x4E4F534A
 BINARY_CHUNK = 0x004E4942
 
@@ -88,7 +87,7 @@ def open_model(path: Path) -> tuple[bytes, tuple[Chunk, ...]]:
 
 def _container(path: Path, stream: BinaryIO, size: int) -> tuple[bytes, tuple[Chunk, ...]]:
     head = stream.read(256)
-    if not head.startswith(MAGIC):
+    if not head.startswith(GLB_MAGIC):
         if not head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
             fail(path, f"is not GLB; it seems to be {_seems(head)}", EXPORT)
         stream.seek(0)
@@ -209,7 +208,7 @@ def write_parts(out: BinaryIO, parts: Iterable[tuple[int, Sequence[bytes]]]) -> 
     total = 12 + sum(8 + length for _, _, length in known)
     if total > LARGEST_WRITTEN:
         raise OutputError("the animation is too long for one GLB; write fewer frames per second")
-    out.write(struct.pack("<4sII", MAGIC, 2, total))
+    out.write(struct.pack("<4sII", GLB_MAGIC, 2, total))
     for kind, pieces, length in known:
         out.write(struct.pack("<2I", length, kind))
         out.writelines(pieces)

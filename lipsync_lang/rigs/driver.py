@@ -8,14 +8,14 @@ from typing import Any, Self
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.arrays import Floats
 from lipsync_lang.pipeline.drive import Rig, sides
 from lipsync_lang.rigs.channel import Channel
 
 MORPH = (0.0, 1.0)
 """Default range of a morph target weight."""
 
-FREE = (-inf, inf)
+UNLIMITED = (-inf, inf)
 """Default range of a bone channel."""
 
 
@@ -37,9 +37,15 @@ class Driver:
         """
         stated = data["channels"]
         gains = np.array([[one["gains"].get(pose, 0.0) for pose in poses] for one in stated], float)
-        ranges = np.array([one["range"] or (FREE if one["node"] else MORPH) for one in stated])
+        ranges = np.array([one["range"] or (UNLIMITED if one["node"] else MORPH) for one in stated])
+        channels = []
+        for one in stated:
+            ways = (tuple(one[way]) if one[way] else None for way in ("rotation", "translation"))
+            channels.append(
+                Channel(one["name"], tuple(one["names"]), one["mesh"], one["node"], *ways)
+            )
         return cls(
-            tuple(_channel(one) for one in stated),
+            tuple(channels),
             Rig(gains, ranges[:, 0], ranges[:, 1], _order(stated), sides(gains, floors)),
         )
 
@@ -47,11 +53,6 @@ class Driver:
 def bare(poses: Sequence[str], names: Mapping[str, Sequence[str]]) -> tuple[Channel, ...]:
     """Build channels for a face without a rig: its poses, under the names in models."""
     return tuple(Channel(pose, tuple(names.get(pose, ()))) for pose in poses)
-
-
-def _channel(one: Mapping[str, Any]) -> Channel:
-    ways = (tuple(one[way]) if one[way] else None for way in ("rotation", "translation"))
-    return Channel(one["name"], tuple(one["names"]), one["mesh"], one["node"], *ways)
 
 
 def _order(stated: Sequence[Mapping[str, Any]]) -> tuple[tuple[int, int], ...]:

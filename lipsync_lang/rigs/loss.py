@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.packs.models.rig_channels import plain_channels
-from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.rigs.driver import Driver
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ALIKE = 0.97
 """Minimum cosine between the channels of two poses for the same look."""
 
-WEAK = 0.5
+WEAK_SHARE = 0.5
 """Fraction of the range that the largest channel of a pose should reach."""
 
 
@@ -45,7 +45,7 @@ class Loss:
         if not self.shown:
             return "not shown"
         found = [f"looks like {self.like}"] if self.like else []
-        return ", ".join([*found, *["weak"] * (self.shown < WEAK)])
+        return ", ".join([*found, *["weak"] * (self.shown < WEAK_SHARE)])
 
     def __str__(self) -> str:
         told = self.what or f"shown at {self.shown:.2f}"
@@ -80,7 +80,7 @@ def _losses(poses: Sequence[str], moves: Floats, lost: Mapping[str, str]) -> lis
     for pose, share, others in zip(poses, shown.tolist(), alike, strict=True):
         nearest = int(others.argmax())
         like = poses[nearest] if others[nearest] > ALIKE else None
-        if share < WEAK or like or pose in lost:
+        if share < WEAK_SHARE or like or pose in lost:
             found.append(Loss(pose, share, like, lost.get(pose, "")))
     return found
 

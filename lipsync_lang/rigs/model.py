@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import NoReturn, TypeGuard
 
 from lipsync_lang.errors import shortlist
-from lipsync_lang.rigs.container import EXPORT, Chunk, Json, fail, open_model
+from lipsync_lang.json_object import Json
+from lipsync_lang.rigs.container import EXPORT, Chunk, fail, open_model
 
-LISTS = ("accessors", "animations", "buffers", "bufferViews", "images", "meshes", "nodes")
+GLTF_LISTS = ("accessors", "animations", "buffers", "bufferViews", "images", "meshes", "nodes")
 """Lists of the document that are read or extended."""
 
 MAX_KNOWN_BYTES = 32 * 2**20
@@ -25,7 +26,7 @@ MAX_KNOWN_BYTES = 32 * 2**20
 SETTLED_SECONDS = 2.0
 """Minimum age of a file whose times show its next change reliably."""
 
-FEW = 12
+MAX_NAMED_SHAPES = 12
 """Maximum number of names in a message."""
 
 
@@ -106,7 +107,11 @@ def read_model(path: Path, *, bones: bool = False) -> Model:
     document = _document(path, text)
     nodes = document.get("nodes", [])
     meshes = _meshes(path, document, bones=bones)
-    _check_nodes(path, document)
+    for number, node in enumerate(nodes):
+        if not isinstance(node.get("name", ""), str):
+            fail(path, f"the name of node {number} is not text")
+        if "mesh" in node and not is_index(node["mesh"], len(document.get("meshes", ()))):
+            fail(path, f"node {number} has a mesh that does not exist")
     return Model(
         path,
         {mesh.name: mesh.shapes for mesh in meshes},
@@ -141,7 +146,7 @@ def _known(path: Path, bones: bool, _state: tuple[int, ...]) -> Model:  # noqa: 
 
 def some(names: Iterable[str]) -> str:
     """Format a few names for a message."""
-    return shortlist(names, FEW)
+    return shortlist(names, MAX_NAMED_SHAPES)
 
 
 # The document
@@ -163,7 +168,7 @@ def _document(path: Path, text: bytes) -> Json:
         fail(path, "is JSON, but not glTF", EXPORT)
     if not str(asset.get("version")).startswith("2."):
         fail(path, f"is glTF version {str(asset.get('version'))[:20]}", f"{EXPORT}, version 2")
-    for name in LISTS:
+    for name in GLTF_LISTS:
         check_list(path, f"its {name}", document.get(name, []))
     found: Json = document
     return found
@@ -183,15 +188,6 @@ def check_list(path: Path, name: str, rows: object) -> list[Json]:
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         fail(path, f"{name} are not a list of objects")
     return rows
-
-
-def _check_nodes(path: Path, document: Json) -> None:
-    count = len(document.get("meshes", ()))
-    for number, node in enumerate(document.get("nodes", ())):
-        if not isinstance(node.get("name", ""), str):
-            fail(path, f"the name of node {number} is not text")
-        if "mesh" in node and not is_index(node["mesh"], count):
-            fail(path, f"node {number} has a mesh that does not exist")
 
 
 def is_index(value: object, count: int) -> TypeGuard[int]:
@@ -219,18 +215,21 @@ def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
     if not rows and not bones:
         fail(path, "has no meshes", "export the model itself, not only its animation or scene")
     labels = list(_labels(path, rows))
-    found = tuple(
-        Mesh(number, label, row.get("name"), shapes, _rest(path, label, row, len(shapes)))
-        for number, (label, row) in enumerate(zip(labels, rows, strict=True))
-        if (shapes := _shapes(path, label, row))
-    )
+    found = []
+    for number, (label, row) in enumerate(zip(labels, rows, strict=True)):
+        if shapes := _shapes(path, label, row):
+            given, count = row.get("weights"), len(shapes)
+            rest = (0.0,) * count
+            if given is not None:
+                rest = numbers(path, f"weights of '{label}'", given, count)
+            found.append(Mesh(number, label, row.get("name"), shapes, rest))
     if not found and not bones:
         fail(
             path,
             f"no mesh has morph targets (meshes: {some(labels)})",
             "export it with its shape keys (blend shapes)",
         )
-    return found
+    return tuple(found)
 
 
 def _labels(path: Path, rows: list[Json]) -> Iterator[str]:
@@ -240,17 +239,16 @@ def _labels(path: Path, rows: list[Json]) -> Iterator[str]:
         fail(path, "the name of a mesh is not text")
     taken = Counter(names)
     for number, name in enumerate(names):
-        if not name:
-            yield f"mesh {number}"
-        else:
-            yield name if taken[name] == 1 else f"{name} (mesh {number})"
+        own = f"mesh {number}"
+        yield (name if taken[name] == 1 else f"{name} ({own})") if name else own
 
 
 def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
     """List the morph target names of a mesh."""
     primitives = row.get("primitives")
     check_list(path, f"the primitives of '{label}'", primitives)
-    counts = {_target_count(path, label, one) for one in primitives or ()}
+    what = f"the morph targets of '{label}'"
+    counts = {len(check_list(path, what, one.get("targets", []))) for one in primitives or ()}
     if len(counts) > 1:
         fail(path, f"'{label}': its parts have different numbers of morph targets")
     count = next(iter(counts), 0)
@@ -262,14 +260,14 @@ def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
         fail(path, f"'{label}': the names of its morph targets are not a list of texts")
     if len(names) != count:
         fail(path, f"'{label}': has {count} morph targets, but {len(names)} names")
-    _check_names(path, label, names)
+    mend = "give every morph target a name of its own and export the model again"
+    nameless = next((number for number, name in enumerate(names) if not name.strip()), None)
+    if nameless is not None:
+        fail(path, f"'{label}': its morph target {nameless} has no name", mend)
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        fail(path, f"'{label}': several morph targets share a name: {some(twice)}", mend)
     return tuple(names)
-
-
-def _target_count(path: Path, label: str, primitive: Json) -> int:
-    targets = primitive.get("targets", [])
-    check_list(path, f"the morph targets of '{label}'", targets)
-    return len(targets)
 
 
 def _target_names(holder: Json) -> object:
@@ -285,10 +283,3 @@ def _check_names(path: Path, label: str, names: list[str]) -> None:
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         fail(path, f"'{label}': several morph targets share a name: {some(twice)}", mend)
-
-
-def _rest(path: Path, label: str, row: Json, count: int) -> tuple[float, ...]:
-    given = row.get("weights")
-    if given is None:
-        return (0.0,) * count
-    return numbers(path, f"weights of '{label}'", given, count)

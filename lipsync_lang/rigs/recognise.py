@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from lipsync_lang.rigs.model import Model
 
 
-SHOWN = 3
+MAX_SHOWN_MATCHES = 3
 """Number of lost poses that outweigh one shown pose."""
 
-LEAST_SHOWN = 0.25
+MIN_SHOWN_SHARE = 0.25
 """Smallest share of shown poses for the automatic choice of a pose set."""
 
 
@@ -66,7 +66,7 @@ class Match:
     @property
     def enough(self) -> bool:
         """True if the match shows enough poses for the automatic choice."""
-        return self.shown >= LEAST_SHOWN * len(self.poses)
+        return self.shown >= MIN_SHOWN_SHARE * len(self.poses)
 
     @property
     def complete(self) -> bool:
@@ -76,7 +76,7 @@ class Match:
     @property
     def rank(self) -> tuple[object, ...]:
         """Sort key of matches; the smallest is the best."""
-        worth = self.shown * SHOWN - len(self.losses)
+        worth = self.shown * MAX_SHOWN_MATCHES - len(self.losses)
         return (-worth, -self.shown, self.rig is not None, -self.own, self.name)
 
     @property

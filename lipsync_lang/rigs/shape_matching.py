@@ -31,12 +31,12 @@ from typing import NamedTuple
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import Mesh
 
-_PARTING = r"_\-.:|\s"
-_WORD = re.compile(rf"[A-Z]+(?![a-z])|[A-Z]?[^A-Z{_PARTING}]+")
-_PARTED = re.compile(rf"[{_PARTING}]+")
+_PARTING_MARKS = r"_\-.:|\s"
+_NAME_WORD = re.compile(rf"[A-Z]+(?![a-z])|[A-Z]?[^A-Z{_PARTING_MARKS}]+")
+_PARTED = re.compile(rf"[{_PARTING_MARKS}]+")
 _OWNER = re.compile(r"^.*[.:|]")
-_LOOSE = re.compile(rf"\*[{_PARTING}]|[{_PARTING}]\*")
-_SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
+_LOOSE_MARKS = re.compile(rf"\*[{_PARTING_MARKS}]|[{_PARTING_MARKS}]\*")
+_SIDE_WORDS = {"l": "left", "r": "right", "left": "left", "right": "right"}
 
 NAME, STATED, FOLDED_NAME, FOLDED, BARE_NAME, BARE, PATTERN, BOTH_SIDES, ONE_SIDE = range(9)
 """Comparisons in order, strictest first."""
@@ -175,7 +175,7 @@ class _Index:
 
 def fits(shape: str, pattern: str) -> bool:
     """Match a shape's name against a pattern with `*` as a wildcard."""
-    form = _spaced if _LOOSE.search(pattern) else folded
+    form = _spaced if _LOOSE_MARKS.search(pattern) else folded
     escaped = re.sub(r"([\[?])", r"[\1]", pattern)
     return fnmatchcase(form(shape), "*".join(map(form, escaped.split("*"))))
 
@@ -188,7 +188,7 @@ def folded(name: str) -> str:
 def _spaced(name: str) -> str:
     """Join a name's words with blanks; mark the word boundaries at its ends."""
     ends = ("" if _PARTED.match(name) is None else " ", " " if _PARTED.search(name[-1:]) else "")
-    return ends[0] + " ".join(map(str.casefold, _WORD.findall(name))) + ends[1]
+    return ends[0] + " ".join(map(str.casefold, _NAME_WORD.findall(name))) + ends[1]
 
 
 class _Spelt(NamedTuple):
@@ -206,9 +206,9 @@ class _Spelt(NamedTuple):
     def of(cls, name: str) -> "_Spelt":
         """Split a name into stem and side."""
         text = folded(name)
-        words = [*_WORD.finditer(unicodedata.normalize("NFKC", name))]
+        words = [*_NAME_WORD.finditer(unicodedata.normalize("NFKC", name))]
         for number in _places_of_sides(words):
-            side = _SIDES[words[number][0].casefold()]
+            side = _SIDE_WORDS[words[number][0].casefold()]
             stem = "".join(w[0].casefold() for n, w in enumerate(words) if n != number)
             return cls(tuple(dict.fromkeys((text, stem + side, stem + side[0]))), stem, side)
         return cls((text,) if text else (), text, "")
@@ -226,7 +226,7 @@ def _places_of_sides(words: Sequence["re.Match[str]"]) -> Iterator[int]:
             if 0 < number < last
             else True
         )
-        if alone and words[number][0].casefold() in _SIDES:
+        if alone and words[number][0].casefold() in _SIDE_WORDS:
             yield number
 
 
@@ -251,7 +251,7 @@ def _shared(names: Sequence[str]) -> list[str]:
     """Find the prefix common to most of a model's names, up to a word boundary."""
     rests: dict[str, list[str]] = defaultdict(list)
     for name in names:
-        for word in islice(_WORD.finditer(name), 1, MAX_PREFIX_WORDS + 1):
+        for word in islice(_NAME_WORD.finditer(name), 1, MAX_PREFIX_WORDS + 1):
             rests[name[: word.start()]].append(name[word.start() :])
     most = {start: own for start, own in rests.items() if 2 * len(own) > len(names) > 1}
     return [start for start, own in most.items() if any(map(_says, own))]
@@ -259,4 +259,4 @@ def _shared(names: Sequence[str]) -> list[str]:
 
 def _says(rest: str) -> bool:
     """Test the remainder of a name for content besides its side."""
-    return folded(rest) not in {"", *_SIDES}
+    return folded(rest) not in {"", *_SIDE_WORDS}

@@ -12,10 +12,8 @@ Conventions: (K, C) is keys by columns, and the columns share their keys.
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from lipsync_lang.arrays import Floats, Ints
 
 
 class Spline(NamedTuple):

@@ -5,14 +5,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from lipsync_lang.rigs.accessors import MAX_VALUES, Accessors
-from lipsync_lang.rigs.container import Json, fail
+from lipsync_lang.arrays import Floats
+from lipsync_lang.json_object import Json
+from lipsync_lang.rigs.accessors import MAX_ACCESSOR_VALUES, Accessors
+from lipsync_lang.rigs.container import fail
 from lipsync_lang.rigs.model import Model, check_list, is_index
 from lipsync_lang.rigs.splines import Spline, sample
-
-Floats = npt.NDArray[np.float64]
 
 VALUES_PER_KEY = {"LINEAR": 1, "STEP": 1, "CUBICSPLINE": 3}
 """Number of values per key of each interpolation; a spline key also has two tangents."""
@@ -23,7 +22,7 @@ PATHS = {"translation": 3, "rotation": 4, "scale": 3, "weights": None}
 SPLINE_SECONDS = 1 / 240
 """Seconds between the points of the straight lines that approximate a cubic spline."""
 
-STEP_SECONDS = 1e-4
+STEPPED_KEY_SECONDS = 1e-4
 """Seconds between the two keys of a step, because tracks are linear."""
 
 
@@ -107,7 +106,7 @@ def _splined(where: Path, times: Floats, table: Floats) -> tuple[Floats, Floats]
     C.5).
     """
     count = len(times) + (times[-1] - times[0]) / SPLINE_SECONDS
-    if count * table.shape[2] > MAX_VALUES:
+    if count * table.shape[2] > MAX_ACCESSOR_VALUES:
         fail(where, f"its cubic splines last {times[-1] - times[0]:.0f} s, too long to read")
     steps = np.arange(times[0], times[-1], SPLINE_SECONDS)
     at = np.union1d(times, steps)
@@ -117,6 +116,6 @@ def _splined(where: Path, times: Floats, table: Floats) -> tuple[Floats, Floats]
 
 def _stepped(times: Floats, table: Floats) -> tuple[Floats, Floats]:
     """Convert steps to straight lines: each value gets a second key just before the next."""
-    before = times[1:] - np.minimum(np.diff(times) / 2, STEP_SECONDS)
+    before = times[1:] - np.minimum(np.diff(times) / 2, STEPPED_KEY_SECONDS)
     order = np.argsort(np.concatenate((times, before)), kind="stable")
     return np.concatenate((times, before))[order], np.concatenate((table, table[:-1]))[order]

@@ -6,9 +6,8 @@ Matrices are (4, 4). Their rows are glTF's columns: the images of the three axes
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from lipsync_lang.arrays import Floats
 
 
 class Parts(NamedTuple):

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.render.model.gltf import Floats
+from lipsync_lang.arrays import Floats
 from lipsync_lang.render.model.scene import MOMENTS, Scene
 
-FIELD = 24.0
+FIELD_DEGREES = 24.0
 """Vertical field of view in degrees."""
 
 ROOM = 1.06
@@ -57,7 +57,7 @@ class Camera:
         seen = (points - self.middle) @ self.turn
         depth = self.distance - seen[:, 2]
         near = np.where(depth > self.distance / 100, 1 / np.where(depth, depth, 1.0), 0.0)
-        scale = size / 2 / np.tan(np.radians(FIELD / 2))
+        scale = size / 2 / np.tan(np.radians(FIELD_DEGREES / 2))
         flat = seen[:, :2] * near[:, None] * scale * (1, -1) + size / 2 - 0.5
         return flat, near
 
@@ -71,8 +71,11 @@ def framed(scene: Scene) -> Camera:
     low, high = _box(scene)
     middle = (low + high) / 2
     half = max(high[:2] - low[:2]) / 2 * ROOM
-    turn = np.diag([-1.0, 1.0, -1.0]) if _faces_back(scene) else np.eye(3)
-    distance = half / np.tan(np.radians(FIELD / 2)) + (high[2] - low[2]) / 4
+    back, front = scene.rest[:, 2].min(), scene.rest[:, 2].max()
+    mouth = np.average(scene.rest[:, 2], weights=scene.moves)
+    faces_back = mouth < back + SIDE * (front - back)
+    turn = np.diag([-1.0, 1.0, -1.0]) if faces_back else np.eye(3)
+    distance = half / np.tan(np.radians(FIELD_DEGREES / 2)) + (high[2] - low[2]) / 4
     return Camera(middle, turn, float(distance), float(half))
 
 
@@ -88,7 +91,7 @@ def close_up(swept: Scene) -> Camera:
     mouth = swept.rest[stir >= MOUTH * stir.max()]
     low, high = mouth.min(axis=0), mouth.max(axis=0)
     half = max(high[:2] - low[:2]) / 2 * CLOSE
-    distance = half / np.tan(np.radians(FIELD / 2)) + (high[2] - low[2]) / 4
+    distance = half / np.tan(np.radians(FIELD_DEGREES / 2)) + (high[2] - low[2]) / 4
     return Camera((low + high) / 2, framed(swept).turn, float(distance), float(half))
 
 
@@ -105,10 +108,3 @@ def _box(scene: Scene) -> tuple[Floats, Floats]:
     middle[1] += wanted * 0.1
     room = np.array([wanted / 2, wanted / 2, np.inf])
     return np.maximum(low, middle - room), np.minimum(high, middle + room)
-
-
-def _faces_back(scene: Scene) -> bool:
-    """Test for moving points on the far side of the model's middle."""
-    back, front = scene.rest[:, 2].min(), scene.rest[:, 2].max()
-    mouth = np.average(scene.rest[:, 2], weights=scene.moves)
-    return bool(mouth < back + SIDE * (front - back))

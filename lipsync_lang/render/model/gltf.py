@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import OutputError
 from lipsync_lang.extras import install_line
 from lipsync_lang.rigs.accessors import Accessors
 from lipsync_lang.rigs.model import Model
 
-Floats = npt.NDArray[np.float64]
 Texels = npt.NDArray[np.uint8]
 
-LARGEST = 2048
+MAX_TEXTURE_PIXELS = 2048
 """Maximum pixels of a texture's longer side; a picture would not show more detail."""
 
 MAX_PIXELS = 2**26
 """Maximum pixels of an image, 8192 by 8192; without it a small file could unpack to any size."""
 
-FORMATS = ("PNG", "JPEG", "WEBP")
+IMAGE_FORMATS = ("PNG", "JPEG", "WEBP")
 """Image formats of glTF and its extensions; Pillow's other decoders stay disabled for safety."""
 
 
@@ -81,18 +81,12 @@ class Gltf:
         rest = {"translation": (0, 0, 0), "rotation": (0, 0, 0, 1), "scale": (1, 1, 1)}
         own = {name: np.array(node.get(name, value), float) for name, value in rest.items()}
         own |= moved
+        v, s = own["rotation"][:3], own["rotation"][3]
+        axes = (2 * s * s - 1) * np.eye(3) + 2 * np.outer(v, v) - 2 * s * np.cross(np.eye(3), v)
         matrix = np.eye(4)
-        matrix[:3, :3] = own["scale"][:, None] * _axes(own["rotation"])
+        matrix[:3, :3] = own["scale"][:, None] * axes
         matrix[3, :3] = own["translation"]
         return matrix
-
-
-def _axes(quaternion: Floats) -> Floats:
-    """Compute the images of the three axes, one per row."""
-    v, s = quaternion[:3], quaternion[3]
-    cross = np.cross(np.eye(3), v)
-    found: Floats = (2 * s * s - 1) * np.eye(3) + 2 * np.outer(v, v) - 2 * s * cross
-    return found
 
 
 def decoded(data: bytes) -> Texels | None:
@@ -101,13 +95,13 @@ def decoded(data: bytes) -> Texels | None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # a picture of too many pixels is a warning at first
-            picture = image.open(BytesIO(data), formats=FORMATS)
+            picture = image.open(BytesIO(data), formats=IMAGE_FORMATS)
             if picture.width * picture.height > MAX_PIXELS:
                 return None
             picture = picture.convert("RGBA")
     except Exception:  # noqa: BLE001 each of Pillow's formats has errors of its own
         return None
-    picture.thumbnail((LARGEST, LARGEST))
+    picture.thumbnail((MAX_TEXTURE_PIXELS, MAX_TEXTURE_PIXELS))
     return np.asarray(picture)
 
 

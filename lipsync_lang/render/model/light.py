@@ -8,17 +8,18 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.render.model.camera import Camera
-from lipsync_lang.render.model.gltf import Floats
-from lipsync_lang.render.model.raster import LEAST, Window, area, depths, fill
-from lipsync_lang.render.model.scene import Bools, Ints, Scene
+from lipsync_lang.render.model.raster import MIN_AREA, Window, area, depths, fill
+from lipsync_lang.render.model.scene import Scene
 
-_VALUES = np.linspace(0, 1, 256)
-LINEAR = np.where(_VALUES <= 0.04045, _VALUES / 12.92, ((_VALUES + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004 sRGB
+_SRGB = np.linspace(0, 1, 256)
+LINEAR_LIGHT = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004 sRGB
 """(256,) linear light of each 8-bit sRGB value."""
 
-_STEPS = 4096
-_SHADES = np.searchsorted((LINEAR[1:] + LINEAR[:-1]) / 2, np.linspace(0, 1, _STEPS)).astype("u1")
+_SHADE_STEPS = 4096
+_MIDDLES = (LINEAR_LIGHT[1:] + LINEAR_LIGHT[:-1]) / 2
+_SHADES = np.searchsorted(_MIDDLES, np.linspace(0, 1, _SHADE_STEPS)).astype("u1")
 
 GRAIN = 1e-4, 0.05
 """Relative tolerance for merging corners: of positions, by the model's size, and of normals."""
@@ -142,11 +143,14 @@ def openness(scene: Scene, camera: Camera) -> Floats:
     normals = Normals(scene).at(scene.widest)
     corners, names = scene.triangles, np.arange(len(scene.triangles))
     reached, all_light = np.zeros(len(points)), np.full(len(points), 1e-9)
-    for way in _sphere(AROUND):
+    # A spiral of golden angles spreads the directions evenly over a sphere.
+    height = 1 - (2 * np.arange(AROUND) + 1) / AROUND
+    turn, across = np.arange(AROUND) * np.pi * (3 - np.sqrt(5)), np.sqrt(1 - height**2)
+    for way in np.column_stack([across * np.cos(turn), height, across * np.sin(turn)]):
         right = unit(np.cross(way, (0.3, 1.0, 0.2))[None])[0]
         flat = (points @ np.column_stack([right, np.cross(way, right)]) + 1) * (CELLS / 2)
         near = points @ way / 8 + 1
-        some = np.abs(area(flat[corners])) > LEAST
+        some = np.abs(area(flat[corners])) > MIN_AREA
         keys = np.zeros(CELLS * CELLS, np.uint64)
         window = Window(0, 0, CELLS, CELLS)
         fill(keys, window, flat[corners[some]], near[corners[some]], names[some])
@@ -159,16 +163,8 @@ def openness(scene: Scene, camera: Camera) -> Floats:
     return found
 
 
-def _sphere(count: int) -> Floats:
-    """Generate evenly spread unit directions."""
-    height = 1 - (2 * np.arange(count) + 1) / count
-    turn = np.arange(count) * np.pi * (3 - np.sqrt(5))
-    across = np.sqrt(1 - height**2)
-    return np.column_stack([across * np.cos(turn), height, across * np.sin(turn)])
-
-
 def encoded(light: npt.NDArray[np.floating]) -> npt.NDArray[np.uint8]:
     """Encode linear light as sRGB."""
-    steps = (light * (_STEPS - 1)).clip(0, _STEPS - 1).astype(np.uint16)
+    steps = (light * (_SHADE_STEPS - 1)).clip(0, _SHADE_STEPS - 1).astype(np.uint16)
     found: npt.NDArray[np.uint8] = _SHADES[steps]
     return found

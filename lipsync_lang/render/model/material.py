@@ -5,9 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
-from lipsync_lang.render.model.gltf import Floats, Gltf, Texels, decoded
+from lipsync_lang.arrays import Floats
+from lipsync_lang.json_object import Json
+from lipsync_lang.render.model.gltf import Gltf, Texels, decoded
 from lipsync_lang.rigs.accessors import Array
-from lipsync_lang.rigs.container import Json
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,15 +11,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.render.model.camera import Camera, framed
-from lipsync_lang.render.model.light import LINEAR, Normals, encoded, lit, openness
+from lipsync_lang.render.model.light import LINEAR_LIGHT, Normals, encoded, lit, openness
 from lipsync_lang.render.model.material import Material
 from lipsync_lang.render.model.raster import (
-    LEAST,
-    Bools,
-    Floats,
-    Ints,
-    Keys,
+    MIN_AREA,
+    DepthKeys,
     Samples,
     Window,
     area,
@@ -30,7 +28,6 @@ from lipsync_lang.render.model.raster import (
 from lipsync_lang.render.model.scene import Scene
 
 Pixels = npt.NDArray[np.uint8]
-Light = npt.NDArray[np.float32]
 
 FINE = 2
 
@@ -55,7 +52,7 @@ class Faces(NamedTuple):
     """(n, 3, 2) samples."""
     depth: Floats
     """(n, 3) 1 / distance."""
-    looks: Light
+    looks: Singles
     """(3, k, n) planes: diffuse light (3), specular light, texture coordinates (3)."""
 
 
@@ -85,22 +82,19 @@ class Artist:
         moving = scene.moving[scene.triangles].any(axis=1)
         bent = self._normals.around(scene.triangles[moving])
         self._moving = bent[scene.triangles].any(axis=1)
-        self._draw_still()
+        # Geometry that never moves is drawn once, in front of the background.
+        ground = np.linspace(ABOVE, BELOW, self._fine).T[..., None]
+        light = np.broadcast_to(ground, (3, self._fine, self._fine))
+        self._light = light.astype(np.float32)
+        self._keys = np.zeros((self._fine, self._fine), np.uint64)
+        still = self._faces(0.0, np.flatnonzero(~self._moving))
+        whole = Window(0, 0, self._fine, self._fine)
+        self._keys, self._light = self._drawn(still, whole)
+        self._pixels = _pixels(self._light)
 
     def _each(self, of: Callable[[Material], bool]) -> Bools:
         """Evaluate a property of the material for each triangle: (F,)."""
         return np.array([of(material) for material in self._scene.materials])[self._scene.material]
-
-    def _draw_still(self) -> None:
-        """Draw the still geometry in front of the background."""
-        fine = self._fine
-        ground = np.linspace(ABOVE, BELOW, fine).T[..., None]
-        self._light = np.broadcast_to(ground, (3, fine, fine)).astype(np.float32)
-        self._keys = np.zeros((fine, fine), np.uint64)
-        faces = self._faces(0.0, np.flatnonzero(~self._moving))
-        whole = Window(0, 0, fine, fine)
-        self._keys, self._light = self._drawn(faces, whole)
-        self._pixels = _pixels(self._light)
 
     def draw(self, seconds: float) -> Pixels:
         """Draw one frame."""
@@ -120,11 +114,11 @@ class Artist:
         triangles = scene.triangles[names]
         corners, depth = flat[triangles], near[triangles]
         areas = area(corners)  # negative for front faces, because rows count downwards
-        seen = (np.abs(areas) > LEAST) & (depth > 0).all(axis=1)
+        seen = (np.abs(areas) > MIN_AREA) & (depth > 0).all(axis=1)
         seen &= (areas < 0) | self._double[names]
         names, corners, depth = names[seen], corners[seen], depth[seen]
         looks = self._looks(points, names, depth, areas[seen] > 0)
-        ways: Light = planes(corners, looks).transpose(1, 2, 0).astype(np.float32, order="C")
+        ways: Singles = planes(corners, looks).transpose(1, 2, 0).astype(np.float32, order="C")
         return Faces(names, corners, depth, ways)
 
     def _looks(self, points: Floats, names: Ints, depth: Floats, behind: Bools) -> Floats:
@@ -157,7 +151,7 @@ class Artist:
         sides = np.concatenate([low, high]).clip(0, self._fine).astype(int)
         return Window(*sides.tolist())
 
-    def _drawn(self, faces: Faces, window: Window) -> tuple[Keys, Light]:
+    def _drawn(self, faces: Faces, window: Window) -> tuple[DepthKeys, Singles]:
         """Composite moving triangles with the still picture in a window, by depth."""
         rows, columns = slice(window.top, window.bottom), slice(window.left, window.right)
         still, light = self._keys[rows, columns], self._light[:, rows, columns].copy()
@@ -175,8 +169,10 @@ class Artist:
         for place in np.split(changed, range(SHADED, len(changed), SHADED)):
             y, x = np.divmod(place, window.width)
             samples = Samples(x + window.left, y + window.top, rank[shown(flat[place])])
-            for channel, shade in zip(pixels, self._shade(faces, samples), strict=True):
-                channel[place] = shade
+            looks = _at(faces, samples, slice(0, 4))
+            for one, _, texels in self._texels(faces, samples):
+                looks[:3, one] *= LINEAR_LIGHT[texels[:, :3]].T
+            pixels[:, place] = looks[:3] + looks[3]
         return keys, light
 
     def _opaque(self, faces: Faces, own: Ints, samples: Samples) -> Bools:
@@ -189,14 +185,6 @@ class Artist:
             alpha[one] = material.colour[3] * texels[:, 3] / 255
         cutoff = np.array([m.cutoff for m in scene.materials])[number]
         found: Bools = alpha >= cutoff
-        return found
-
-    def _shade(self, faces: Faces, samples: Samples) -> Light:
-        """Compute the (3, n) light of samples."""
-        looks = _at(faces, samples, slice(0, 4))
-        for one, _, texels in self._texels(faces, samples):
-            looks[:3, one] *= LINEAR[texels[:, :3]].T
-        found: Light = looks[:3] + looks[3]
         return found
 
     def _texels(self, faces: Faces, samples: Samples) -> Iterator[tuple[Ints, Material, Pixels]]:
@@ -219,7 +207,7 @@ def _batches(numbers: Ints, cost: Floats, most: int) -> list[Ints]:
 
 
 def _fill(
-    keys: Keys,
+    keys: DepthKeys,
     window: Window,
     faces: Faces,
     own: Ints,
@@ -228,15 +216,15 @@ def _fill(
     fill(keys, window, faces.corners[own], faces.depth[own], faces.names[own], seen)
 
 
-def _at(faces: Faces, samples: Samples, part: slice) -> Light:
+def _at(faces: Faces, samples: Samples, part: slice) -> Singles:
     """Evaluate some of the appearance planes at samples: (k, n)."""
     x, y = samples.x.astype(np.float32), samples.y.astype(np.float32)
     first, along, down = faces.looks[:, part].take(samples.triangle, axis=2)
-    found: Light = first + along * x + down * y
+    found: Singles = first + along * x + down * y
     return found
 
 
-def _pixels(light: Light) -> Pixels:
+def _pixels(light: Singles) -> Pixels:
     """Average (3, rows, columns) samples to pixels."""
     total = light[:, ::FINE, ::FINE].copy()
     for row, column in list(np.ndindex(FINE, FINE))[1:]:

@@ -10,15 +10,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.intp]
-Bools = npt.NDArray[np.bool_]
-Keys = npt.NDArray[np.uint64]
+from lipsync_lang.arrays import Bools, Floats, Ints, Singles
 
-LEVEL = 1e-9
+DepthKeys = npt.NDArray[np.uint64]
+
+MIN_RISE = 1e-9
 """Minimum rise of an edge in samples; flatter edges cross no row."""
 
-LEAST = 1e-6
+MIN_AREA = 1e-6
 """Minimum area in samples; smaller triangles are invisible."""
 
 
@@ -72,7 +71,7 @@ def area(corners: Floats) -> Floats:
 
 
 def fill(  # noqa: PLR0913, PLR0917 the buffers and a triangle
-    keys: Keys,
+    keys: DepthKeys,
     window: Window,
     corners: Floats,
     depth: Floats,
@@ -106,12 +105,12 @@ def fill(  # noqa: PLR0913, PLR0917 the buffers and a triangle
     np.maximum.at(keys, where, new)
 
 
-def shown(keys: Keys) -> Ints:
+def shown(keys: DepthKeys) -> Ints:
     """Extract the triangle numbers of samples; negative for empty ones."""
     return (keys & np.uint64(0xFFFFFFFF)).astype(np.intp) - 1
 
 
-def depths(keys: Keys) -> npt.NDArray[np.float32]:
+def depths(keys: DepthKeys) -> Singles:
     """Extract the depth of samples; 0 for empty ones."""
     return (keys >> np.uint64(32)).astype("<u4").view("<f4")
 
@@ -140,7 +139,7 @@ def _spans(corners: Floats, window: Window) -> tuple[Ints, Ints, Ints, Ints]:
 def _crossing(starts: Floats, stops: Floats, edge: Ints, y: Ints) -> Floats:
     """Compute the crossings of edges, given by number, with rows."""
     across, rise = (stops - starts).T
-    slope = across / np.where(rise < LEVEL, 1.0, rise)
+    slope = across / np.where(rise < MIN_RISE, 1.0, rise)
     found: Floats = starts[edge, 0] + slope[edge] * (y - starts[edge, 1])
     return found
 

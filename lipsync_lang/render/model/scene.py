@@ -11,22 +11,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from lipsync_lang.render.model.gltf import Floats, Gltf
+from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.json_object import Json
+from lipsync_lang.render.model.gltf import Gltf
 from lipsync_lang.render.model.material import Material, material
 from lipsync_lang.rigs.accessors import Array
-from lipsync_lang.rigs.container import Json, fail
+from lipsync_lang.rigs.container import fail
 from lipsync_lang.rigs.model import Model, read_model
 from lipsync_lang.rigs.tracks import drives
-
-Ints = npt.NDArray[np.intp]
-Bools = npt.NDArray[np.bool_]
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
 """Primitive modes with surfaces."""
 
-STILL = 3e-4
+MIN_MOVEMENT = 3e-4
 """Fraction of a mesh's size; smaller movements count as still."""
 
 LOOKS = {"NORMAL": {3}, "COLOR_0": {3, 4}, "TEXCOORD_0": {2}}
@@ -62,7 +60,7 @@ class Skin:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class Primitive:
     """A primitive of a node; `points` are the places of its N points in the scene."""
 
     node: int
@@ -93,9 +91,9 @@ class Scene:
 
     def __init__(self, path: Path, name: Path) -> None:
         self._model = read_model(path, bones=True)
-        self._gltf = Gltf(self._model, name)
-        self.document = self._gltf.document
-        self.parts: list[Part] = []
+        self.gltf = Gltf(self._model, name)
+        self.document = self.gltf.document
+        self.parts: list[Primitive] = []
         self._rows: list[tuple[Ints, Floats, Floats, Floats, Ints]] = []
         try:
             with np.errstate(over="raise", invalid="raise", divide="raise"):
@@ -103,7 +101,12 @@ class Scene:
                 for moment in (0.0, self.seconds):
                     if not np.isfinite(self.points(moment)).all():
                         raise ValueError("a point moves too far to be drawn")  # noqa: TRY301
-                self._mirror()
+                matrices = self._matrices(0.0)
+                for number, part in enumerate(self.parts):
+                    if part.skin is None and np.linalg.det(matrices[part.node]) < 0:
+                        # A mirrored node reverses the winding order of its triangles.
+                        own = self._rows[number]
+                        self._rows[number] = (own[0][:, ::-1], *own[1:])
         except (AttributeError, LookupError, TypeError, ValueError, ArithmeticError) as error:
             fail(name, f"its meshes cannot be read ({str(error)[:60]})")
         if not self.parts:
@@ -121,7 +124,7 @@ class Scene:
         """(F,) material numbers."""
 
     def _read(self) -> None:
-        gltf, document = self._gltf, self.document
+        gltf, document = self.gltf, self.document
         animation = document["animations"][-1]
         self.sound: float = animation.get("extras", {}).get("audio_start", 0.0)
         """Start of the sound in seconds."""
@@ -140,7 +143,7 @@ class Scene:
 
     def _add(self, number: int, node: Json, mesh: Json, primitive: Json) -> None:
         """Add a primitive of a node."""
-        gltf, attributes = self._gltf, primitive["attributes"]
+        gltf, attributes = self.gltf, primitive["attributes"]
         mode = primitive.get("mode", TRIANGLES)
         if mode not in {TRIANGLES, STRIP, FAN} or "POSITION" not in attributes:
             return
@@ -167,22 +170,11 @@ class Scene:
             raise ValueError("a point has a position that is not a finite number")
         points = slice(first, first + count)
         skin = self._skin(node, attributes)
-        self.parts.append(Part(number, points, base, deltas, active, weights, skin))
+        self.parts.append(Primitive(number, points, base, deltas, active, weights, skin))
         which = primitive.get("material", len(self.materials) - 1)
         normals, colours, places = self._looks(attributes, count, self.materials[which])
         own = np.full(len(triangles), which, np.intp)
         self._rows.append((triangles + first, normals, colours, places, own))
-
-    def _mirror(self) -> None:
-        """Flip the triangles of mirrored nodes, whose winding order is reversed."""
-        matrices = self._matrices(0.0)
-        for number, part in enumerate(self.parts):
-            if part.skin is None and np.linalg.det(matrices[part.node]) < 0:
-                self._rows[number] = (self._rows[number][0][:, ::-1], *self._rows[number][1:])
-
-    def local(self, number: int) -> Floats:
-        """Compute the (4, 4) matrix of a node at rest, relative to its parent."""
-        return self._gltf.local(number)
 
     @property
     def count(self) -> int:
@@ -202,10 +194,10 @@ class Scene:
         skin = self.document["skins"][node["skin"]]
         inverse = np.tile(np.eye(4), (len(skin["joints"]), 1, 1))
         if "inverseBindMatrices" in skin:
-            inverse = self._gltf.arrays[skin["inverseBindMatrices"]].reshape(-1, 4, 4)
+            inverse = self.gltf.arrays[skin["inverseBindMatrices"]].reshape(-1, 4, 4)
         sets = [one for one in range(8) if f"JOINTS_{one}" in attributes]
-        bones = np.hstack([self._gltf.arrays[attributes[f"JOINTS_{one}"]] for one in sets])
-        shares = np.hstack([self._gltf.arrays[attributes[f"WEIGHTS_{one}"]] for one in sets])
+        bones = np.hstack([self.gltf.arrays[attributes[f"JOINTS_{one}"]] for one in sets])
+        shares = np.hstack([self.gltf.arrays[attributes[f"WEIGHTS_{one}"]] for one in sets])
         _check_below(bones, len(skin["joints"]), "a point is bound to a bone that does not exist")
         total = shares.sum(axis=1, keepdims=True)
         shares = shares / np.where(total > 0, total, 1.0)
@@ -215,7 +207,7 @@ class Scene:
         self, attributes: Json, count: int, material: Material
     ) -> tuple[Floats, Floats, Floats]:
         """Read the normals, colours and texture coordinates of points."""
-        arrays = {n: self._gltf.arrays[attributes[n]] for n in LOOKS if n in attributes}
+        arrays = {n: self.gltf.arrays[attributes[n]] for n in LOOKS if n in attributes}
         for name, values in arrays.items():
             if values.shape[0] != count or values.shape[1] not in LOOKS[name]:
                 raise ValueError(f"{name} does not match the points of its mesh")
@@ -255,7 +247,7 @@ class Scene:
             moved = {path: track.at(seconds) for path, track in tracks.items() if track}
             if "rotation" in moved:
                 moved["rotation"] /= np.linalg.norm(moved["rotation"])
-            local = self._gltf.local(number, **moved)
+            local = self.gltf.local(number, **moved)
             found[number] = local if parent is None else local @ found[parent]
         return found
 
@@ -281,7 +273,7 @@ class Scene:
             movers = {part.node} if part.skin is None else set(part.skin.nodes.tolist())
             most = np.abs(part.weights.values).max(axis=0)[part.active]
             reach = np.tensordot(most, np.linalg.norm(part.deltas, axis=2), 1)
-            shaped = reach > STILL * np.ptp(part.base, axis=0).max(initial=0.0)
+            shaped = reach > MIN_MOVEMENT * np.ptp(part.base, axis=0).max(initial=0.0)
             found[part.points] = shaped | bool(driven & movers)
         return found
 
@@ -299,11 +291,12 @@ class Scene:
 
     @property
     def _moments(self) -> list[float]:
-        found: list[float] = np.linspace(0.0, self.seconds, MOMENTS).tolist()
-        return found
+        return [float(moment) for moment in np.linspace(0.0, self.seconds, MOMENTS)]
 
 
-def _moved(points: Floats, part: Part, matrices: dict[int, Floats], shift: float = 1.0) -> Floats:
+def _moved(
+    points: Floats, part: Primitive, matrices: dict[int, Floats], shift: float = 1.0
+) -> Floats:
     """Transform points by node or bones; without shift, by the rotation only."""
     if part.skin is None:
         matrix = matrices[part.node]

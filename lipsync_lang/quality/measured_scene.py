@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.quality.face_columns import Face, face_of
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ CEILING_TOLERANCE = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Take:
+class MeasuredScene:
     """An animation with its phonemes and its face."""
 
     times: Floats
@@ -151,7 +152,7 @@ class Take:
         return counts
 
 
-def scene_of(animation: "Animation", performer: "Performer") -> Take:
+def scene_of(animation: "Animation", performer: "Performer") -> MeasuredScene:
     """Return an animation with its phonemes as arrays.
 
     Raises
@@ -168,11 +169,14 @@ def scene_of(animation: "Animation", performer: "Performer") -> Take:
         raise LipsyncError(
             "the animation has times that do not rise, or weights that are not finite numbers"
         )
-    asked = animation.asked if animation.performer is not None else {}
-    track = performer.track(animation.schedule, line=asked.get("line"), styles=asked.get("styles"))
+    performed = PerformedLine.of(animation)
+    settings = performed.settings if performed else {}
+    track = performer.track(
+        animation.schedule, line=settings.get("line"), styles=settings.get("styles")
+    )
     labels = animation.schedule.labels
     compiled = performer.compiled
-    return Take(
+    return MeasuredScene(
         times,
         np.ascontiguousarray(weights.T),
         face,
