@@ -26,7 +26,7 @@ from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.resolver.language_tables import notations_of
 from lipsync_lang.resolver.nearest_phonemes import among
-from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 CLOSED = "bmp"
 NOTHING = "-"

@@ -27,7 +27,7 @@ import json_figures
 import numpy as np
 
 import lipsync_lang as ll
-from lipsync_lang.authoring.accept_fit import accept_fit
+from lipsync_lang.capture.accept_fit import accept_fit
 from lipsync_lang.capture.capture_reading import read_captures
 from lipsync_lang.capture.captured_line import CapturedLine
 from lipsync_lang.capture.fit_captures import CaptureFit, fit_captures

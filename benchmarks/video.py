@@ -18,7 +18,7 @@ import numpy as np
 import lipsync_lang as ll
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged
-from lipsync_lang.render.video import SIZE
+from lipsync_lang.render.video import FRAME_PIXELS
 
 GOAL = 15
 LABELS = ["HH", "AH", "L", "OW", "W", "ER", "L", "D", "P", "L", "IY", "Z", "B", "AY", "F", "AY"]
@@ -33,8 +33,8 @@ def main() -> None:
     animation = replace(performer.rigged(performer.perform(schedule, fps=30)), model=model)
     began = time.process_time()
     scene = staged(animation)
-    artist = Artist(scene, SIZE)
-    print(f"{model.name}: {len(scene.triangles)} triangles, {SIZE} x {SIZE} pixels")
+    artist = Artist(scene, FRAME_PIXELS)
+    print(f"{model.name}: {len(scene.triangles)} triangles, {FRAME_PIXELS} x {FRAME_PIXELS} pixels")
     print(f"making ready      {time.process_time() - began:6.2f} s")
     spent = []
     for number in range(len(animation.times)):

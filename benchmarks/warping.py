@@ -27,9 +27,9 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 from lipsync_lang.speech import speak
-from lipsync_lang.speech.align.warping import Warp
+from lipsync_lang.speech.hearing.align.warping import Warp
 from lipsync_lang.speech.sound import read_audio
-from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 GERMAN = {
     "dfg91_s1em_0666": "Melanies Omi Kallim mit ihr ein Lied.",

@@ -3,9 +3,9 @@
 
     python docs/build_reference.py
 
-`tests/test_docs.py` makes them again and compares, and the list of languages in the README too. The
-pages depend on nothing else: not on the width of a terminal, the version of Python, or the packs in
-other folders.
+`tests/docs/test_docs.py` makes them again and compares, and the list of languages in the README
+too. The pages depend on nothing else: not on the width of a terminal, the version of Python, or
+the packs in other folders.
 """
 
 import argparse
@@ -22,25 +22,26 @@ from types import FunctionType
 from typing import Any, get_args, get_type_hints
 
 import lipsync_lang as ll
+from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATION_READERS
 from lipsync_lang.authoring.ipa_comparison import SymbolMappings, UnusualMapping, compare
 from lipsync_lang.cli import parser
 from lipsync_lang.commands.completion import leaves
 from lipsync_lang.extensions import PROGRAM, F, Formats
-from lipsync_lang.lines.line_readers import READERS as LINE_READERS
+from lipsync_lang.lines.line_readers import LINE_READERS
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Language, PoseSet
 from lipsync_lang.packs.models.schema import schema
-from lipsync_lang.packs.yaml.faults import CODES
+from lipsync_lang.packs.yaml.faults import fault_codes
 from lipsync_lang.pipeline import motion
 from lipsync_lang.quality.measures import load_measures
 from lipsync_lang.rigs.loss import losses
-from lipsync_lang.schedules.timing_readers import READERS as TIMING_READERS
+from lipsync_lang.schedules.timing_readers import TIMING_READERS
 
 HERE = Path(__file__).parent / "reference"
 README = Path(__file__).parents[1] / "README.md"
+DEVELOPMENT = Path(__file__).parent / "contributing" / "development.md"
 MADE = "<!-- Written by docs/build_reference.py; change the code, then run that. -->\n"
 
 Schema = dict[str, Any]
@@ -586,6 +587,32 @@ def readme(text: str) -> str:
     return COUNTED["pose sets"].sub(str(posesets), text)
 
 
+# The house
+
+MAP = re.compile(r"(?<=```text\n)lipsync_lang/\n.*?(?=```)", re.DOTALL)
+"""The map of the package in the page for developers."""
+
+
+def development(text: str) -> str:
+    """Return the page for developers with a map of the folders and modules as they are now."""
+    return MAP.sub(lambda _: house_map(Path(ll.__file__).parent), text)
+
+
+def house_map(package: Path) -> str:
+    """List the folders of the package, two deep, and its modules, each with its summary."""
+    found = {*package.glob("*/__init__.py"), *package.glob("*/*/__init__.py")}
+    folders = [path.parent for path in sorted(found)]
+    modules = [path for path in sorted(package.glob("*.py")) if not path.name.startswith("__")]
+    rows = []
+    for path in [*folders, *modules]:
+        place = path.relative_to(package)
+        source = path / "__init__.py" if path.is_dir() else path
+        summary = ast.get_docstring(ast.parse(source.read_bytes())).splitlines()[0].rstrip(".")
+        name = "  " * len(place.parts) + place.name + "/" * path.is_dir()
+        rows.append(f"{name:<20} {summary}")
+    return "\n".join(["lipsync_lang/", *rows, ""])
+
+
 # Faults
 
 GROUPS = {
@@ -612,12 +639,12 @@ def faults() -> str:
     ]
     for start, title in GROUPS.items():
         parts.append(f"## {title}")
-        for code, told in CODES.items():
+        for code, told in fault_codes().items():
             if code.startswith(start):
                 lines = (told.meaning, f"- Cause: {told.cause}", f"- Cure: {told.cure}")
                 parts += [f"### {code}", f"{lines[0]}\n\n{lines[1]}\n{lines[2]}"]
-    grouped = sum(code[:2] in GROUPS for code in CODES)
-    if grouped != len(CODES):
+    grouped = sum(code[:2] in GROUPS for code in fault_codes())
+    if grouped != len(fault_codes()):
         raise ValueError("a fault code belongs to no group of this page")
     return "\n\n".join(parts)
 
@@ -735,7 +762,7 @@ def api() -> str:
 
     The site replaces the text between the comments of a name by its whole documentation.
     """
-    public = {name: getattr(ll, name) for name in ll.__all__ if name in _API}
+    public = {name: getattr(ll, name) for name in ll.__all__ if name != "__version__"}
     kinds: dict[str, list[str]] = {"Functions": [], "Classes": [], "Errors": []}
     for name, named in public.items():
         kinds[_kind(named)].append(name)
@@ -755,9 +782,6 @@ def api() -> str:
     for title, names in kinds.items():
         parts += [f"## {title}", *(_documented(name, public[name]) for name in names)]
     return "\n\n".join(parts)
-
-
-_API = ll._HOMES  # noqa: SLF001 where the public names live
 
 
 _MEMBERS = (FunctionType, classmethod, staticmethod, property, cached_property)
@@ -781,7 +805,7 @@ def _documented(name: str, named: Any) -> str:
         if inspect.isclass(named) and not key.startswith("_")
         if isinstance(value, _MEMBERS) and value.__doc__
     ]
-    parts = [f"<!-- api: {_API[name]}.{name} -->", f"### {name}", _summary(named)]
+    parts = [f"<!-- api: {named.__module__}.{name} -->", f"### {name}", _summary(named)]
     parts += [table(("member", "summary"), methods)] if methods else []
     return "\n\n".join([*parts, "<!-- end -->"])
 
@@ -857,3 +881,5 @@ if __name__ == "__main__":
         sys.stdout.write(f"{HERE / name}\n")
     README.write_text(readme(README.read_text(encoding="utf-8")), encoding="utf-8")
     sys.stdout.write(f"{README}\n")
+    DEVELOPMENT.write_text(development(DEVELOPMENT.read_text(encoding="utf-8")), encoding="utf-8")
+    sys.stdout.write(f"{DEVELOPMENT}\n")

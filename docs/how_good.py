@@ -6,7 +6,7 @@
 Figures are those of `docs/measured.json`, which `docs/measure.py` measures, and of
 `docs/published.yaml`, which names their sources. Text between the marks `made: NAME` and `end` is
 generated; all other text of the page is written by hand, and states no figure.
-`tests/test_how_good.py` generates the page again and compares.
+`tests/docs/test_how_good.py` generates the page again and compares.
 """
 
 import argparse
