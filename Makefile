@@ -52,7 +52,7 @@ demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
 	@echo "out/demo.csv and out/demo.json are the animation, 60 frames a second."
 	@echo "Shape it in the studio:"
 	@echo "  $(BIN)/lipsync-lang studio -l english -c crab"
-	@echo "Next, try a sentence of your own, or ask why the mouth stands as it does:"
+	@echo "Next, try a sentence of your own, or ask why the mouth has this shape:"
 	@echo "  $(BIN)/lipsync-lang run \"Hello, world\" -l english -c facefx -o out/hello.csv --plot out/hello.png"
 	@echo "  $(BIN)/lipsync-lang explain \"Hello, world\" -l english -c facefx --at 0.42"
 
