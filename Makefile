@@ -87,6 +87,8 @@ usd: $(VENV)/ready ## fetch the library of USD, which reads .usda in the tests (
 lint: $(VENV)/ready ## check style
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/zizmor --quiet --offline .github
 
 prose: $(VENV)/ready ## check the words of pages, messages, scripts and packs: make prose FILES=README.md
 	$(BIN)/python tests/prose/lint.py $(FILES)
