@@ -11,7 +11,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.capture.captured_line import CapturedLine, resampled
-from lipsync_lang.performing.batch import Delivered
+from lipsync_lang.performing.batch import LineDelivery
 from lipsync_lang.pipeline.drive import Rig, drive
 from lipsync_lang.pipeline.perform import Frames, Performance, lay_frames
 from lipsync_lang.pipeline.prepare import channel_kernel, prepare
@@ -130,7 +130,7 @@ def lay_lines(
         captured, performer.labels.read([one.schedule for one in captured]), strict=True
     ):
         quiet = replace(line.schedule, audio=None)
-        said = Delivered.of(performer, quiet, sounds, None, asked)
+        said = LineDelivery.of(performer, quiet, sounds, None, asked)
         made = said.performance(motion, sounds, fps)
         frames = lay_frames(made.track, motion, fps, made.prepared.lead)
         times = frames.times()

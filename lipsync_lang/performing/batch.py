@@ -26,7 +26,7 @@ from lipsync_lang.pipeline.track import lay_track
 if TYPE_CHECKING:
     from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.pipeline.kernel_plan import Kept
+    from lipsync_lang.pipeline.kernel_plan import KernelCopy
     from lipsync_lang.pipeline.levels import Blend, Dial
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.overlay import Overlay
@@ -37,7 +37,7 @@ OwnSettings = Mapping[str, Any]
 """Options of `Performer.perform` that are the same for all schedules, by name."""
 
 
-class Delivered(NamedTuple):
+class LineDelivery(NamedTuple):
     """Delivery of a schedule: its styles, dials and curve edits."""
 
     tables: "Tables"
@@ -113,7 +113,7 @@ def animate(
     kept = _kept(performer, fps)
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
-        said = Delivered.of(performer, schedule, sounds, line, asked)
+        said = LineDelivery.of(performer, schedule, sounds, line, asked)
         if kept is not None and not (said.blends or said.overlays):
             times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
         else:
@@ -123,7 +123,7 @@ def animate(
     return out
 
 
-def _kept(performer: "Performer", fps: float) -> "Kept | None":
+def _kept(performer: "Performer", fps: float) -> "KernelCopy | None":
     """Return the neutral bank as the compiled kernel keeps it; None if the kernel cannot play it.
 
     `lay_track` lays the tracks of a bank with trigrams.

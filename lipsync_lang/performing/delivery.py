@@ -14,7 +14,7 @@ from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.pipeline.levels import Blend, Dial, Level
 
 if TYPE_CHECKING:
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
     from lipsync_lang.schedules.schedule import Schedule
 
 Points = Sequence[Sequence[float]]
@@ -28,7 +28,7 @@ MOST = {"style": 1.0, "dial": 2.0, "expression": 1.0}
 
 
 def delivery(
-    compiled: "Compiled",
+    compiled: "CompiledPair",
     schedule: "Schedule",
     line: str | None,
     styles: DialLevels | None,

@@ -15,7 +15,7 @@ from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.tables import RESOLUTION
 
 if TYPE_CHECKING:
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
     from lipsync_lang.schedules.schedule import Schedule
 
 EditedCurves = Mapping[str, Sequence[Sequence[float]]]
@@ -23,7 +23,7 @@ EditedCurves = Mapping[str, Sequence[Sequence[float]]]
 
 
 def overlays(
-    compiled: "Compiled", schedule: "Schedule", silent: Sequence[bool], line: str | None
+    compiled: "CompiledPair", schedule: "Schedule", silent: Sequence[bool], line: str | None
 ) -> tuple[Overlay, ...]:
     """Find the edits of a character that apply to a schedule.
 
@@ -56,7 +56,7 @@ def overlays(
 
 
 def _laid(
-    compiled: "Compiled", curves: EditedCurves, schedule: "Schedule", first: int, stop: int
+    compiled: "CompiledPair", curves: EditedCurves, schedule: "Schedule", first: int, stop: int
 ) -> Iterator[Overlay]:
     start, end = float(schedule.times[first]), float(schedule.times[stop])
     at = np.linspace(0, 1, RESOLUTION + 1)

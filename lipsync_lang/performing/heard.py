@@ -65,7 +65,7 @@ class Vowel(NamedTuple):
 
 
 @dataclass
-class Heard:
+class HeardLabels:
     """Labels that a stream received, and their common phonemes, stress and words.
 
     Parameters
@@ -324,7 +324,7 @@ class Heard:
         return tuple(one for word in self.words for one in word.overlays)
 
 
-def begun_trigrams(heard: Heard, tables: "Tables") -> frozenset[int]:
+def begun_trigrams(heard: HeardLabels, tables: "Tables") -> frozenset[int]:
     """Return the sounds that begin a trigram, by index; -1 is the silence before the first."""
     if not len(tables.trigrams) or not heard.sounds:
         return frozenset()
@@ -333,7 +333,7 @@ def begun_trigrams(heard: Heard, tables: "Tables") -> frozenset[int]:
     return frozenset(at - before for at in trigrams_in(ids, tables).tolist())
 
 
-def open_trigram(heard: Heard, tables: "Tables", silence_reach: float) -> float | None:
+def open_trigram(heard: HeardLabels, tables: "Tables", silence_reach: float) -> float | None:
     """Return the time from which bigrams depend on the sound after the last one.
 
     Parameters

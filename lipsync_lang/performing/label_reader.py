@@ -30,7 +30,7 @@ from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
 
 _CAPITAL = re.compile("[A-Z]")
 """Letters that are absent from the IPA, but present in most other notations."""
@@ -51,7 +51,7 @@ class LabelReader:
     shades : True to tell shades from their parents
     """
 
-    compiled: "Compiled"
+    compiled: "CompiledPair"
     unknown: Unknown = "nearest"
     paths: tuple[Path, ...] = ()
     shades: bool = True

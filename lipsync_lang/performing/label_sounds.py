@@ -134,7 +134,7 @@ class LabelTable:
     def __init__(self, notation: Notation, values: ValueTable) -> None:
         self._notation, self._values = notation, values
         self._lock = Lock()
-        self._known = _Numbered(self._add)
+        self._known = _LabelNumbers(self._add)
         self._rows: list[tuple[int, int]] = []
         self._arrays = np.empty((0, 2), np.intp)
 
@@ -159,7 +159,7 @@ class LabelTable:
             return len(self._rows) - 1
 
 
-class _Numbered(dict[str, int]):
+class _LabelNumbers(dict[str, int]):
     """Numbers of labels; a missing label gets a new number."""
 
     def __init__(self, add: Callable[[str], int]) -> None:

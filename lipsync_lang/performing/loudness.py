@@ -20,7 +20,7 @@ from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
     from lipsync_lang.pipeline.motion import Motion
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
     from lipsync_lang.schedules.schedule import Audio, Schedule
 
 MOST = 2.0
@@ -43,7 +43,7 @@ _NEAR = (0.25, 0.5, 0.25)
 
 
 def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
-    compiled: "Compiled",
+    compiled: "CompiledPair",
     schedule: "Schedule",
     classes: Sequence[str],
     intensity: float | None,

@@ -13,7 +13,7 @@ from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.errors import LipsyncError, refuse_other
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
-from lipsync_lang.performing.batch import Delivered, animate
+from lipsync_lang.performing.batch import LineDelivery, animate
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.performing.style_drafts import with_drafts
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.levels import Blend
     from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.pipeline.track import Track
-    from lipsync_lang.resolver.compiled import Compiled, Report
+    from lipsync_lang.resolver.compiled import CompiledPair, Report
     from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.rigs.driver import Driver
     from lipsync_lang.speech.speaking.speaker import Speaker
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 class Performer:
     """A resolved language-character pair, ready to perform schedules."""
 
-    compiled: "Compiled"
+    compiled: "CompiledPair"
     motion: Motion
     unknown: Unknown = "nearest"
     """Treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only, else an error)."""
@@ -321,7 +321,7 @@ class Performer:
         fps = checked_rate(fps)
         asked = {"styles": styles, "dials": dials, "intensity": intensity}
         (sounds,) = self.labels.read([schedule])
-        said = Delivered.of(self, schedule, sounds, line, asked)
+        said = LineDelivery.of(self, schedule, sounds, line, asked)
         return said.performance(self.motion, sounds, fps)
 
     def track(

@@ -12,7 +12,7 @@ from lipsync_lang.errors import PackError, refuse_other, shortlist
 from lipsync_lang.packs.finding import Paths, is_model, located
 from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.resolver.compiled import Compiled
+from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.settings import motion_with
 
 Gaps = Literal["error", "rest"]
@@ -81,7 +81,7 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders, shades)
 
 
-def _pair(language: str, character: str, folders: Sequence[Path], *, cache: bool) -> Compiled:
+def _pair(language: str, character: str, folders: Sequence[Path], *, cache: bool) -> CompiledPair:
     from lipsync_lang.resolver import cache as store
 
     compiled = store.load(language, character, folders) if cache else None
@@ -98,7 +98,7 @@ def _pair(language: str, character: str, folders: Sequence[Path], *, cache: bool
 
 def _on_model(
     language: str | Path, model: Path, paths: Paths, *, cache: bool
-) -> tuple[Compiled, tuple[Path, ...]]:
+) -> tuple[CompiledPair, tuple[Path, ...]]:
     """Return the pair of a language and a model, and the folders to search."""
     from lipsync_lang.packs.library import Library
     from lipsync_lang.resolver.rigging import best_match, on_model

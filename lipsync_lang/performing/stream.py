@@ -22,7 +22,7 @@ import numpy as np
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, ScheduleError, refuse_other
 from lipsync_lang.performing.delivery import delivery
-from lipsync_lang.performing.heard import Heard
+from lipsync_lang.performing.heard import HeardLabels
 from lipsync_lang.performing.intake import Intake, refuse_jump, second
 from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
@@ -90,7 +90,7 @@ class Stream:
         levels = None
         if compiled.intensity is not None and motion.stress and stress is not False:
             levels = stress_levels(compiled.intensity, motion.stress)
-        self._heard = Heard(compiled.tables.silence, levels, bool(stress))
+        self._heard = HeardLabels(compiled.tables.silence, levels, bool(stress))
         self._given = 0
         self._made = np.zeros((0, len(performer.poses)))
 

@@ -11,13 +11,13 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.performing.heard import Heard, begun_trigrams, open_trigram
+from lipsync_lang.performing.heard import HeardLabels, begun_trigrams, open_trigram
 from lipsync_lang.performing.stress import ramped_level, vowel_level
 from lipsync_lang.pipeline.hold import MARGIN
 from lipsync_lang.pipeline.levels import Blend, Dial
 from lipsync_lang.pipeline.look_ahead import LookAhead, widened
 from lipsync_lang.pipeline.perform import Frames, perform
-from lipsync_lang.pipeline.prepare import Prepared, prepare
+from lipsync_lang.pipeline.prepare import StageValues, prepare
 from lipsync_lang.pipeline.track import lay_track
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class StreamFrames:
         self.count: int | None = None
         """Number of frames of the whole stream; None until its end is known."""
 
-    def settled(self, heard: Heard) -> int:
+    def settled(self, heard: HeardLabels) -> int:
         """Return the number of frames that are final with the labels so far."""
         if self.count is not None:
             return self.count
@@ -75,14 +75,14 @@ class StreamFrames:
         final = self.ahead.settled(clear - heard.start, held - heard.start, least)
         return max(final + self.lead, 0)
 
-    def finish(self, heard: Heard) -> None:
+    def finish(self, heard: HeardLabels) -> None:
         """Count all frames of a stream that ends with the labels so far."""
         if self.lead is None:
             self.lead = self._lead_in(heard)
         closing = heard.closing(self.motion.silence_reach)
         self.count = self.lead + self.ahead.stop(heard.until - heard.start, closing)
 
-    def _lead_in(self, heard: Heard) -> int:
+    def _lead_in(self, heard: HeardLabels) -> int:
         opening = heard.opening
         return self.ahead.lead_in(heard.until - heard.start if opening is None else opening)
 
@@ -92,7 +92,7 @@ class StreamFrames:
         # near the start the ramp from rest still counts, so the window begins with the line
         return low if low >= self.ahead.ramp else 0
 
-    def weights(self, heard: Heard, begin: int, stop: int) -> Floats:
+    def weights(self, heard: HeardLabels, begin: int, stop: int) -> Floats:
         """Return the weights of some final frames: (k, P)."""
         low, high = self.needed(begin), stop + self.ahead.ahead
         if self.count is not None:
@@ -121,7 +121,7 @@ class StreamFrames:
         first = begin - low + more
         return performance.weights()[first : first + stop - begin]
 
-    def _effort(self, heard: Heard) -> tuple[Dial, ...]:
+    def _effort(self, heard: HeardLabels) -> tuple[Dial, ...]:
         """Return the dials of stress and emphasis around a window."""
         out = []
         poses = self.performer.opening_poses
@@ -134,16 +134,16 @@ class StreamFrames:
             out.append(Dial(poses, level, "emphasis"))
         return tuple(out)
 
-    def forget(self, heard: Heard, given: int) -> None:
+    def forget(self, heard: HeardLabels, given: int) -> None:
         """Forget the labels on which no frame after the returned ones depends."""
         since = self.seconds(heard, self.needed(given))
         heard.forget(since, begun_trigrams(heard, self.tables))
 
-    def laid(self, heard: Heard, begin: int, stop: int) -> Frames:
+    def laid(self, heard: HeardLabels, begin: int, stop: int) -> Frames:
         """Return frames `begin` to `stop`."""
         return Frames(heard.start, begin - (self.lead or 0), stop - begin, self.fps)
 
-    def seconds(self, heard: Heard, frame: int) -> float:
+    def seconds(self, heard: HeardLabels, frame: int) -> float:
         """Return the time of a frame."""
         return heard.start + (frame - (self.lead or 0)) / self.fps
 
@@ -152,7 +152,7 @@ ENDLESS = {"smooth": "smooth=none", "switch": "hold=0"}
 """Settings that limit the stages with an unlimited look-ahead."""
 
 
-def _bounded(prepared: Prepared) -> Prepared:
+def _bounded(prepared: StageValues) -> StageValues:
     """Refuse settings with which a stage needs the whole line."""
     endless = [ENDLESS[name] for name, look in prepared.reach.items() if isinf(look.ahead)]
     if endless:

@@ -13,10 +13,10 @@ from lipsync_lang.arrays import Floats
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 
 if TYPE_CHECKING:
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
 
 
-def with_drafts(compiled: "Compiled", heard: Collection[str]) -> Tables:
+def with_drafts(compiled: "CompiledPair", heard: Collection[str]) -> Tables:
     """Return the tables with a bank for each drafted style, in the order of `style_names`.
 
     Parameters
@@ -43,7 +43,7 @@ def _drafted(neutral: Bank, draft: dict[str, Any], sounding: Floats) -> Bank:
     return neutral._replace(curves=curves)
 
 
-def _sounding(compiled: "Compiled") -> Floats:
+def _sounding(compiled: "CompiledPair") -> Floats:
     """Return the share of an offset over each bigram: 1 in sounds, down to 0 in silence.
 
     Returns

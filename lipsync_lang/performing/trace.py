@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.track import Track
     from lipsync_lang.pipeline.warp import FramePlace
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
 
 VISIBLE = 5e-4
 """Minimum change of weight for an explanation."""
@@ -169,7 +169,7 @@ def _bigram(
 
 
 def _in_trigram(
-    compiled: "Compiled", track: "Track", first: int, position: float, *, later: bool
+    compiled: "CompiledPair", track: "Track", first: int, position: float, *, later: bool
 ) -> float:
     """Return the normalised time in a trigram of a position in one of its halves."""
     rows = track.rows[first : first + 2]
@@ -180,7 +180,7 @@ def _in_trigram(
     return start + (1 - start) * position if later else end * position
 
 
-def _style_origin(compiled: "Compiled", style: str, row: int) -> Origin | None:
+def _style_origin(compiled: "CompiledPair", style: str, row: int) -> Origin | None:
     """Return the origin of a row in a style; None if the neutral row replaces it."""
     draft = compiled.style_drafts.get(style)
     if draft is not None:

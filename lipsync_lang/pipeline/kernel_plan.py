@@ -14,7 +14,7 @@ from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline import kernel
 from lipsync_lang.pipeline.levels import Dial
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.prepare import Prepared
+from lipsync_lang.pipeline.prepare import StageValues
 from lipsync_lang.pipeline.soften import Blur
 from lipsync_lang.pipeline.tables import Tables
 
@@ -53,7 +53,7 @@ def _bank(tables: Tables) -> Any:
     return known["_bank"]
 
 
-class Kept(NamedTuple):
+class KernelCopy(NamedTuple):
     """The compiled kernel's copy of tables and settings, and its calls."""
 
     bank: Any
@@ -84,7 +84,7 @@ class Kept(NamedTuple):
         return made
 
 
-def keep(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Kept:
+def keep(tables: Tables, motion: Motion, prepared: StageValues, fps: float) -> KernelCopy:
     """Give tables and settings to the kernel; the tables cache its copy.
 
     Parameters
@@ -95,7 +95,7 @@ def keep(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Kept
     known = vars(prepared)
     if "_plan" not in known:
         known["_plan"] = _plan(tables, motion, prepared, fps)
-    return Kept(_bank(tables), known["_plan"])
+    return KernelCopy(_bank(tables), known["_plan"])
 
 
 def block_of(halo: int) -> int:
@@ -109,7 +109,7 @@ def _given(dials: Sequence[Dial]) -> tuple[tuple[Bools, Floats, Floats], ...]:
     )
 
 
-def _plan(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Any:
+def _plan(tables: Tables, motion: Motion, prepared: StageValues, fps: float) -> Any:
     """Make a plan; flags, sizes, numbers and arrays are in the order of `kernel.c`."""
     poses, count = len(tables.priority), len(tables.binding)
     holds = motion.contacts == "hold"
@@ -142,7 +142,7 @@ def _plan(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Any
     )
 
 
-def _flags(motion: Motion, prepared: Prepared, held: bool) -> dict[str, bool]:  # noqa: FBT001
+def _flags(motion: Motion, prepared: StageValues, held: bool) -> dict[str, bool]:  # noqa: FBT001
     before = motion.limit == "before"
     return {
         "crossfade": motion.stitch == "crossfade",
@@ -157,7 +157,7 @@ def _flags(motion: Motion, prepared: Prepared, held: bool) -> dict[str, bool]:  
 
 
 def _sizes(
-    tables: Tables, prepared: Prepared, contacts: int, wide: Floats, shared: Floats
+    tables: Tables, prepared: StageValues, contacts: int, wide: Floats, shared: Floats
 ) -> dict[str, int]:
     halo = ceil(prepared.halo) + 4
     return {

@@ -15,7 +15,7 @@ from typing import Self
 from lipsync_lang.pipeline.hold import MARGIN, SHORTEST
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import frames_until
-from lipsync_lang.pipeline.prepare import Prepared
+from lipsync_lang.pipeline.prepare import StageValues
 
 CLEAR_SECONDS = 1e-6
 """Seconds by which a frame lies before a boundary, so that rounding never puts it behind."""
@@ -44,7 +44,7 @@ class LookAhead:
     """Seconds that each stage looks ahead; they add up to `seconds`."""
 
     @classmethod
-    def of(cls, prepared: Prepared, motion: Motion, fps: float) -> Self:
+    def of(cls, prepared: StageValues, motion: Motion, fps: float) -> Self:
         """Add up the dependencies of the stages.
 
         Raises

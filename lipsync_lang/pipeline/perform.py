@@ -22,7 +22,7 @@ from lipsync_lang.pipeline.levels import Blend, Dial, scale, shares
 from lipsync_lang.pipeline.limit import envelope, lower_envelope, rest_at_ends
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.overlay import Overlay, lay_over
-from lipsync_lang.pipeline.prepare import Prepared, prepare
+from lipsync_lang.pipeline.prepare import StageValues, prepare
 from lipsync_lang.pipeline.smooth import chord, closing, closing_within
 from lipsync_lang.pipeline.soften import soften
 from lipsync_lang.pipeline.stitch import stitch
@@ -66,7 +66,7 @@ class Performance:
     track: Track
     motion: Motion
     frames: Frames
-    prepared: Prepared
+    prepared: StageValues
     """The settings at this frame rate."""
     overlays: tuple[Overlay, ...]
     blends: tuple[Blend, ...] = ()

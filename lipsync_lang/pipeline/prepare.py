@@ -58,7 +58,7 @@ class Reach(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class StageValues:
     """Values that a performance derives from its tables, motion and frame rate."""
 
     step: float
@@ -102,7 +102,7 @@ MAX_PREPARED = 64
 """Maximum number of cached motions and frame rates; a studio tries many."""
 
 
-def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
+def prepare(tables: Tables, motion: Motion, fps: float) -> StageValues:
     """Derive the values of a motion at a frame rate; the tables cache them.
 
     Parameters
@@ -115,17 +115,17 @@ def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
         if len(known) >= MAX_PREPARED:
             known.clear()
         known[motion, fps] = _prepared(tables, motion, fps)
-    found: Prepared = known[motion, fps]
+    found: StageValues = known[motion, fps]
     return found
 
 
-def _prepared(tables: Tables, motion: Motion, fps: float) -> Prepared:
+def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
     step = motion.speed_limit / fps
     # poses shown one at a time are 0 or 1, and must stay so
     half = np.zeros_like(tables.softness) if motion.hold else tables.softness * motion.softness
     narrow, extra = _shared(tables, half)
     soft = bool(half.any())
-    keeping = _Keeping.of(narrow, step, fps)
+    keeping = _HoldLevels.of(narrow, step, fps)
     room, convex = _room(tables)
     contacts = tables.contacts if motion.contacts == "hold" else ()
     raised = tuple(keeping.levels(c.floor, c.raised, room) for c in contacts)
@@ -141,7 +141,7 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> Prepared:
     early = np.flatnonzero(frames > 1)
     left = _left(frames[early])
     tops = _tops(tables, raised, room, soft=soft)
-    return Prepared(
+    return StageValues(
         step=step,
         wide=_blurs(extra, fps),
         shared=_blurs(narrow, fps),
@@ -263,7 +263,7 @@ def _reaches(
     return {name: look for name, look in looks.items() if look != (0, 0)}
 
 
-class _Keeping(NamedTuple):
+class _HoldLevels(NamedTuple):
     """Levels that keep a contact through the softening."""
 
     kernels: tuple[Floats, ...]

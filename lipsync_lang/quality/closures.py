@@ -10,7 +10,7 @@ from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.measured_scene import MeasuredScene
 from lipsync_lang.quality.measures import (
-    Measured,
+    MeasureResult,
     measure,
     once,
     one,
@@ -32,7 +32,7 @@ NO_CONTACT = "the pose set has no contacts"
 
 
 @measure("contacts", "of sounds", limit=0)
-def contacts(scene: MeasuredScene) -> Iterable[Measured]:
+def contacts(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Sounds that demand a contact and do not get it, for each contact.
 
     A sound gets its contact if two conditions hold at one frame, within half a frame of the sound.
@@ -50,7 +50,7 @@ def contacts(scene: MeasuredScene) -> Iterable[Measured]:
             yield from unjudged("no sound of the line demands this contact", of=touch.name)
             continue
         missed = np.flatnonzero(unmade[number])
-        yield Measured(
+        yield MeasureResult(
             len(missed) / count,
             {"made": count - len(missed), "missed": len(missed)},
             tuple(_missed(scene, number, missed)) if len(missed) else (),
@@ -80,7 +80,7 @@ def _short(scene: MeasuredScene, contact: int, frame: int) -> str:
 
 
 @measure("false_contacts", "of sounds", limit=0)
-def false_contacts(scene: MeasuredScene) -> Iterable[Measured]:
+def false_contacts(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Sounds with a contact at their middle frame that they do not demand, for each contact.
 
     Contacts that raise no pose are left out, because a face at rest makes them too::
@@ -101,7 +101,7 @@ def false_contacts(scene: MeasuredScene) -> Iterable[Measured]:
             yield from unjudged("a face at rest makes this contact", of=touch.name)
             continue
         made = np.flatnonzero(wrong[number]).tolist() if count else []
-        yield Measured(
+        yield MeasureResult(
             count / max(1, sounds),
             {"made": count} if count else {},
             tuple(places(scene, dict.fromkeys(made, f"makes '{touch.name}'"))),
@@ -174,7 +174,7 @@ def _nearest(places: Floats, to: Floats) -> Ints:
     return np.where(nearer, after - 1, after)
 
 
-def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[Measured]:
+def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[MeasureResult]:
     """Return the largest offset in one direction: late for sign 1, early for -1."""
     every = offsets(scene)
     if not every:
@@ -188,7 +188,7 @@ def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[Measured]:
 
 
 @measure("closure_late", "s", limit=0.045)
-def closure_late(scene: MeasuredScene) -> Iterable[Measured]:
+def closure_late(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Lateness of the latest closure.
 
     A closure is a run of frames that make a contact. It belongs to the sounds that demand it and
@@ -202,7 +202,7 @@ def closure_late(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("closure_early", "s", limit=0.125)
-def closure_early(scene: MeasuredScene) -> Iterable[Measured]:
+def closure_early(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Earliness of the earliest closure; viewers notice an early picture beyond 0.125 s.
 
     It is::
@@ -213,7 +213,7 @@ def closure_early(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("closure_offset", "s", limit=0.045)
-def closure_offset(scene: MeasuredScene) -> Iterable[Measured]:
+def closure_offset(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Absolute offset of the median closure; `median` is the signed offset, positive if late.
 
     It is::
@@ -228,7 +228,7 @@ def closure_offset(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("rules", "of sounds", limit=0)
-def rules(scene: MeasuredScene) -> Iterable[Measured]:
+def rules(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Phonemes that violate a rule of the pose set, for each rule.
 
     A rule names phonemes, a measure of the pose set, and a bound. At one frame of the
@@ -243,7 +243,7 @@ def rules(scene: MeasuredScene) -> Iterable[Measured]:
         yield from _rule(scene, name, rule)
 
 
-def _rule(scene: MeasuredScene, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
+def _rule(scene: MeasuredScene, name: str, rule: dict[str, Any]) -> Iterable[MeasureResult]:
     gains = scene.face.measures.get(rule["measure"])
     which = np.flatnonzero(scene.face.meant[name][scene.track.ids])
     if gains is None:
@@ -261,4 +261,4 @@ def _rule(scene: MeasuredScene, name: str, rule: dict[str, Any]) -> Iterable[Mea
     }
     parts = {"kept": len(which) - count, "missed": count}
     found = tuple(places(scene, descriptions))
-    return [Measured(count / len(which), parts, found, of=name, limit=rule["missed"])]
+    return [MeasureResult(count / len(which), parts, found, of=name, limit=rule["missed"])]

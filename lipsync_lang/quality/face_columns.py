@@ -18,7 +18,7 @@ from lipsync_lang.pipeline.constrain import Cap
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
 
 FLOOR_SHARE = 0.9
 """Minimum share of a floor for a visible contact."""
@@ -58,7 +58,7 @@ class Roles(NamedTuple):
     """(N, C) True for phonemes that prevent the anticipation of a column."""
 
 
-class Bounded(NamedTuple):
+class BoundedColumns(NamedTuple):
     """The bounded columns of all contacts in sequence: B in all."""
 
     columns: Ints
@@ -107,7 +107,7 @@ class Face:
         return np.stack([touch.phonemes for touch in self.touches])
 
     @cached_property
-    def bounded(self) -> "Bounded":
+    def bounded(self) -> "BoundedColumns":
         """The bounded columns of all contacts in sequence."""
         finite = [np.isfinite(t.low) | np.isfinite(t.high) for t in self.touches]
         columns = [np.flatnonzero(one) if one.any() else np.zeros(1, int) for one in finite]
@@ -118,7 +118,7 @@ class Face:
         low = np.where(asked, low, 0.0)
         floor = np.where(asked, low - (1 - FLOOR_SHARE) * np.abs(low), -np.inf)
         starts = np.cumsum([0, *counts[:-1]])
-        return Bounded(np.concatenate(columns), floor[:, None], high[:, None], starts)
+        return BoundedColumns(np.concatenate(columns), floor[:, None], high[:, None], starts)
 
     @cached_property
     def capped(self) -> tuple[Ints, Ints, Floats]:
@@ -190,7 +190,7 @@ def _posed(performer: "Performer") -> Face:
     )
 
 
-def _meant(compiled: "Compiled") -> dict[str, Bools]:
+def _meant(compiled: "CompiledPair") -> dict[str, Bools]:
     named = [{name, compiled.shades.get(name, name)} for name in compiled.phonemes]
     return {
         rule: np.array([bool(names & {*stated["phonemes"]}) for names in named])
@@ -198,7 +198,7 @@ def _meant(compiled: "Compiled") -> dict[str, Bools]:
     }
 
 
-def _roles(compiled: "Compiled") -> Roles:
+def _roles(compiled: "CompiledPair") -> Roles:
     """Derive roles from the bank: each phoneme is examined in its own part of silence-phoneme."""
     tables, stated = compiled.tables, compiled.intensity or {"regions": ()}
     own = [pose for region in stated["regions"] for pose in compiled.regions.get(region, ())]

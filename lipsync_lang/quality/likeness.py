@@ -21,7 +21,7 @@ from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.measured_scene import MeasuredScene
 from lipsync_lang.quality.measures import (
     VISIBLE_SHARE,
-    Measured,
+    MeasureResult,
     measure,
     once,
     one,
@@ -115,14 +115,14 @@ def _jaws(scene: MeasuredScene) -> list[Jaw] | str:
 
 
 def _judged(
-    scene: MeasuredScene, figure: Callable[[list[Jaw]], Iterable[Measured]]
-) -> Iterable[Measured]:
+    scene: MeasuredScene, figure: Callable[[list[Jaw]], Iterable[MeasureResult]]
+) -> Iterable[MeasureResult]:
     jaws = _jaws(scene)
     return unjudged(jaws) if isinstance(jaws, str) else figure(jaws)
 
 
 @measure("jerk", "peaks per s^3", limit=2.2e4)
-def jerk(scene: MeasuredScene) -> Iterable[Measured]:
+def jerk(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Jerk of the jaw: the 95th percentile of its third derivative.
 
     Corners have a large jerk. Captures have 1.1e4 to 1.3e4 over eight lines. Single lines reach
@@ -131,7 +131,7 @@ def jerk(scene: MeasuredScene) -> Iterable[Measured]:
         value = 95th percentile over frames of |jaw'''(t)|,   jaw in shares of its peak
     """
 
-    def figure(jaws: list[Jaw]) -> list[Measured]:
+    def figure(jaws: list[Jaw]) -> list[MeasureResult]:
         size = np.concatenate([statistics.derivative(j.curve, CAPTURE_FPS, 3) for j in jaws])
         times = np.concatenate([j.times[1:-2] for j in jaws])
         at = round(float(times[size.argmax()]), 4)
@@ -143,7 +143,7 @@ def jerk(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("high_power", "of power", limit=0.055)
-def high_power(scene: MeasuredScene) -> Iterable[Measured]:
+def high_power(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Share of the power of the jaw's spectrum above 8 Hz.
 
     Speech is not that fast, so this power comes from corners and tremble. Captures have 0.010 to
@@ -153,7 +153,7 @@ def high_power(scene: MeasuredScene) -> Iterable[Measured]:
         value = power above 8 Hz / power,   Hann window, mean removed
     """
 
-    def figure(jaws: list[Jaw]) -> list[Measured]:
+    def figure(jaws: list[Jaw]) -> list[MeasureResult]:
         shares = [statistics.high_share(jaw.curve, CAPTURE_FPS) for jaw in jaws]
         return one(float(np.mean(shares)))
 
@@ -161,7 +161,7 @@ def high_power(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("shelves", "of open frames", limit=0.1)
-def shelves(scene: MeasuredScene) -> Iterable[Measured]:
+def shelves(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Frames with an open jaw that stands still.
 
     A frame is still if the jaw moves by less than 0.015 of its peak before and after it, so a
@@ -172,7 +172,7 @@ def shelves(scene: MeasuredScene) -> Iterable[Measured]:
         value = still frames / frames with the jaw above 0.1 of its peak
     """
 
-    def figure(jaws: list[Jaw]) -> list[Measured]:
+    def figure(jaws: list[Jaw]) -> list[MeasureResult]:
         found: dict[int, float] = {}
         standing = counted = 0
         lasting = scene.sounds & (scene.lengths > HELD_SECONDS)
@@ -203,7 +203,7 @@ def _still(scene: MeasuredScene, jaw: Jaw, lasting: Bools) -> tuple[Bools, Bools
 
 
 @measure("turns", "per second")
-def turns(scene: MeasuredScene) -> Iterable[Measured]:
+def turns(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Turns of the jaw, larger than 0.02 of its peak, per second of the line.
 
     Captures have 6.5 to 7.3. Mumbled or slow lines have fewer, so only packs that state a limit
@@ -212,7 +212,7 @@ def turns(scene: MeasuredScene) -> Iterable[Measured]:
         value = turns / seconds
     """
 
-    def figure(jaws: list[Jaw]) -> list[Measured]:
+    def figure(jaws: list[Jaw]) -> list[MeasureResult]:
         rates = [statistics.turns(jaw.curve) / len(jaw.curve) for jaw in jaws]
         return one(CAPTURE_FPS * float(np.mean(rates)))
 
@@ -220,7 +220,7 @@ def turns(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("lead_missing", "s", limit=0.05)
-def lead_missing(scene: MeasuredScene) -> Iterable[Measured]:
+def lead_missing(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Delay of poses with anticipation, relative to 0.1 s before their sound.
 
     A pose with anticipation (`anticipate`) begins when it rises to a tenth of its peak in a sound
@@ -266,7 +266,7 @@ def _leads(scene: MeasuredScene, roles: Roles) -> Iterator[tuple[int, float]]:
 
 
 @measure("shut_vowels", "of frames", limit=0.12)
-def shut_vowels(scene: MeasuredScene) -> Iterable[Measured]:
+def shut_vowels(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Frames with a shut jaw, in sounds beside a contact that should open the mouth.
 
     These are the sounds that open the mouth wide if spoken alone. Captures keep the jaw shut for
@@ -318,7 +318,7 @@ def _opens(scene: MeasuredScene) -> Bools:
 
 
 @measure("opening_lag", "s", limit=0.017)
-def opening_lag(scene: MeasuredScene) -> Iterable[Measured]:
+def opening_lag(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Time from the end of a sound with a contact until the mouth opens for the next sound.
 
     The sounds open the mouth wide if spoken alone, and follow a contact. Each counts the seconds

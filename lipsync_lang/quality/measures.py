@@ -37,7 +37,7 @@ FULL_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasureResult:
     """A figure of a measure, before its name and limit are added.
 
     Parameters
@@ -55,7 +55,7 @@ class Measured:
     limit: float | None = None
 
 
-Find = Callable[[MeasuredScene], Iterable[Measured]]
+Find = Callable[[MeasuredScene], Iterable[MeasureResult]]
 
 
 @dataclass(frozen=True)
@@ -112,15 +112,15 @@ def load_measures() -> dict[str, Measure]:
 
 def one(
     value: float, parts: Mapping[str, float] | None = None, findings: Iterable[Finding] = ()
-) -> list[Measured]:
+) -> list[MeasureResult]:
     """Return a list with the single figure of a measure."""
     ordered = tuple(sorted(findings))
-    return [Measured(float(value), parts or {}, ordered)]
+    return [MeasureResult(float(value), parts or {}, ordered)]
 
 
-def unjudged(why: str, of: str = "") -> list[Measured]:
+def unjudged(why: str, of: str = "") -> list[MeasureResult]:
     """Return a list with a figure without a value, and the reason."""
-    return [Measured(None, of=of, why=why)]
+    return [MeasureResult(None, of=of, why=why)]
 
 
 def share(part: Bools) -> float:

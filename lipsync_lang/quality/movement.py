@@ -14,7 +14,7 @@ from lipsync_lang.quality.measures import (
     SHORT_HOLD_SECONDS,
     STILL_SPEED,
     VISIBLE_SHARE,
-    Measured,
+    MeasureResult,
     measure,
     named,
     once,
@@ -28,7 +28,7 @@ NO_SOUNDS = "the line has no sounds"
 
 
 @measure("constraints", "of frames", limit=0)
-def constraints(scene: MeasuredScene) -> Iterable[Measured]:
+def constraints(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Frames in which poses break a constraint by more than 0.01.
 
     Pose b yields to pose a, which has the higher priority. Parts are the largest excess of a pair::
@@ -70,7 +70,7 @@ def _constrained(scene: MeasuredScene) -> Iterator[str]:
 
 
 @measure("speed", "per second")
-def speed(scene: MeasuredScene) -> Iterable[Measured]:
+def speed(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """The top speed of the fastest pose.
 
     It is::
@@ -88,7 +88,7 @@ def speed(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("jitter", "per second", limit=2)
-def jitter(scene: MeasuredScene) -> Iterable[Measured]:
+def jitter(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Flickers per second of speech, for the pose with most flickers.
 
     A flicker is a movement of 0.05 or more and a movement back of 0.05 or more, both within
@@ -145,7 +145,7 @@ def _shapes(scene: MeasuredScene) -> tuple[Ints, Ints, Ints]:
 
 
 @measure("changes", "per second")
-def changes(scene: MeasuredScene) -> Iterable[Measured]:
+def changes(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Changes of the strongest pose per second of speech. Only some pose sets limit it.
 
     It is::
@@ -158,7 +158,7 @@ def changes(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("short_holds", "of stays")
-def short_holds(scene: MeasuredScene) -> Iterable[Measured]:
+def short_holds(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Stays of the strongest pose that are shorter than 0.06 s, without the first and the last.
 
     Only some pose sets limit it: the strongest of blended poses often changes, but drawings that
@@ -188,7 +188,7 @@ def short_holds(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("silence", "of its range", limit=VISIBLE_SHARE)
-def silence(scene: MeasuredScene) -> Iterable[Measured]:
+def silence(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Largest movement of a pose in a pause.
 
     Next to a sound, the mouth may move for `silence_reach` plus the duration of a pose's movement
@@ -228,7 +228,7 @@ def _quiet(scene: MeasuredScene, room: float) -> Bools:
 
 
 @measure("saturation", "of frames")
-def saturation(scene: MeasuredScene) -> Iterable[Measured]:
+def saturation(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Frames of speech with a pose at its maximum. Only some pose sets limit it.
 
     A curve that is clipped at 1 for long has lost its shape::
@@ -245,7 +245,7 @@ def saturation(scene: MeasuredScene) -> Iterable[Measured]:
 
 
 @measure("still", "of frames")
-def still(scene: MeasuredScene) -> Iterable[Measured]:
+def still(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Frames of speech without a moving pose. Only some pose sets limit it.
 
     A pose slower than 0.1 per second is still. Long sounds are still, but a mouth that is still

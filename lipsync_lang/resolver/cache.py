@@ -26,7 +26,7 @@ from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.resolver.compiled import Compiled, Origin
+    from lipsync_lang.resolver.compiled import CompiledPair, Origin
 
 _log = logging.getLogger(__name__)
 
@@ -91,7 +91,7 @@ def _path(key: str) -> Path | None:
     return where / f"{sha256(key.encode()).hexdigest()[:32]}.pair" if where else None
 
 
-def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | None":
+def load(language: str, character: str, paths: Sequence[Path]) -> "CompiledPair | None":
     """Return a compiled pair from the cache; None if its file is damaged, foreign or stale."""
     key = _key(language, character, paths)
     path = _path(key)
@@ -104,7 +104,7 @@ def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | No
     return compiled
 
 
-def save(compiled: "Compiled", language: str, character: str, library: "Library") -> None:
+def save(compiled: "CompiledPair", language: str, character: str, library: "Library") -> None:
     """Write a compiled pair to the cache; a cache that cannot be written is not an error."""
     from lipsync_lang.errors import OutputError
     from lipsync_lang.files import atomic
@@ -134,7 +134,7 @@ def _forget(folder: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def _encode(compiled: "Compiled", key: str, library: "Library") -> list[bytes | memoryview]:
+def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[bytes | memoryview]:
     """Return the parts of a cache file in order, without a copy of the arrays."""
     body: list[bytes | memoryview] = []
     places, size = {}, 0
@@ -180,7 +180,7 @@ def _arrays(tables: Tables) -> dict[str, np.ndarray[Any, Any]]:
     return arrays
 
 
-def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "Compiled | None":
+def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "CompiledPair | None":
     if not content.startswith(MARK):
         return None
     start = len(MARK) + DIGEST
@@ -212,8 +212,8 @@ def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
     )
 
 
-def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
-    from lipsync_lang.resolver.compiled import Compiled, Report
+def _compiled(head: dict[str, Any], body: memoryview) -> "CompiledPair":
+    from lipsync_lang.resolver.compiled import CompiledPair, Report
 
     plain = head["plain"]
     # indices are checked, because numpy would read other rows for negative ones
@@ -232,7 +232,7 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
         for field in ("notations", "visemes")
     )
     words = {text: tuple(sounds) for text, sounds in plain.pop("words").items()}
-    return Compiled(
+    return CompiledPair(
         **_tuples(plain),
         origins=origins,
         style_origins=styles,

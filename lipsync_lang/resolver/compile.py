@@ -18,7 +18,7 @@ from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 from lipsync_lang.resolver import pose_arrays
-from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Pair, Report, Triple
+from lipsync_lang.resolver.compiled import LAYERS, CompiledPair, Origin, Pair, Report, Triple
 from lipsync_lang.resolver.language_tables import manner_of, tables_of, visemes_of
 from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, Halves, PairPacks
 from lipsync_lang.resolver.nearest_phonemes import plain_among, spelling
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
 
 
-def compile_pair(library: "Library", language: str, character: str) -> Compiled:
+def compile_pair(library: "Library", language: str, character: str) -> CompiledPair:
     """Read the packs of a pair and compile them; the package's docstring lists the layers."""
     packs = PairPacks.open(library, language, character)
     return compile_packs(packs, PairRows.of(packs))
@@ -105,13 +105,13 @@ class PairRows:
         return rows
 
 
-def compile_packs(shelf: PairPacks, rows: PairRows) -> Compiled:
+def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
     """Compile the packs of a pair to tables and plain data."""
     common, spoken, who, poseset = shelf.common, shelf.language, shelf.character, shelf.poseset
     model, library = spoken.model, shelf.library
     manner = manner_of(spoken, common.model, who.model)
     tables = _tables(shelf, rows)
-    return Compiled(
+    return CompiledPair(
         language=model.name,
         character=who.model.name,
         poseset=poseset.model.name,

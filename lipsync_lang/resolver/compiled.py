@@ -103,7 +103,7 @@ def _layer_lines(layers: dict[str, dict[str, int]]) -> list[str]:
 
 
 @dataclass(frozen=True, eq=False)
-class Compiled:
+class CompiledPair:
     """Plain data and arrays that a performer needs; the cache stores exactly these."""
 
     language: str
@@ -185,4 +185,4 @@ class Compiled:
         return {name: own[parent] for name, parent in self.shades.items()} | own
 
     def __repr__(self) -> str:
-        return f"<Compiled {self.language} on {self.character}>"
+        return f"<CompiledPair {self.language} on {self.character}>"

@@ -17,7 +17,7 @@ from lipsync_lang.packs.splicing import INDEPENDENT, SplicedText, pack_name
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import Data, YamlSource, scan
 from lipsync_lang.resolver.compile import PairRows, compile_packs
-from lipsync_lang.resolver.compiled import Compiled, Pair
+from lipsync_lang.resolver.compiled import CompiledPair, Pair
 from lipsync_lang.resolver.layers import BigramRow, DrawnBigrams, PairPacks
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class OpenPair:
     data : the data of each file with bigrams, by path
     """
 
-    compiled: Compiled
+    compiled: CompiledPair
     shelf: PairPacks
     rows: PairRows
     data: Mapping[Path, Data]

@@ -17,7 +17,7 @@ from lipsync_lang.rigs.recognise import recognise
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Library, Pack
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
     from lipsync_lang.rigs.recognise import Match
 
 
@@ -97,7 +97,9 @@ def best_match(library: "Library", path: Path) -> "Match":
     return found
 
 
-def on_model(library: "Library", compiled: "Compiled", match: "Match", path: Path) -> "Compiled":
+def on_model(
+    library: "Library", compiled: "CompiledPair", match: "Match", path: Path
+) -> "CompiledPair":
     """Put the compiled pair of a pose set on a model, through the rig of the match."""
     rig = None
     if match.rig is not None:

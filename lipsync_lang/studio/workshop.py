@@ -33,7 +33,7 @@ from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.build.planned_line import PlannedLine
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import CompiledPair
     from lipsync_lang.schedules.schedule import Schedule
 
 OWN = ("path", "project")
@@ -228,7 +228,7 @@ class Workshop:
         )  # fmt: skip
         return replace(found, cleaning=self.cleaning)
 
-    def _performer(self, compiled: "Compiled") -> Performer:
+    def _performer(self, compiled: "CompiledPair") -> Performer:
         motion = motion_with(compiled.motion, self.motion)
         return Performer(compiled, motion, "rest", self.paths, cleaning=self.cleaning)
 

@@ -15,7 +15,7 @@ from strategies import RATES, any_lines, motions
 import lipsync_lang as ll
 from lipsync_lang import Schedule
 from lipsync_lang.errors import LipsyncError, ScheduleError
-from lipsync_lang.performing.heard import Heard, HeardLabel, HeardWord
+from lipsync_lang.performing.heard import HeardLabel, HeardLabels, HeardWord
 from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.pipeline.levels import Blend, Dial, Level
 from lipsync_lang.pipeline.prepare import prepare
@@ -130,7 +130,7 @@ def test_frames_are_those_of_the_whole_with_any_tables_and_motion(line, motion, 
     blends = tuple(Blend(n, Level(ends, np.array(s))) for n, s in enumerate(line.shares))
     dials = tuple(Dial(every % n == 0, Level(ends, np.array(s))) for n, *s in line.dials)
     frames = StreamFrames(Standing(line.tables, motion), fps, blends, dials, emphasis=False)
-    heard = Heard(line.tables.silence)
+    heard = HeardLabels(line.tables.silence)
     number = 0
     found = []
 

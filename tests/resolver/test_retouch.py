@@ -16,7 +16,7 @@ from lipsync_lang.packs.splicing import ABSENT, SplicedText
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.pipeline.tables import Contact, Tables
 from lipsync_lang.resolver.compile import compile_pair
-from lipsync_lang.resolver.compiled import Compiled, Origin, Report
+from lipsync_lang.resolver.compiled import CompiledPair, Origin, Report
 from lipsync_lang.resolver.retouch import OpenPair
 
 HEAD = "kind: bank\nformat: 1\nname: {0}\nposeset: {1}\n{2}bigrams: {{}}\n"
@@ -46,7 +46,7 @@ def placeless(value):
         return replace(value, warnings=tuple(w.partition(": ")[2] for w in value.warnings))
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
-    if isinstance(value, (Compiled, Tables, Contact)):
+    if isinstance(value, (CompiledPair, Tables, Contact)):
         return {field.name: placeless(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, dict):
         return {key: placeless(one) for key, one in value.items()}
