@@ -6,6 +6,7 @@ contiguous schedule in seconds, or an error that names the line.
 
 from collections.abc import Iterable, Sequence
 from math import log
+from operator import attrgetter
 from statistics import median
 from typing import NamedTuple
 
@@ -13,6 +14,8 @@ import numpy as np
 
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, words_from_spans
 from lipsync_lang.schedules.timing_file import TimingFile
+
+MILLISECONDS_PER_SECOND = 1000.0
 
 TYPICAL_SOUND_SECONDS = 0.08
 """Typical duration of a phoneme, in seconds."""
@@ -26,7 +29,7 @@ ROUNDING_SECONDS = 0.0101
 MAX_LABEL_CHARS = 40
 """Maximum characters of a label in a message."""
 
-LIKELY_RATES = (1000.0, 100.0, 60.0, 30.0, 25.0, 24.0)
+LIKELY_RATES = (MILLISECONDS_PER_SECOND, 100.0, 60.0, 30.0, 25.0, 24.0)
 """Units per second of files that do not count in seconds."""
 
 
@@ -66,7 +69,8 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
     ScheduleError
         A time is below zero, runs backwards or overlaps another; the line is named.
     """
-    phones, spans = sorted(rows, key=_order), sorted(words, key=_order)
+    in_order = attrgetter("start", "end")
+    phones, spans = sorted(rows, key=in_order), sorted(words, key=in_order)
     if not phones:
         raise source.fault("has no phonemes; check that the file is complete")
     rate, told = source.rate or rate, tuple(remarks)
@@ -103,20 +107,13 @@ def with_words(schedule: Schedule, spans: Sequence[tuple[str, float, float]]) ->
     return replace(schedule, words=tuple(heard))
 
 
-def _order(row: LabelRow) -> tuple[float, float]:
-    return row.start, row.end
-
-
 def _lines(rows: Sequence[LabelRow]) -> tuple[int, ...]:
     """Return the line of every row; a filled gap has the line of the row after it."""
     if any(row.line is None for row in rows if row.label != SILENCE):
         return ()
-    lines: list[int] = []
     below = next((row.line for row in rows[::-1] if row.line is not None), 1)
-    for row in rows[::-1]:
-        below = row.line if row.line is not None else below
-        lines.append(below)
-    return tuple(lines[::-1])
+    found = [below := row.line or below for row in rows[::-1]]
+    return tuple(found[::-1])
 
 
 def guessed_rate(
@@ -135,7 +132,7 @@ def guessed_rate(
     if middle <= longest:
         return None, ()
     rate = min(LIKELY_RATES, key=lambda one: abs(log(middle / one / typical)))
-    unit = "milliseconds" if rate == LIKELY_RATES[0] else f"frames at {rate:g} a second"
+    unit = "milliseconds" if rate == MILLISECONDS_PER_SECOND else f"frames at {rate:g} a second"
     told = (
         f"{source.path}: its {things} would last {middle:g} s each, so its times are read as "
         f"{unit}; if they are not, state how many make a second (`rate={rate:g}`)"

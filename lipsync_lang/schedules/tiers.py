@@ -6,7 +6,7 @@ with it.
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
@@ -98,27 +98,45 @@ class Tier:
         return ((match and match[group]) or "").strip()
 
 
-def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False) -> Timings:
+def read_speakers(
+    source: TimingFile, speakers: Mapping[str, Iterable[LabelRow]], remarks: Iterable[str]
+) -> Timings:
+    """Read the words of speakers by name; an empty name if the file has none."""
+    tiers = [
+        Tier(f"{name} - words" if name else "words", tuple(rows)) for name, rows in speakers.items()
+    ]
+    return read_tiers(source, [tier for tier in tiers if tier.rows], remarks=remarks)
+
+
+def read_tiers(
+    source: TimingFile,
+    tiers: Sequence[Tier],
+    *,
+    guess: bool = False,
+    remarks: Iterable[str] = (),
+) -> Timings:
     """Make a schedule of the phone tier, with the words of its speaker; or timed words.
 
     ``source.tier`` names the tier or a speaker. Without it, only one tier may look like phones.
-    A file without phones gives the words of its tier of words. `guess` is as in `schedule_of`.
+    A file without phones gives the words of its tier of words. `guess` and `remarks` are as in
+    `schedule_of`.
     """
     found = tiers if source.tier is not None else _phones(source, tiers)
     alike = "hold words" if all(tier.holds_words() for tier in found) else "look like phones"
     chosen = only(source, found, f"tiers {alike}")
     if chosen.holds_words():
-        return words_of_rows(source, chosen.rows, guess=guess)
+        return words_of_rows(source, chosen.rows, guess=guess, remarks=remarks)
     own = [tier for tier in tiers if tier.speaker == chosen.speaker]
     words = _sure([tier for tier in own if WORD_TIER_NAME.fullmatch(tier.role)])
-    remarks = [] if chosen.spoken else [f"{source.path}: tier '{chosen.name}' has no labels"]
+    told = [] if chosen.spoken else [f"{source.path}: tier '{chosen.name}' has no labels"]
     spans = words[0].rows if len(words) == 1 else ()
     sure = [tier for tier in own if tier.role == CONFIDENCE_TIER]
     used = (chosen, *(words if spans else ()), *sure)
     others = [tier for tier in tiers if tier.spoken and all(tier is not one for one in used)]
     if others and source.tier is None:
-        remarks.append(f"{source.path}: skipped tiers: {_list(others)}")
-    schedule = schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=remarks)
+        told.append(f"{source.path}: skipped tiers: {_list(others)}")
+    told += remarks
+    schedule = schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=told)
     return _rated(schedule, sure[0].spoken) if sure else schedule
 
 

@@ -5,7 +5,7 @@ phonemes within each word depend on the language: `speech.filling` adds them.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 from unicodedata import category
@@ -15,8 +15,10 @@ from lipsync_lang.schedules.rows import (
     LabelRow,
     check_span,
     guessed_rate,
+    schedule_of,
     told_row,
 )
+from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 
 TYPICAL_WORD_SECONDS = 0.3
@@ -25,13 +27,11 @@ TYPICAL_WORD_SECONDS = 0.3
 LONG_WORD_SECONDS = 30.0
 """Longest plausible median duration in seconds, of words and cues; longer is another unit."""
 
-
 SILENT_WORD = re.compile(r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|#", re.IGNORECASE)
 """Marks of silence and noise among words."""
 
 MAX_PHONE_LETTERS = 3
 """Maximum letters of a usual label of a phone; words have more."""
-
 
 WORD_SCRIPTS = (("\u3400", "\u9fff"), ("\uac00", "\ud7a3"))
 """First and last letters of Han and of Hangul syllables, which never label phones."""
@@ -79,16 +79,27 @@ class TimedWords:
 
 def are_words(labels: Iterable[str]) -> bool:
     """Return True if labels are too long for phones, or in a script that has words alone."""
-    spoken = (one.strip() for one in labels if not SILENT_WORD.fullmatch(one.strip()))
-    letters = [_letters(one) for one in spoken if one]
-    return bool(letters) and median(letters) > MAX_PHONE_LETTERS
+    counts: list[int] = []
+    for label in map(str.strip, labels):
+        if label and not SILENT_WORD.fullmatch(label):
+            # Signs of length, breath and tone are no letters.
+            letters = [c for c in label if c.isalpha() and category(c) != "Lm"]
+            is_word = any(first <= c <= last for c in letters for first, last in WORD_SCRIPTS)
+            counts.append(MAX_PHONE_LETTERS + 1 if is_word else len(letters))
+    return bool(counts) and median(counts) > MAX_PHONE_LETTERS
 
 
-def _letters(label: str) -> int:
-    """Return the letters of a label, without signs of length, breath and tone."""
-    letters = [c for c in label if c.isalpha() and category(c) != "Lm"]
-    is_word = any(first <= c <= last for c in letters for first, last in WORD_SCRIPTS)
-    return MAX_PHONE_LETTERS + 1 if is_word else len(letters)
+def phones_or_words(
+    source: TimingFile,
+    phones: Sequence[LabelRow],
+    words: Sequence[LabelRow],
+    *,
+    rate: float | None = None,
+) -> Schedule | TimedWords:
+    """Make a schedule of phones and words; of words alone, timed words."""
+    if phones or not words:
+        return schedule_of(source, phones, words=words, rate=rate)
+    return timed_words_of(source, map(_timed_word, words), rate=rate)
 
 
 def words_of_rows(
@@ -97,11 +108,16 @@ def words_of_rows(
     *,
     rate: float | None = None,
     guess: bool = False,
+    remarks: Iterable[str] = (),
 ) -> TimedWords:
     """Make timed words of labels, without marks of silence, as `timed_words_of` does."""
     spoken = (row for row in rows if not SILENT_WORD.fullmatch(row.label.strip()))
-    words = (TimedWord(row.label, row.start, row.end, line=row.line) for row in spoken)
-    return timed_words_of(source, words, rate=rate, guess=guess)
+    words = map(_timed_word, spoken)
+    return timed_words_of(source, words, rate=rate, guess=guess, remarks=remarks)
+
+
+def _timed_word(row: LabelRow) -> TimedWord:
+    return TimedWord(row.label, row.start, row.end, line=row.line)
 
 
 def timed_words_of(

@@ -4,7 +4,7 @@ import codecs
 import json
 import re
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE, BOM_UTF32_BE, BOM_UTF32_LE
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
+from lipsync_lang.json_object import Json
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -219,17 +220,45 @@ class TimingFile:
             return self.number(text, line)
         return self.number(number, line)
 
-    def objects(
-        self, whole: object, name: str, form: str, line: int | None = None
-    ) -> list[dict[str, Any]]:
+    def objects(self, whole: object, name: str, form: str, line: int | None = None) -> list[Json]:
         """Return the list of objects in a field of a JSON object; empty without the field.
 
         `form` is an example of the format, for the error about anything else.
         """
         parts = whole.get(name, []) if isinstance(whole, dict) else None
-        if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
-            raise self.fault(f"`{name}` must be a list of objects; the form is {form}", line)
-        return parts
+        what = f"`{name}` must be a list of objects; the form is {form}"
+        return self.object_list(parts, what, line)
+
+    def object_list(self, value: object, what: str, line: int | None = None) -> list[Json]:
+        """Return a list of objects; raise an error about `what` for anything else."""
+        if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
+            raise self.fault(what, line)
+        return value
+
+    def matches(
+        self,
+        form: re.Pattern[str],
+        what: str,
+        *,
+        after: int = 0,
+        comments: str | tuple[str, ...] = (),
+    ) -> Iterator[tuple[int, re.Match[str]]]:
+        """Yield (number, match) of each line; raise an error for a line of another form.
+
+        Parameters
+        ----------
+        form : of the lines
+        what : the form in words, for the error
+        after : number of lines to skip at the start
+        comments : starts of lines to skip
+        """
+        for number, line in self.lines[after:]:
+            if line.startswith(comments):
+                continue
+            found = form.fullmatch(line)
+            if found is None:
+                raise self.fault(f"{line.strip()[:40]!r} is not {what}", number)
+            yield number, found
 
     def line_of(self, text: str) -> int | None:
         """Return the first line that holds a text; None if there is none."""
@@ -243,6 +272,17 @@ class TimingFile:
             if path.is_file():
                 return replace(self, path=path, content=timing_bytes(path))
         return None
+
+
+def first_item(value: object) -> Any:
+    """Return the first item of a list; None for an empty one, or anything else."""
+    return value[0] if isinstance(value, list) and value else None
+
+
+def plain_fields(value: object) -> Json:
+    """Return an object with one spelling of its names, in small letters without underscores."""
+    fields = value if isinstance(value, dict) else {}
+    return {name.replace("_", "").lower(): field for name, field in fields.items()}
 
 
 def timing_bytes(path: Path) -> bytes:
@@ -259,23 +299,17 @@ def timing_bytes(path: Path) -> bytes:
 
 
 def _encoding(content: bytes) -> str:
-    marked = next(
-        (name for mark, name in BYTE_ORDER_MARKS.items() if content.startswith(mark)), None
-    )
-    if marked:
-        return marked
+    for mark, name in BYTE_ORDER_MARKS.items():
+        if content.startswith(mark):
+            return name
     if content[1:2] == b"\0" and content[:1] != b"\0":
         return "utf-16-le"
     if content[:1] == b"\0" and content[1:2] != b"\0":
         return "utf-16-be"
     stated = XML_ENCODING.match(content[:HEAD_BYTES])
-    return _eight_bits(stated[1].decode("ascii")) if stated else "utf-8"
-
-
-def _eight_bits(stated: str) -> str:
-    """Return the name of an encoding that extends ASCII; UTF-8 for all others."""
     try:
-        known = codecs.lookup(stated).name
+        known = codecs.lookup(stated[1].decode("ascii")).name if stated else "utf-8"
+        # Only an encoding that extends ASCII can have written the statement itself.
         return known if "<?xml".encode(known) == b"<?xml" else "utf-8"
     except (LookupError, ValueError):
         return "utf-8"

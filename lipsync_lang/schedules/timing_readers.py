@@ -6,7 +6,7 @@ A file's content tells its format, before its suffix does: many programs write `
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lipsync_lang.errors import ScheduleError
@@ -132,8 +132,6 @@ def read_timings(  # noqa: PLR0913 facts that a file may lack
     >>> ll.read_timings("words.csv").words[0].text
     'maps'
     """
-    from dataclasses import replace
-
     path = argument_path(path)
     if rate is not None and not 0 < rate < float("inf"):
         raise ScheduleError(f"{rate:g} units per second: give a number above 0")

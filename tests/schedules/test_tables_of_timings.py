@@ -196,7 +196,7 @@ def test_a_label_without_text_is_silence():
     [
         ("0.300000\t0.300000\tB", ":4: 'B', 0.3 to 0.3 s, has no length"),
         ("0.200000\t0.400000\tB", ":4: 'B', 0.2 to 0.4 s, starts before 'AY' ends"),
-        ("0.300000 0.400000 B", ":4: is not a label; write START, END and TEXT"),
+        ("0.300000 0.400000 B", ":4: '0.300000 0.400000 B' is not a label; write START, END and TEXT"),
     ],
 )
 def test_what_is_wrong_with_a_label_is_told_with_its_line(line, told):
@@ -234,7 +234,7 @@ def test_files_and_channels_of_a_ctm_are_read_when_asked_for(others, names):
 def test_what_is_wrong_with_a_ctm_is_told_with_its_line():
     text = "a 1 0 0.1 HH\n"
     assert refusal(text + "a 1 0.1", "line.ctm") == (
-        "line.ctm:2: is not a sound; write FILE CHANNEL START DURATION LABEL"
+        "line.ctm:2: 'a 1 0.1' is not a sound; write FILE CHANNEL START DURATION LABEL"
     )
     assert refusal(text + "a 1 0.1 1.2.3 M", "line.ctm").startswith(
         "line.ctm:2: '1.2.3' is not a t"

@@ -4,8 +4,6 @@ A fragment has its begin and end in seconds, as text, and the rows of its text. 
 levels contain smaller ones; the smallest are read.
 """
 
-from collections.abc import Iterator
-
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
@@ -24,13 +22,8 @@ def sniff(source: TimingFile) -> bool:
 def read_aeneas(source: TimingFile) -> TimedWords:
     """Sync maps of aeneas: the smallest fragments of the text with their times."""
     whole = source.json
-    fragments = whole.get("fragments") if isinstance(whole, dict) else None
-    return timed_words_of(source, list(_smallest(source, fragments)))
-
-
-def _smallest(source: TimingFile, fragments: object) -> Iterator[TimedWord]:
-    """Yield fragments without children."""
-    waiting = [fragments]
+    words: list[TimedWord] = []
+    waiting = [whole.get("fragments") if isinstance(whole, dict) else None]
     while waiting:
         level = waiting.pop()
         if not isinstance(level, list):
@@ -42,9 +35,9 @@ def _smallest(source: TimingFile, fragments: object) -> Iterator[TimedWord]:
             if fragment.get("children"):
                 waiting.append(fragment["children"])
             else:
-                times = (fragment.get(name) for name in ("begin", "end"))
                 start, end = (
                     source.time(one) if isinstance(one, str) else source.number(one)
-                    for one in times
+                    for one in (fragment.get("begin"), fragment.get("end"))
                 )
-                yield TimedWord(" ".join(map(str, lines)), start, end)
+                words.append(TimedWord(" ".join(map(str, lines)), start, end))
+    return timed_words_of(source, words)

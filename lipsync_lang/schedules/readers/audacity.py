@@ -23,13 +23,8 @@ def sniff(source: TimingFile) -> bool:
 def read_audacity(source: TimingFile) -> Timings:
     """Audacity label tracks of phonemes or words, exported as text."""
     rows = []
-    for number, line in source.lines:
-        if line.startswith("\\"):
-            continue
-        found = LABEL.fullmatch(line)
-        if not found:
-            what = "is not a label; write START, END and TEXT, separated by tabs"
-            raise source.fault(what, number)
+    form = "a label; write START, END and TEXT, separated by tabs"
+    for number, found in source.matches(LABEL, form, comments="\\"):
         start, end = (source.time(found[at].replace(",", "."), number) for at in (1, 2))
         rows.append(LabelRow(found[3] or "", start, end, number))
     if are_words(row.label for row in rows):

@@ -12,13 +12,14 @@ boundaries and the end of the session may stand beside them.
 import re
 from collections.abc import Iterator
 from itertools import pairwise
+from math import inf
 from statistics import median
 
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, plain_fields
 from lipsync_lang.schedules.timing_readers import reader
 
 AZURE_NOTATION = "azure"
@@ -34,6 +35,9 @@ SHORT_SECONDS = 0.002
 
 LAST_VISEME = 21
 """The last viseme; the first, 0, is silence."""
+
+PREFIXES = re.compile(r"^(?:priv)?(?:audio)?(?:(offset).*)?", re.DOTALL)
+"""Parts of a field's name that depend on the program, and the unit of an offset."""
 
 VISEME = re.compile(r'"(priv)?viseme_?id"\s*:', re.IGNORECASE)
 
@@ -58,7 +62,10 @@ def read_azure(source: TimingFile) -> Schedule:
         elif isinstance(event.get("text"), dict) and event["text"].get("BoundaryType") == "Word":
             length = source.number(event.get("duration"), line)
             words.append(LabelRow(str(event["text"].get("Text")), at, at + length, line))
-    unit = _unit([at for _, at, _ in starts])
+    offsets = sorted(at for _, at, _ in starts)
+    steps = [after - before for before, after in pairwise(offsets) if after > before]
+    usual = median(steps) if steps else inf
+    unit = next((u for u in UNITS if usual / UNITS[u] >= SHORT_SECONDS), "seconds")
     rate = UNITS[unit]
     rows, told = until_next(source, starts, rest="0", end=end, rate=rate)
     if rate != TICKS_PER_SECOND and source.rate is None:
@@ -67,15 +74,6 @@ def read_azure(source: TimingFile) -> Schedule:
             f"a second (`rate={rate:g}`)"
         )
     return shapes_of(source, rows, notation=AZURE_NOTATION, words=words, rate=rate, remarks=told)
-
-
-def _unit(offsets: list[float]) -> str:
-    """Return the likeliest unit of the starts of visemes."""
-    ordered = sorted(offsets)
-    steps = [after - before for before, after in pairwise(ordered) if after > before]
-    if not steps:
-        return next(iter(UNITS))
-    return next((u for u in UNITS if median(steps) / UNITS[u] >= SHORT_SECONDS), "seconds")
 
 
 def _events(source: TimingFile) -> Iterator[tuple[int | None, Json]]:
@@ -87,13 +85,10 @@ def _events(source: TimingFile) -> Iterator[tuple[int | None, Json]]:
                 raise source.fault("an event needs an audio offset and a viseme ID", line)
             data = one.get("Data")
             flat = {**one, **data} if isinstance(data, dict) else one
-            yield line, {_plain(name): value for name, value in flat.items()}
-
-
-def _plain(name: str) -> str:
-    """Return the name of a field without the case, the prefixes and the unit of its program."""
-    plain = re.sub(r"^(priv)?(audio)?", "", name.replace("_", "").lower())
-    return "offset" if plain.startswith("offset") else plain
+            yield (
+                line,
+                {PREFIXES.sub(r"\1", name): field for name, field in plain_fields(flat).items()},
+            )
 
 
 def _number(source: TimingFile, value: object, line: int | None) -> str:

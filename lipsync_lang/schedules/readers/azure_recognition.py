@@ -6,8 +6,8 @@ Results are a JSON object, or several in a list or one on each line.
 
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.readers.azure import TICKS_PER_SECOND
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.timed_words import TimedWord, timed_words_of
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.timed_words import phones_or_words
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader
 
@@ -35,14 +35,10 @@ def read_azure_recognition(source: TimingFile) -> Timings:
                 words.append(_row(source, word, "Word", line))
                 spelled = source.objects(word, "Phonemes", RECOGNITION_FORM, line)
                 phones += [_row(source, phone, "Phoneme", line) for phone in spelled]
-    if phones or not words:
-        return schedule_of(source, phones, words=words, rate=TICKS_PER_SECOND)
-    timed = [TimedWord(w.label, w.start, w.end, line=w.line) for w in words]
-    return timed_words_of(source, timed, rate=TICKS_PER_SECOND)
+    return phones_or_words(source, phones, words, rate=TICKS_PER_SECOND)
 
 
 def _row(source: TimingFile, told: Json, name: str, line: int | None) -> LabelRow:
     start = source.number(told.get("Offset"), line)
-    return LabelRow(
-        str(told.get(name, "")), start, start + source.number(told.get("Duration"), line), line
-    )
+    end = start + source.number(told.get("Duration"), line)
+    return LabelRow(str(told.get(name, "")), start, end, line)

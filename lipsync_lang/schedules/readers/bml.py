@@ -8,6 +8,7 @@ time, as for characters whose shapes are layered, the one articulated most stron
 """
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 from lipsync_lang.schedules.mouth_shapes import shapes_of, until_next
@@ -51,14 +52,19 @@ def read_bml(source: TimingFile) -> Schedule:
             f"{source.path}: {weaker} weaker shapes start with a stronger one and are left out"
         )
     stated = [LabelRow(s.label, s.start, s.end) for s in strongest.values() if s.end is not None]
-    words = list(_words(source))
+    marks = [
+        (source.time(mark.get("time")), (mark.tail or "").strip())
+        for mark in source.xml.iter("sync")
+        if mark.get("time") is not None
+    ]
+    words = [
+        LabelRow(text, at, end) for (at, text), (end, _) in pairwise(marks) if text and at < end
+    ]
     ends = [source.time(word.get("end")) for word in source.xml.iter("word")]
     open_ended = [(s.label, s.start, None) for s in strongest.values() if s.end is None]
     rows, guessed = until_next(source, open_ended, rest=SILENCE, end=max(ends, default=None))
-    remarks = [*told, *guessed]
-    return shapes_of(
-        source, stated + rows, words=words, notation=SMARTBODY_NOTATION, remarks=remarks
-    )
+    rows, told = stated + rows, told + guessed
+    return shapes_of(source, rows, words=words, notation=SMARTBODY_NOTATION, remarks=told)
 
 
 def _shapes(source: TimingFile) -> Iterator[LipShape]:
@@ -75,13 +81,3 @@ def _shapes(source: TimingFile) -> Iterator[LipShape]:
             source.time(element.get("end")) if element.tag == "lips" else None,
             source.time(weight) if weight is not None else 1.0,
         )
-
-
-def _words(source: TimingFile) -> Iterator[LabelRow]:
-    """Yield the words between time marks."""
-    marks = [mark for mark in source.xml.iter("sync") if mark.get("time") is not None]
-    times = [source.time(mark.get("time")) for mark in marks]
-    for number, mark in enumerate(marks[:-1]):
-        text = (mark.tail or "").strip()
-        if text and times[number] < times[number + 1]:
-            yield LabelRow(text, times[number], times[number + 1])

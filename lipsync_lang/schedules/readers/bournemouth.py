@@ -8,12 +8,10 @@ from bisect import bisect_right
 from operator import attrgetter
 
 from lipsync_lang.json_object import Json
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, first_item
 from lipsync_lang.schedules.timing_readers import reader
-
-MILLISECONDS_PER_SECOND = 1000.0
 
 BOURNEMOUTH_FORM = (
     '{"segments": [{"phoneme_ts": [{"ipa_label": "m", "start_ms": 0, "end_ms": 80}], '
@@ -21,13 +19,9 @@ BOURNEMOUTH_FORM = (
 )
 
 
-_start = attrgetter("start")
-
-
 def sniff(source: TimingFile) -> bool:
     """Return True if the first segment has phones."""
-    segments = source.document.get("segments") if source.holds("segments") else None
-    first = segments[0] if isinstance(segments, list) and segments else None
+    first = first_item(source.document.get("segments")) if source.holds("segments") else None
     return isinstance(first, dict) and "phoneme_ts" in first
 
 
@@ -38,10 +32,8 @@ def read_bournemouth(source: TimingFile) -> Schedule:
     words: list[LabelRow] = []
     told: set[str] = set()
     for segment in source.objects(source.json, "segments", BOURNEMOUTH_FORM):
-        spans = sorted(_rows(source, segment, "words_ts", "word"), key=_start)
-        phones = sorted(
-            _rows(source, segment, "phoneme_ts", "ipa_label", "phoneme_label"), key=_start
-        )
+        spans = _rows(source, segment, "words_ts", "word")
+        phones = _rows(source, segment, "phoneme_ts", "ipa_label", "phoneme_label")
         joined = _joined(phones, spans)
         if joined != phones:
             told.add(
@@ -70,8 +62,8 @@ def _joined(phones: list[LabelRow], words: list[LabelRow]) -> list[LabelRow]:
 
 
 def _rows(source: TimingFile, segment: Json, name: str, *labels: str) -> list[LabelRow]:
-    """Return the rows of a list; the first of `labels` that a row has is its label."""
-    return [
+    """Return the rows of a list by time; the first of `labels` that a row has is its label."""
+    rows = [
         LabelRow(
             next((str(one[label]) for label in labels if label in one), ""),
             source.number(one.get("start_ms")),
@@ -79,3 +71,4 @@ def _rows(source: TimingFile, segment: Json, name: str, *labels: str) -> list[La
         )
         for one in source.objects(segment, name, BOURNEMOUTH_FORM)
     ]
+    return sorted(rows, key=attrgetter("start"))

@@ -5,8 +5,8 @@ or words, one of starts and one of ends, in seconds; the others hold sound.
 """
 
 from lipsync_lang.schedules.parallel_lists import listed_rows
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.timed_words import TimedWord, timed_words_of
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.timed_words import phones_or_words
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader
 
@@ -24,14 +24,11 @@ def sniff(source: TimingFile) -> bool:
 @reader("cartesia", ".json", ".jsonl", sniff=sniff)
 def read_cartesia(source: TimingFile) -> Timings:
     """Times of phonemes and words that Cartesia gives with its speech."""
-    found: dict[str, list[LabelRow]] = {name: [] for name in TIMESTAMP_LISTS}
+    found = {name: list[LabelRow]() for name in TIMESTAMP_LISTS}
     for line, answer in source.events:
         for name, labels in TIMESTAMP_LISTS.items():
             times = answer.get(name) if isinstance(answer, dict) else None
             if isinstance(times, dict):
                 lists = [times.get(one) for one in (labels, "start", "end")]
                 found[name] += listed_rows(source, *lists, form=CARTESIA_FORM, line=line)
-    phones, words = found.values()
-    if phones or not words:
-        return schedule_of(source, phones, words=words)
-    return timed_words_of(source, [TimedWord(w.label, w.start, w.end, line=w.line) for w in words])
+    return phones_or_words(source, *found.values())

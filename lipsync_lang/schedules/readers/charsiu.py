@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, first_item
 from lipsync_lang.schedules.timing_readers import reader
 
 CHARSIU_FORM = '[[[0.0, 0.1, "[SIL]"], [0.1, 0.19, "M"], ...], [[0.1, 0.62, "maps"], ...]]'
@@ -16,12 +16,8 @@ CHARSIU_FORM = '[[[0.0, 0.1, "[SIL]"], [0.1, 0.19, "M"], ...], [[0.1, 0.62, "map
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the JSON starts with a list of two times and a label, or a list of those."""
-    first = _first(source.document)
-    return _is_row(first) or _is_row(_first(first))
-
-
-def _first(whole: object) -> object:
-    return whole[0] if isinstance(whole, list) and whole else None
+    first = first_item(source.document)
+    return _is_row(first) or _is_row(first_item(first))
 
 
 def _is_row(value: object) -> bool:

@@ -32,25 +32,18 @@ def read_ctm(source: TimingFile) -> Timings:
     """CTM of phones or words, as Kaldi writes it; of several files or channels, one is named."""
     tiers: dict[tuple[str, str], list[LabelRow]] = defaultdict(list)
     sure: dict[int | None, float] = {}
-    for number, line in source.lines:
-        if line.startswith(CTM_COMMENT):
-            continue
-        found = CTM_LINE.fullmatch(line)
-        if not found:
-            raise source.fault("is not a sound; write FILE CHANNEL START DURATION LABEL", number)
+    form = "a sound; write FILE CHANNEL START DURATION LABEL"
+    for number, found in source.matches(CTM_LINE, form, comments=CTM_COMMENT):
         start, length = source.time(found[3], number), source.time(found[4], number)
         if re.fullmatch(CTM_CONFIDENCE, found[6] or ""):
             sure[number] = float(found[6])
         tiers[found[1], found[2]].append(LabelRow(found[5], start, start + length, number))
-    rows = only(source, _named(tiers), "files or channels").rows
+    # Tiers are named after the file, the channel or both, whichever differ.
+    telling = [at for at in (0, 1) if len({key[at] for key in tiers}) > 1] or [0]
+    named = [Tier(" ".join(key[at] for at in telling), tuple(r)) for key, r in tiers.items()]
+    rows = only(source, named, "files or channels").rows
     if are_words(row.label for row in rows):
         words = words_of_rows(source, rows)
         rated = (replace(word, confidence=sure.get(word.line)) for word in words.words)
         return replace(words, words=tuple(rated))
     return schedule_of(source, rows)
-
-
-def _named(tiers: dict[tuple[str, str], list[LabelRow]]) -> list[Tier]:
-    """Return tiers named after the file, the channel or both, whichever differ."""
-    telling = [at for at in (0, 1) if len({key[at] for key in tiers}) > 1] or [0]
-    return [Tier(" ".join(key[at] for at in telling), tuple(rows)) for key, rows in tiers.items()]

@@ -8,17 +8,16 @@ time; several that refer to one share it evenly, in their order.
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
+from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING, NamedTuple
 
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow
 from lipsync_lang.schedules.tiers import Tier, TimeSpan, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
-
-MILLISECONDS_PER_SECOND = 1000.0
 
 
 class Reference(NamedTuple):
@@ -55,8 +54,8 @@ def read_elan(source: TimingFile) -> Timings:
             timeless += bool(text) and span is None
         tiers.append(Tier(element.get("TIER_ID", "").strip(), tuple(rows)))
     told = f"{source.path}: annotations without a time are left out: {timeless}"
-    timings = read_tiers(replace(source, rate=None), tiers)
-    return replace(timings, remarks=(*timings.remarks, told)) if timeless else timings
+    # The times are in seconds by now.
+    return read_tiers(replace(source, rate=None), tiers, remarks=[told] if timeless else ())
 
 
 def _annotations(tier: "Element") -> Iterator["Element"]:
@@ -70,21 +69,15 @@ def _id(annotation: "Element") -> str:
 
 def _check_parents(source: TimingFile, tiers: list["Element"]) -> None:
     """Raise an error if a tier is its own parent, directly or through others."""
-    parents = {tier.get("TIER_ID", ""): tier.get("PARENT_REF") for tier in tiers}
-    sound: set[str] = set()
-    for first in parents:
-        chain: dict[str, None] = {}
-        at: str | None = first
-        while at is not None and at in parents and at not in sound:
-            if at in chain:
-                raise source.fault(
-                    f"tier '{at}' is its own parent; give it another parent in ELAN (Change "
-                    "Parent)",
-                    source.line_of(f'TIER_ID="{at}"'),
-                )
-            chain[at] = None
-            at = parents[at]
-        sound.update(chain)
+    parents = {tier.get("TIER_ID", ""): [tier.get("PARENT_REF")] for tier in tiers}
+    try:
+        TopologicalSorter(parents).prepare()
+    except CycleError as error:
+        at = next(name for name in parents if name in error.args[1])
+        raise source.fault(
+            f"tier '{at}' is its own parent; give it another parent in ELAN (Change Parent)",
+            source.line_of(f'TIER_ID="{at}"'),
+        ) from None
 
 
 def _spans(source: TimingFile, document: "Element", tiers: list["Element"]) -> dict[str, TimeSpan]:
@@ -143,22 +136,18 @@ def _refer(
     source: TimingFile, references: dict[str, Reference], spans: dict[str, TimeSpan]
 ) -> None:
     """Add the spans of annotations that refer to others."""
-    timeless: set[str] = set()
-    for first in references:
-        chain: dict[str, Reference] = {}
-        name = first
-        while name in references and name not in spans and name not in timeless:
-            if name in chain:
-                raise source.fault(
-                    f"annotation '{name}' refers to itself; delete it in ELAN, and create it again",
-                    source.line_of(f'ANNOTATION_ID="{name}"'),
-                )
-            chain[name] = references[name]
-            name = references[name].parent
-        if name not in spans:
-            timeless.update(chain)
-            continue
-        for below, (parent, place, among) in reversed(chain.items()):
+    waiting = {name: [told.parent] for name, told in references.items() if name not in spans}
+    try:
+        parents_first = list(TopologicalSorter(waiting).static_order())
+    except CycleError as error:
+        name = next(name for name in waiting if name in error.args[1])
+        raise source.fault(
+            f"annotation '{name}' refers to itself; delete it in ELAN, and create it again",
+            source.line_of(f'ANNOTATION_ID="{name}"'),
+        ) from None
+    for name in parents_first:
+        if name in waiting and references[name].parent in spans:
+            parent, place, among = references[name]
             start, end = spans[parent]
             step = (end - start) / among
-            spans[below] = (start + place * step, start + (place + 1) * step)
+            spans[name] = (start + place * step, start + (place + 1) * step)

@@ -7,15 +7,13 @@ make a word.
 
 import re
 from collections.abc import Iterator
-from typing import Any
 
+from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.parallel_lists import listed_rows
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, first_item, plain_fields
 from lipsync_lang.schedules.timing_readers import reader
-
-MILLISECONDS_PER_SECOND = 1000.0
 
 STARTS = re.compile(r'"char(acter)?_?start_?times?_?\w{2,7}"\s*:', re.IGNORECASE)
 """The name of the list of starts, which ends with its unit."""
@@ -34,8 +32,8 @@ def sniff(source: TimingFile) -> bool:
     if STARTS.search(source.head):
         return '"timestampInfo"' not in source.head  # another service's
     whole = source.document
-    first = whole[0] if isinstance(whole, list) and whole else whole
-    held = [_plain(_plain(first).get(name)) for name in CONTAINERS]
+    first = plain_fields(first_item(whole) or whole)
+    held = [plain_fields(first.get(name)) for name in CONTAINERS]
     return any(times.keys() & {"characters", "chars"} for times in held)
 
 
@@ -44,9 +42,14 @@ def read_elevenlabs(source: TimingFile) -> TimedWords:
     """Times of characters that ElevenLabs gives with its speech, joined to words."""
     words: list[list[LabelRow]] = [[]]
     rate, latest = None, 0.0
-    for line, letters, times in _answers(source):
+    for line, answer in source.events:
+        plain = plain_fields(answer)
+        held = plain_fields(next((plain[name] for name in CONTAINERS if plain.get(name)), plain))
+        times = {re.sub("^character", "char", name): one for name, one in held.items()}
+        if "chars" not in times:  # an answer without times ends a stream
+            continue
         rate = MILLISECONDS_PER_SECOND if "charstarttimesms" in times else None
-        for one in _characters(source, line, letters, times):
+        for one in _characters(source, line, times):
             if one.start < latest:
                 raise source.fault(f"{one.label!r} starts before the character before it", line)
             latest = one.start
@@ -62,36 +65,10 @@ def read_elevenlabs(source: TimingFile) -> TimedWords:
     return timed_words_of(source, joined, rate=rate)
 
 
-def _answers(source: TimingFile) -> Iterator[tuple[int | None, object, dict[str, Any]]]:
-    """Yield the line, the characters and the lists of times of each answer that has any."""
-    for line, answer in source.events:
-        plain = _plain(answer)
-        held = next((plain[name] for name in CONTAINERS if plain.get(name)), plain)
-        times = {re.sub("^character", "char", name): one for name, one in _plain(held).items()}
-        if "chars" in times:  # an answer without times ends a stream
-            yield line, times["chars"], times
-
-
-def _characters(
-    source: TimingFile, line: int | None, letters: object, times: dict[str, Any]
-) -> Iterator[LabelRow]:
-    lists = {
-        part: next((one for name, one in times.items() if name.startswith(f"char{part}")), None)
+def _characters(source: TimingFile, line: int | None, times: Json) -> Iterator[LabelRow]:
+    starts, ends, lengths = (
+        next((one for name, one in times.items() if name.startswith(f"char{part}")), None)
         for part in ("start", "end", "duration")
-    }
-    starts, ends, lengths = lists.values()
-    return listed_rows(
-        source,
-        letters,
-        starts,
-        lengths if ends is None else ends,
-        form=ELEVENLABS_FORM,
-        line=line,
-        durations=ends is None,
     )
-
-
-def _plain(whole: object) -> dict[str, Any]:
-    """Return an object with one spelling of its names."""
-    fields = whole if isinstance(whole, dict) else {}
-    return {name.replace("_", "").lower(): value for name, value in fields.items()}
+    lists = times["chars"], starts, lengths if ends is None else ends
+    return listed_rows(source, *lists, form=ELEVENLABS_FORM, line=line, durations=ends is None)

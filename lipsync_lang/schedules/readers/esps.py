@@ -48,10 +48,7 @@ def _rows(source: TimingFile) -> list[LabelRow]:
         raise source.fault("has no line with `#` alone, which ends the header")
     rows: list[LabelRow] = []
     start = 0.0
-    for number, line in source.lines[at + 1 :]:
-        found = ESPS_LINE.fullmatch(line)
-        if found is None:
-            raise source.fault(f"{line.strip()[:40]!r} is not a time, a colour and a label", number)
+    for number, found in source.matches(ESPS_LINE, "a time, a colour and a label", after=at + 1):
         end = source.time(found[1], number)
         rows.append(LabelRow(BOUNDARY_NOTE.sub("", (found[2] or "").strip()), start, end, number))
         start = end

@@ -10,7 +10,7 @@ import re
 from lipsync_lang.errors import shortlist
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, first_item
 from lipsync_lang.schedules.timing_readers import reader
 
 MAX_SHOWN_WORDS = 8
@@ -26,8 +26,7 @@ GENTLE_FORM = (
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the first word has phones, or states how it was aligned."""
-    words = source.document.get("words") if source.holds("words") else None
-    first = words[0] if isinstance(words, list) and words else None
+    first = first_item(source.document.get("words")) if source.holds("words") else None
     return isinstance(first, dict) and bool(first.keys() & {"case", "phones", "alignedWord"})
 
 
@@ -35,18 +34,17 @@ def sniff(source: TimingFile) -> bool:
 def read_gentle(source: TimingFile) -> Schedule:
     """Words and phones of the aligner Gentle."""
     words = source.json.get("words") if isinstance(source.json, dict) else None
-    if not isinstance(words, list) or not all(isinstance(word, dict) for word in words):
-        raise source.fault(f"has no list of words; the form is {GENTLE_FORM}")
     rows: list[LabelRow] = []
     spans: list[LabelRow] = []
     lost: list[str] = []
-    for word in words:
+    for word in source.object_list(words, f"has no list of words; the form is {GENTLE_FORM}"):
         text = str(word.get("word") or word.get("alignedWord") or "")
         if word.get("start") is None:
             lost.append(text)
             continue
         start = at = source.number(word["start"])
-        for phone in _phones(source, word):
+        what = f"a word has no list of phones; the form is {GENTLE_FORM}"
+        for phone in source.object_list(word.get("phones"), what):
             end = at + source.number(phone.get("duration"))
             rows.append(LabelRow(PLACE.sub("", str(phone.get("phone", ""))), at, end))
             at = end
@@ -56,10 +54,3 @@ def read_gentle(source: TimingFile) -> Schedule:
     shown = shortlist(lost, MAX_SHOWN_WORDS)
     told = [f"{source.path}: not found in the recording, so the mouth rests: {shown}"]
     return schedule_of(source, rows, words=spans, remarks=told if lost else ())
-
-
-def _phones(source: TimingFile, word: dict[str, object]) -> list[dict[str, object]]:
-    phones = word.get("phones")
-    if not isinstance(phones, list) or not all(isinstance(phone, dict) for phone in phones):
-        raise source.fault(f"a word has no list of phones; the form is {GENTLE_FORM}")
-    return phones

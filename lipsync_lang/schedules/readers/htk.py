@@ -50,11 +50,15 @@ def sniff(source: TimingFile) -> bool:
 @reader("htk", ".lab", ".mlf", sniff=sniff, tiers=True)
 def read_htk(source: TimingFile) -> Schedule:
     """HTK and HTS labels, full-context ones included, and one utterance of a master label file."""
-    lines, told = _first(source, _utterance(source))
+    lines = _utterance(source)
+    cut = next((at for at, (_, line) in enumerate(lines) if line.strip() == NEXT_BEST), None)
+    told = []
+    if cut is not None:
+        told = [f"{source.path}:{lines[cut][0]}: has other transcriptions, which are not read"]
     rows: list[LabelRow] = []
     words: list[LabelRow] = []
     state, rate = "", UNITS_PER_SECOND
-    for number, line in lines:
+    for number, line in lines[:cut]:
         found = TIMED.fullmatch(line)
         if found is None:
             raise _untimed(source, number, line)
@@ -104,15 +108,6 @@ def _utterance(source: TimingFile) -> NumberedLines:
             f"(`tier={names[0]!r}`)"
         )
     return parts[source.tier or names[0]]
-
-
-def _first(source: TimingFile, lines: NumberedLines) -> tuple[NumberedLines, list[str]]:
-    """Return the first transcription of an utterance, and a remark if there are others."""
-    cuts = [at for at, (_, line) in enumerate(lines) if line.strip() == NEXT_BEST]
-    if not cuts:
-        return lines, []
-    told = f"{source.path}:{lines[cuts[0]][0]}: has other transcriptions, which are not read"
-    return lines[: cuts[0]], [told]
 
 
 def _untimed(source: TimingFile, number: int, line: str) -> Exception:

@@ -4,12 +4,10 @@ Answers of a stream are in one list, or one on each line, some within a ``result
 seconds. A voice without phones gives words alone.
 """
 
-from collections.abc import Iterator
-
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.parallel_lists import listed_rows
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.timed_words import TimedWord, timed_words_of
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.timed_words import phones_or_words
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader
 
@@ -38,27 +36,16 @@ def read_inworld(source: TimingFile) -> Timings:
         if stamps is None:
             continue
         aligned = _object(source, _object(source, stamps, line).get("wordAlignment"), line)
-        words += _words(source, aligned, line)
-        phones += _phones(source, aligned, line)
-    if phones or not words:
-        return schedule_of(source, phones, words=words)
-    return timed_words_of(source, [TimedWord(w.label, w.start, w.end, line=w.line) for w in words])
-
-
-def _words(source: TimingFile, aligned: Json, line: int | None) -> Iterator[LabelRow]:
-    """Yield the words; spaces and punctuation stand among them."""
-    lists = [aligned.get(f"word{what}") for what in ("StartTimeSeconds", "EndTimeSeconds")]
-    for row in listed_rows(source, aligned.get("words"), *lists, form=INWORLD_FORM, line=line):
-        if any(letter.isalnum() for letter in row.label):
-            yield row
-
-
-def _phones(source: TimingFile, aligned: Json, line: int | None) -> Iterator[LabelRow]:
-    for detail in source.objects(aligned, "phoneticDetails", INWORLD_FORM, line):
-        for phone in source.objects(detail, "phones", INWORLD_FORM, line):
-            start = source.number(phone.get("startTimeSeconds"), line)
-            end = start + source.number(phone.get("durationSeconds"), line)
-            yield LabelRow(str(phone.get("phoneSymbol", "")), start, end, line)
+        names = ("words", "wordStartTimeSeconds", "wordEndTimeSeconds")
+        found = listed_rows(source, *map(aligned.get, names), form=INWORLD_FORM, line=line)
+        # Spaces and punctuation stand among the words.
+        words += [row for row in found if any(map(str.isalnum, row.label))]
+        for detail in source.objects(aligned, "phoneticDetails", INWORLD_FORM, line):
+            for phone in source.objects(detail, "phones", INWORLD_FORM, line):
+                start = source.number(phone.get("startTimeSeconds"), line)
+                end = start + source.number(phone.get("durationSeconds"), line)
+                phones.append(LabelRow(str(phone.get("phoneSymbol", "")), start, end, line))
+    return phones_or_words(source, phones, words)
 
 
 def _object(source: TimingFile, value: object, line: int | None) -> Json:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from lipsync_lang.schedules.schedule import Schedule, words_from_spans
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, first_item
 from lipsync_lang.schedules.timing_readers import reader
 
 TIMINGS_FORM = (
@@ -15,7 +15,7 @@ TIMINGS_FORM = (
 def sniff(source: TimingFile) -> bool:
     """Return True if the JSON has phonemes, or rows with a label, a start and an end."""
     if isinstance(source.document, list):
-        first = source.document[0] if source.document else None
+        first = first_item(source.document)
         return isinstance(first, dict) and first.keys() >= {"label", "start", "end"}
     return source.holds("phonemes")
 
@@ -23,54 +23,54 @@ def sniff(source: TimingFile) -> bool:
 @reader("json", ".json", sniff=sniff)
 def read_json(source: TimingFile) -> Schedule:
     """Phonemes and words with their label or text, start and end in seconds."""
-    document = source.json
-    rows = document.get("phonemes") if isinstance(document, dict) else document
+    whole = source.json if isinstance(source.json, dict) else {"phonemes": source.json}
+    rows, words = whole.get("phonemes"), whole.get("words")
     if not isinstance(rows, list):
         raise source.fault(f"has no list of phonemes; the form is {TIMINGS_FORM}")
-    stresses = [row.get("stress") if isinstance(row, dict) else None for row in rows]
-    stated = any(one is not None for one in stresses)
+    spans = _spans(source, rows, "phoneme", "label")
+    stresses = tuple(row.get("stress") for row in rows)
+    notation, language = whole.get("notation"), whole.get("language")
     schedule = Schedule.from_intervals(
-        [_row(source, "phoneme", "label", n, row) for n, row in enumerate(rows)],
+        spans,
         source=str(source.path),
-        notation=_text(document, "notation"),
-        language=_text(document, "language"),
-        stress=tuple(stresses) if stated else (),
+        notation=notation if isinstance(notation, str) else None,
+        language=language if isinstance(language, str) else None,
+        stress=stresses if any(one is not None for one in stresses) else (),
     )
-    words = document.get("words") if isinstance(document, dict) else None
-    return schedule if words is None else _with_words(source, schedule, words)
-
-
-def _text(document: object, key: str) -> str | None:
-    value = document.get(key) if isinstance(document, dict) else None
-    return value if isinstance(value, str) else None
-
-
-def _row(
-    source: TimingFile, what: str, name: str, number: int, row: object
-) -> tuple[str, float, float]:
-    if isinstance(row, dict) and isinstance(row.get(name), str) and {"start", "end"} <= row.keys():
-        return row[name], _seconds(source, row["start"]), _seconds(source, row["end"])
-    raise source.fault(f"{what} {number} needs {name}, start and end; the form is {TIMINGS_FORM}")
-
-
-def _seconds(source: TimingFile, value: Any) -> Any:
-    """Return a time in seconds; without a rate, `Schedule` refuses non-numbers."""
-    return source.number(value) / source.rate if source.rate else value
-
-
-def _with_words(source: TimingFile, schedule: Schedule, rows: object) -> Schedule:
-    if not isinstance(rows, list):
+    if words is None:
+        return schedule
+    if not isinstance(words, list):
         raise source.fault(f"words must be a list; the form is {TIMINGS_FORM}")
-    spans = [_row(source, "word", "text", n, row) for n, row in enumerate(rows)]
-    stated = [row.get("emphasis", 0) if isinstance(row, dict) else 0 for row in rows]
+    spans = _spans(source, words, "word", "text")
+    stated = [word.get("emphasis", 0) for word in words]
     emphasis = [float(one) if isinstance(one, bool) else one for one in stated]
-    sure = [_probability(row) for row in rows]
+    sure = [_probability(word.get("confidence")) for word in words]
     return replace(schedule, words=words_from_spans(schedule, spans, emphasis, sure))
 
 
-def _probability(row: object) -> float | None:
-    """Return the confidence of a word; None if it states none from 0 to 1."""
-    value = row.get("confidence") if isinstance(row, dict) else None
+def _spans(
+    source: TimingFile, rows: list[Any], what: str, name: str
+) -> list[tuple[str, float, float]]:
+    """Return (label, start, end) of rows, in seconds; `Schedule` refuses times of other types."""
+    for number, row in enumerate(rows):
+        if not (
+            isinstance(row, dict)
+            and isinstance(row.get(name), str)
+            and {"start", "end"} <= row.keys()
+        ):
+            raise source.fault(
+                f"{what} {number} needs {name}, start and end; the form is {TIMINGS_FORM}"
+            )
+    if source.rate is None:
+        return [(row[name], row["start"], row["end"]) for row in rows]
+    return [
+        (row[name], *(source.number(row[key]) / source.rate for key in ("start", "end")))
+        for row in rows
+    ]
+
+
+def _probability(value: object) -> float | None:
+    """Return the confidence of a word; None for anything but a number from 0 to 1."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value <= 1:
         return None
     return float(value)

@@ -6,12 +6,10 @@ comments. eSpeak writes the format, too (``--pho``).
 
 import re
 
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
-
-MILLISECONDS_PER_SECOND = 1000.0
 
 MBROLA_NUMBER = r"\d+(?:\.\d*)?"
 
@@ -28,11 +26,8 @@ MBROLA_COMMENTS = (";", "#")
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the first two lines that are not comments have a phoneme and a duration."""
-    rows = [
-        row
-        for row in source.head.split("\n")
-        if row.strip() and not row.startswith(MBROLA_COMMENTS)
-    ]
+    lines = (line for line in source.head.split("\n") if line.strip())
+    rows = [line for line in lines if not line.startswith(MBROLA_COMMENTS)]
     return len(rows) > 1 and all(MBROLA_LINE.fullmatch(row) for row in rows[:2])
 
 
@@ -41,12 +36,8 @@ def read_mbrola(source: TimingFile) -> Schedule:
     """MBROLA's .pho: phonemes with their durations in milliseconds."""
     rows: list[LabelRow] = []
     at = 0.0
-    for number, line in source.lines:
-        if line.startswith(MBROLA_COMMENTS):
-            continue
-        found = MBROLA_LINE.fullmatch(line)
-        if found is None:
-            raise source.fault(f"{line.strip()[:40]!r} is not a phoneme and a duration", number)
+    form = "a phoneme and a duration"
+    for number, found in source.matches(MBROLA_LINE, form, comments=MBROLA_COMMENTS):
         end = at + source.time(found[2], number)
         if end > at:  # a phoneme of no length only shapes the pitch
             rows.append(LabelRow(found[1], at, end, number))

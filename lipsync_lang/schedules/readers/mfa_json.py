@@ -24,24 +24,21 @@ def read_mfa_json(source: TimingFile) -> Timings:
     """Tiers as JSON, as the Montreal Forced Aligner and praatio write them."""
     document = source.json
     tiers = document.get("tiers") if isinstance(document, dict) else None
+    named: list[tuple[Any, Any]]
     if isinstance(tiers, dict):
-        return read_tiers(source, _intervals(source, list(tiers.items())))
-    if isinstance(tiers, list) and all(isinstance(tier, dict) for tier in tiers):
-        return read_tiers(source, _intervals(source, [(tier.get("name"), tier) for tier in tiers]))
-    raise source.fault(f"has no tiers; the form is {TIERS_FORM}")
-
-
-def _intervals(source: TimingFile, tiers: list[tuple[Any, Any]]) -> list[Tier]:
-    """Return the tiers whose type or class is intervals."""
+        named = list(tiers.items())
+    else:
+        listed = source.object_list(tiers, f"has no tiers; the form is {TIERS_FORM}")
+        named = [(tier.get("name"), tier) for tier in listed]
     found = []
-    for name, tier in tiers:
+    for name, tier in named:
         if not isinstance(tier, dict) or not isinstance(tier.get("entries"), list):
             raise source.fault(f"tier {name!r} has no entries; the form is {TIERS_FORM}")
         kind = tier.get("type", tier.get("class"))
         if isinstance(kind, str) and kind.casefold().startswith("interval"):
             rows = tuple(_row(source, name, entry) for entry in tier["entries"])
             found.append(Tier(str(name).strip(), rows))
-    return found
+    return read_tiers(source, found)
 
 
 def _row(source: TimingFile, name: object, entry: object) -> LabelRow:

@@ -35,10 +35,8 @@ def sniff(source: TimingFile) -> bool:
 def read_moho(source: TimingFile) -> Schedule:
     """Switch data of Moho: the frame from which each drawing is shown, at 24 frames a second."""
     starts: list[Start] = []
-    for number, line in source.lines[1:] if sniff(source) else source.lines:
-        found = DRAWING_LINE.fullmatch(line)
-        if found is None:
-            raise source.fault(f"{line.strip()[:40]!r} is not a frame and a drawing", number)
+    header = int(sniff(source))
+    for number, found in source.matches(DRAWING_LINE, "a frame and a drawing", after=header):
         label = SILENCE if found[2].casefold() == REST_DRAWING else found[2]
         starts.append((label, source.time(found[1], number) - 1, number))
     letters = all(LETTER.fullmatch(label) for label, _, _ in starts if label != SILENCE)

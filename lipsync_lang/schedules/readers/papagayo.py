@@ -5,10 +5,11 @@ of their mouth shapes. A word includes its last frame. Between words the mouth r
 the set of its shapes; those of a `.pgo` are Preston Blair's, the program's default.
 """
 
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from lipsync_lang.errors import did_you_mean
+from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
@@ -157,8 +158,5 @@ def _of_json(source: TimingFile) -> tuple[float, str | None, Voices]:
     return fps, notation, voices
 
 
-def _parts(source: TimingFile, whole: dict[str, Any], name: str) -> Iterator[dict[str, Any]]:
-    parts = whole.get(name)
-    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
-        raise source.fault(f"`{name}` must be a list of objects")
-    yield from parts
+def _parts(source: TimingFile, whole: Json, name: str) -> list[Json]:
+    return source.object_list(whole.get(name), f"`{name}` must be a list of objects")

@@ -7,14 +7,12 @@ start of the sound. Words have marks of their own; their `start` and `end` are o
 import re
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
 
 POLLY_NOTATION = "polly"
-
-MILLISECONDS_PER_SECOND = 1000.0
 
 POLLY_REST = "sil"
 
@@ -39,22 +37,14 @@ def read_polly(source: TimingFile) -> Schedule:
         marks.setdefault(str(mark.get("type")), []).append(start)
     if not marks["viseme"]:
         raise source.fault("has no visemes; request them from Polly (--speech-mark-types)")
-    rows, told = until_next(source, marks["viseme"], rest=POLLY_REST, rate=MILLISECONDS_PER_SECOND)
-    return shapes_of(
-        source,
-        rows,
-        notation=POLLY_NOTATION,
-        words=_words(marks["word"], rows),
-        rate=MILLISECONDS_PER_SECOND,
-        remarks=told,
-    )
-
-
-def _words(words: list[Start], rows: list[LabelRow]) -> list[LabelRow]:
-    """Return the words; each ends at the start of the next word or rest."""
-    stops = sorted([w[1] for w in words] + [row.start for row in rows if row.label == POLLY_REST])
+    rate = MILLISECONDS_PER_SECOND
+    rows, told = until_next(source, marks["viseme"], rest=POLLY_REST, rate=rate)
+    # A word ends at the start of the next word or rest.
+    rests = [row.start for row in rows if row.label == POLLY_REST]
+    stops = sorted([start for _, start, _ in marks["word"]] + rests)
     last = max((row.end for row in rows), default=0.0)
-    return [
+    words = [
         LabelRow(text, start, next((stop for stop in stops if stop > start), last), line)
-        for text, start, line in words
+        for text, start, line in marks["word"]
     ]
+    return shapes_of(source, rows, notation=POLLY_NOTATION, words=words, rate=rate, remarks=told)

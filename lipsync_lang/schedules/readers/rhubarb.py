@@ -15,7 +15,7 @@ from lipsync_lang.schedules.timing_readers import reader
 
 RHUBARB_NOTATION = "rhubarb"
 
-RHUBARB_LINE = re.compile(r"(\d+(?:\.\d*)?)\t([A-Z])", re.ASCII)
+RHUBARB_LINE = re.compile(r"(\d+(?:\.\d*)?)\t([A-Z])\s*", re.ASCII)
 """A line of TSV."""
 
 RHUBARB_FORM = '{"mouthCues": [{"start": 0.0, "end": 0.05, "value": "X"}, ...]}'
@@ -26,35 +26,27 @@ def sniff(source: TimingFile) -> bool:
     if source.root == "rhubarbResult" or source.holds("mouthCues"):
         return True
     first = source.head.lstrip().split("\n", 1)[0]
-    return RHUBARB_LINE.fullmatch(first.rstrip()) is not None
+    return RHUBARB_LINE.fullmatch(first) is not None
 
 
 @reader(RHUBARB_NOTATION, ".tsv", ".xml", ".json", sniff=sniff)
 def read_rhubarb(source: TimingFile) -> Schedule:
     """Mouth shapes of Rhubarb Lip Sync, as TSV, XML or JSON."""
     if source.head.lstrip().startswith("<"):
-        return shapes_of(source, _of_xml(source), notation=RHUBARB_NOTATION)
+        cues = [
+            LabelRow(cue.text or "", source.time(cue.get("start")), source.time(cue.get("end")))
+            for cue in source.xml.iter("mouthCue")
+        ]
+        return shapes_of(source, cues, notation=RHUBARB_NOTATION)
     if source.holds("mouthCues"):
         return shapes_of(source, _of_json(source), notation=RHUBARB_NOTATION)
-    starts = list(_of_tsv(source))
+    starts: list[Start] = [
+        (found[2], source.time(found[1], number), number)
+        for number, found in source.matches(RHUBARB_LINE, "a time, a tab and a shape")
+    ]
     end = starts[-1][1] if starts else None
     rows, told = until_next(source, starts[:-1], rest="", end=end)
     return shapes_of(source, rows, notation=RHUBARB_NOTATION, remarks=told)
-
-
-def _of_tsv(source: TimingFile) -> Iterator[Start]:
-    for number, line in source.lines:
-        found = RHUBARB_LINE.fullmatch(line.rstrip())
-        if found is None:
-            raise source.fault(f"{line[:40]!r} is not a time, a tab and a shape", number)
-        yield found[2], source.time(found[1], number), number
-
-
-def _of_xml(source: TimingFile) -> Iterator[LabelRow]:
-    for cue in source.xml.iter("mouthCue"):
-        yield LabelRow(
-            (cue.text or "").strip(), source.time(cue.get("start")), source.time(cue.get("end"))
-        )
 
 
 def _of_json(source: TimingFile) -> Iterator[LabelRow]:

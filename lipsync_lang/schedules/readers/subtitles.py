@@ -8,12 +8,12 @@ YouTube, repeat the row before; the repetition is left out.
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from html import unescape
+from itertools import groupby
 from typing import NamedTuple
 
 from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.tiers import Tier, read_tiers
+from lipsync_lang.schedules.tiers import read_speakers
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader
 
@@ -51,7 +51,10 @@ class Cue(NamedTuple):
 def cues(numbered: Iterable[tuple[int, str]]) -> Iterator[Cue]:
     """Yield the cues of a file's numbered rows; comments and styles are left out."""
     found = False
-    for part in _parts(numbered):
+    for blank, rows in groupby(numbered, key=lambda row: not row[1].strip()):
+        if blank:
+            continue
+        part = list(rows)
         at = next((i for i, (_, text) in enumerate(part) if CUE_TIMES.match(text)), None)
         if at is None:
             if found and not CUE_ASIDE.match(part[0][1]):
@@ -74,19 +77,6 @@ def speaker_of(text: str) -> str:
     return voice[1].strip() if voice else ""
 
 
-def _parts(numbered: Iterable[tuple[int, str]]) -> Iterator[list[tuple[int, str]]]:
-    """Yield groups of rows, parted by empty ones."""
-    part: list[tuple[int, str]] = []
-    for number, text in numbered:
-        if text.strip():
-            part.append((number, text))
-        elif part:
-            yield part
-            part = []
-    if part:
-        yield part
-
-
 def sniff(source: TimingFile) -> bool:
     """Return True if a row has the times of a cue."""
     return any(CUE_TIMES.match(row) for row in source.head.split("\n"))
@@ -107,10 +97,8 @@ def read_subtitles(source: TimingFile) -> Timings:
         repeated += len(rows) - len(fresh)
         text = joined(fresh)
         speakers[speaker_of(text)] += _words(source, text, start, end, line)
-    said = [(f"{name} - words" if name else "words", rows) for name, rows in speakers.items()]
-    timings = read_tiers(source, [Tier(name, tuple(rows)) for name, rows in said if rows])
     told = f"{source.path}: rows that repeat the previous cue are left out: {repeated}"
-    return replace(timings, remarks=(*timings.remarks, told)) if repeated else timings
+    return read_speakers(source, speakers, [told] if repeated else ())
 
 
 def _whole(source: TimingFile) -> Iterator[tuple[list[tuple[int, str]], tuple[str, str]]]:

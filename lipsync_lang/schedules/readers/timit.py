@@ -32,10 +32,7 @@ def read_timit(source: TimingFile) -> Timings:
 
 def _rows(source: TimingFile) -> list[LabelRow]:
     rows: list[LabelRow] = []
-    for number, line in source.lines:
-        found = TIMIT_LINE.fullmatch(line)
-        if found is None:
-            raise source.fault(f"{line.strip()[:40]!r} is not two samples and a label", number)
+    for number, found in source.matches(TIMIT_LINE, "two samples and a label"):
         start, end = source.time(found[1], number), source.time(found[2], number)
         rows.append(LabelRow(found[3], start, end, number))
     return rows

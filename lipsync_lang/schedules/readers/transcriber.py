@@ -6,11 +6,10 @@ which of the turn's speakers the text after it is of. Noises are events, which a
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.tiers import Tier, read_tiers
+from lipsync_lang.schedules.tiers import read_speakers
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader
 
@@ -36,11 +35,9 @@ def read_transcriber(source: TimingFile) -> Timings:
         for who, row in _parts(source, turn):
             key = speakers[who] if who < len(speakers) else ""
             said[names.get(key) or key].append(row)
-    tiers = [(f"{name} - words" if name else "words", rows) for name, rows in said.items()]
-    timings = read_tiers(source, [Tier(name, tuple(rows)) for name, rows in tiers])
     noises = sorted({one.get("desc") or "?" for one in document.iter("Event")})
     told = f"{source.path}: noises and other events are left out: {', '.join(noises[:8])}"
-    return replace(timings, remarks=(*timings.remarks, told)) if noises else timings
+    return read_speakers(source, said, [told] if noises else ())
 
 
 def _parts(source: TimingFile, turn: "Element") -> Iterator[tuple[int, LabelRow]]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, plain_fields
 from lipsync_lang.schedules.timing_readers import reader
 
 VOICEVOX_FPS = 24_000 / 256
@@ -36,7 +36,7 @@ def sniff(source: TimingFile) -> bool:
 @reader("voicevox", ".json", sniff=sniff)
 def read_voicevox(source: TimingFile) -> Schedule:
     """The audio_query of VOICEVOX: consonants and vowels with their lengths, and kana."""
-    query = _plain(source.json)
+    query = plain_fields(source.json)
     speed = _number(source, query, "speedscale", 1.0)
     if speed <= 0:
         raise source.fault("speedScale must be above 0")
@@ -53,7 +53,7 @@ def read_voicevox(source: TimingFile) -> Schedule:
         text = "".join(str(mora.get("text", "")) for mora in moras)
         words.append(LabelRow(text, start / VOICEVOX_FPS, at / VOICEVOX_FPS))
         if isinstance(phrase.get("pausemora"), dict):
-            stated = _number(source, _plain(phrase["pausemora"]), "vowellength", 0.0)
+            stated = _number(source, plain_fields(phrase["pausemora"]), "vowellength", 0.0)
             pause = _number(source, query, "pauselength", stated)
             pause *= _number(source, query, "pauselengthscale", 1.0)
             at = _add(rows, (SILENCE, pause), at, speed)
@@ -89,18 +89,9 @@ def _spoken(source: TimingFile, phrase: Json, moras: list[Json]) -> Iterator[Tim
 
 
 def _objects(source: TimingFile, whole: Json, name: str) -> list[Json]:
-    parts = whole.get(name)
-    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
-        raise source.fault(
-            f"needs lists of accent phrases and of moras; the form is {VOICEVOX_FORM}"
-        )
-    return [_plain(part) for part in parts]
-
-
-def _plain(whole: object) -> Json:
-    """Return an object with one spelling of its names for all clients of the engine."""
-    fields = whole if isinstance(whole, dict) else {}
-    return {name.replace("_", "").lower(): value for name, value in fields.items()}
+    what = f"needs lists of accent phrases and of moras; the form is {VOICEVOX_FORM}"
+    # Each client of the engine has its own spelling of names.
+    return [plain_fields(part) for part in source.object_list(whole.get(name), what)]
 
 
 def _number(source: TimingFile, whole: Json, name: str, missing: float) -> float:

@@ -10,6 +10,7 @@ from collections import defaultdict
 from typing import Any, NamedTuple
 
 from lipsync_lang.json_object import Json
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 from lipsync_lang.schedules.tiers import Tier, only
 from lipsync_lang.schedules.timed_words import (
     TYPICAL_WORD_SECONDS,
@@ -17,10 +18,8 @@ from lipsync_lang.schedules.timed_words import (
     TimedWords,
     timed_words_of,
 )
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, first_item
 from lipsync_lang.schedules.timing_readers import reader
-
-MILLISECONDS_PER_SECOND = 1000.0
 
 SEGMENT_LISTS = ("segments", "transcription", "chunks", "result", "words")
 """Fields of the document that hold segments or words, in the order in which they are looked for."""
@@ -45,8 +44,7 @@ def sniff(source: TimingFile) -> bool:
     """Return True if the first item of a known list has a text, and times or words."""
     if source.holds("phonemes"):
         return False
-    items = _items(source.document)
-    first = items[0] if isinstance(items, list) and items else None
+    first = first_item(_items(source.document))
     if not isinstance(first, dict) or not first.keys() & {*TEXT_FIELDS, "words"}:
         return False
     return bool(first.keys() & {"start", "timestamp", "offsets", "timestamps"}) and (
@@ -60,9 +58,8 @@ def read_whisper(source: TimingFile) -> TimedWords:
     said: defaultdict[str, list[TimedWord]] = defaultdict(list)
     for item in _objects(source, _items(source.json)):
         words = item.get("words") or item.get("tokens")
-        for one in (
-            _joined(source, item, words) if isinstance(words, list) else [_said(source, item)]
-        ):
+        parts = _joined(source, item, words) if isinstance(words, list) else [_part(source, item)]
+        for one in parts:
             if one.start is not None:
                 end = one.start + TYPICAL_WORD_SECONDS if one.end is None else one.end
                 said[one.speaker].append(TimedWord(one.text, one.start, end, one.confidence))
@@ -85,9 +82,8 @@ def _items(document: object) -> object:
 
 
 def _objects(source: TimingFile, items: object) -> list[Json]:
-    if not isinstance(items, list) or not all(isinstance(one, dict) for one in items):
-        raise source.fault(f"has no list of segments or words; the form is {WHISPER_FORM}")
-    return items
+    what = f"has no list of segments or words; the form is {WHISPER_FORM}"
+    return source.object_list(items, what)
 
 
 def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[RecognisedPart]:
@@ -96,7 +92,7 @@ def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[Recognised
     groups: list[list[RecognisedPart]] = []
     timed = False
     for word in _objects(source, words):
-        one = _said(source, {"speaker": item.get("speaker"), **word})
+        one = _part(source, {"speaker": item.get("speaker"), **word})
         if one.text.startswith("[_"):  # a mark of the model's, not a word
             continue
         inside = in_parts and not one.text.startswith(" ")
@@ -107,7 +103,7 @@ def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[Recognised
             timed = False
         timed = timed or one.start is not None
     if groups and not any(one.start is not None for one in groups[0]):
-        return [_said(source, item)]
+        return [_part(source, item)]
     joined = []
     for parts in groups:
         times = [one for one in parts if one.start is not None]
@@ -117,9 +113,14 @@ def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[Recognised
     return joined
 
 
-def _said(source: TimingFile, item: Json) -> RecognisedPart:
+def _part(source: TimingFile, item: Json) -> RecognisedPart:
     text = next((item[name] for name in TEXT_FIELDS if isinstance(item.get(name), str)), "")
-    start, end = _times(source, item)
+    pair: list[Any] = [item.get("start"), item.get("end")]
+    if isinstance(item.get("timestamp"), list):
+        pair = [*item["timestamp"], None, None][:2]
+    elif isinstance(item.get("offsets"), dict):
+        pair = [item["offsets"].get("from"), item["offsets"].get("to")]
+    start, end = (None if one is None else source.number(one) for one in pair)
     sure = next((item[name] for name in CONFIDENCES if name in item), None)
     speaker = item.get("speaker")
     is_sound = item.get("type") == "audio_event"
@@ -130,14 +131,3 @@ def _said(source: TimingFile, item: Json) -> RecognisedPart:
         float(sure) if isinstance(sure, (int, float)) and 0 <= sure <= 1 else None,
         speaker if isinstance(speaker, str) else "",
     )
-
-
-def _times(source: TimingFile, item: Json) -> tuple[float | None, float | None]:
-    """Return the start and end of a word or segment; None for a time that is not stated."""
-    pair: list[Any] = [item.get("start"), item.get("end")]
-    if isinstance(item.get("timestamp"), list):
-        pair = [*item["timestamp"], None, None][:2]
-    elif isinstance(item.get("offsets"), dict):
-        pair = [item["offsets"].get("from"), item["offsets"].get("to")]
-    start, end = (None if one is None else source.number(one) for one in pair)
-    return start, end

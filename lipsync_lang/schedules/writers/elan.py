@@ -8,10 +8,9 @@ from collections.abc import Mapping
 from itertools import chain
 from xml.etree import ElementTree as ET
 
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, LabelSpan, tiers_of
-
-MILLISECONDS = 1000
 
 EAF_DATE = "1970-01-01T00:00:00+00:00"
 """A date is required; a constant one makes equal files of equal timings."""
@@ -64,7 +63,9 @@ def _add_timed_tier(
     times = dict.fromkeys(sorted({*chain.from_iterable(span[1:] for span in spans)}), 0)
     last = -1
     for time in times:
-        times[time] = last = max(round(time * MILLISECONDS), last + 1)  # no two boundaries are one
+        times[time] = last = max(
+            round(time * MILLISECONDS_PER_SECOND), last + 1
+        )  # no two boundaries are one
     for number, (label, start, end) in enumerate(spans):
         annotation = f"{name}{number}"
         slots = {"TIME_SLOT_REF1": f"{annotation}a", "TIME_SLOT_REF2": f"{annotation}b"}

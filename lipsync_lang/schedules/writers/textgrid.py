@@ -25,8 +25,19 @@ def textgrid_text(schedule: Schedule) -> str:
         'File type = "ooTextFile"', 'Object class = "TextGrid"', "",
         "xmin = 0.0", f"xmax = {end}", "tiers? <exists>", f"size = {len(tiers)}", "item []:",
     ]  # fmt: skip
-    for number, (name, spans) in enumerate(tiers.items(), 1):
-        lines += _tier(number, name, list(_filled(spans, end)))
+    for number, (name, spoken) in enumerate(tiers.items(), 1):
+        spans = list(_filled(spoken, end))
+        lines += [
+            f"    item [{number}]:", '        class = "IntervalTier"', f'        name = "{name}"',
+            f"        xmin = {spans[0][1]}", f"        xmax = {spans[-1][2]}",
+            f"        intervals: size = {len(spans)}",
+        ]  # fmt: skip
+        for at, (label, begin, stop) in enumerate(spans, 1):
+            text = "" if label == SILENCE else label.replace('"', '""')
+            lines += [
+                f"        intervals [{at}]:", f"            xmin = {begin}",
+                f"            xmax = {stop}", f'            text = "{text}"',
+            ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
 
@@ -40,18 +51,3 @@ def _filled(spans: Iterable[LabelSpan], end: float) -> Iterator[LabelSpan]:
         at = stop
     if at < end:
         yield SILENCE, at, end
-
-
-def _tier(number: int, name: str, spans: list[LabelSpan]) -> Iterator[str]:
-    yield f"    item [{number}]:"
-    yield '        class = "IntervalTier"'
-    yield f'        name = "{name}"'
-    yield f"        xmin = {spans[0][1]}"
-    yield f"        xmax = {spans[-1][2]}"
-    yield f"        intervals: size = {len(spans)}"
-    for at, (label, begin, stop) in enumerate(spans, 1):
-        text = "" if label == SILENCE else label.replace('"', '""')
-        yield f"        intervals [{at}]:"
-        yield f"            xmin = {begin}"
-        yield f"            xmax = {stop}"
-        yield f'            text = "{text}"'
