@@ -8,9 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from lipsync_lang.authoring.new_pack import PackDraft, check_name, head, place_model, title_of
-from lipsync_lang.authoring.poseset_text import scalar
-from lipsync_lang.authoring.rig import drafted, laid_out
+from lipsync_lang.authoring.new_pack import (
+    PackDraft,
+    PackWish,
+    check_name,
+    encoded,
+    head,
+    place_model,
+    scalar,
+)
+from lipsync_lang.authoring.rig import drafted, rig_lines
 from lipsync_lang.errors import LipsyncError, ModelError, PackError, did_you_mean
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.yaml.faults import shown
@@ -26,16 +33,14 @@ MAX_ALTERNATIVES = 3
 
 
 @dataclass(frozen=True)
-class CharacterWish:
+class CharacterWish(PackWish):
     """Request for a new character: its model, with an optional pose set and rig."""
 
-    name: str
     model: Path
     poseset: str | None = None
     """Name of the pose set; None for the best match."""
     rig: str | None = None
     """Name of a rig of the pose set; None for the best match."""
-    title: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,30 +56,29 @@ class CharacterDraft(PackDraft):
     """Summary of each output file."""
 
     def __str__(self) -> str:
-        return "\n".join(self._lines())
-
-    def _lines(self) -> Iterator[str]:
-        shapes = dict.fromkeys(name for mesh in self.model.meshes for name in mesh.shapes)
-        meshes = len(self.model.meshes)
+        match, meshes = self.match, len(self.model.meshes)
         within = f"{meshes} meshes" if meshes > 1 else "one mesh"
-        yield f"{shown(self.model.path)}: {len(shapes)} shapes in {within}; {self.match}"
-        yield from (f"  or {other}: {_asking(other)}" for other in self.others)
-        yield from (f"wrote {path}: {self.summaries[path]}" for path in self.outputs)
-        yield from (f"doubtful: {doubt}" for doubt in self.match.found.doubts)
-        for shape, channels in self.match.found.shared.items():
-            yield f"approximate: {' and '.join(channels)} share one shape, {shape}"
-        absent = [loss.pose for loss in self.match.losses if not (loss.shown or loss.why)]
+        count = len(self.model.shape_names)
+        absent = [loss.pose for loss in match.losses if not (loss.shown or loss.why)]
+        lines = [
+            f"{shown(self.model.path)}: {count} shapes in {within}; {match}",
+            *(f"  or {other}: {_asking(other)}" for other in self.others),
+            *(f"wrote {path}: {self.summaries[path]}" for path in self.outputs),
+            *(f"doubtful: {doubt}" for doubt in match.found.doubts),
+            *(
+                f"approximate: {' and '.join(channels)} share one shape, {shape}"
+                for shape, channels in match.found.shared.items()
+            ),
+        ]
         if absent:
-            yield f"not shown: {', '.join(absent)}"
-        yield from (f"lost: {loss}" for loss in self.match.losses if loss.pose not in absent)
-        if self.match.missing and self.match.rig:
-            lacking = some(self.match.missing)
-            yield f"shapes of rig {self.match.rig} that the model lacks: {lacking}"
-        if self.match.left:
-            yield f"not used: {some(self.match.left)}"
-        yield "next:"
-        yield f"  {_running(self.path.stem, self.model.path)}"
-        yield "  lipsync-lang validate"
+            lines.append(f"not shown: {', '.join(absent)}")
+        lines += [f"lost: {loss}" for loss in match.losses if loss.pose not in absent]
+        if match.missing and match.rig:
+            lines.append(f"shapes of rig {match.rig} that the model lacks: {some(match.missing)}")
+        if match.left:
+            lines.append(f"not used: {some(match.left)}")
+        run = f"  {_running(self.path.stem, self.model.path)}"
+        return "\n".join([*lines, "next:", run, "  lipsync-lang validate"])
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON output."""
@@ -109,22 +113,27 @@ def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> C
     model = read_model(wanted.model)
     matches = recognise(library, model)
     match = _chosen(library, wanted, model, matches)
-    title = title_of(wanted.name, wanted.title)
-    stated, copy = place_model(wanted.model, path)
+    stated, copies = place_model(wanted.model, path)
     rig = match.rig if match.complete else wanted.name
-    text = "\n".join(_lines(wanted, match, rig, title, stated)) + "\n"
-    outputs: dict[Path, bytes | Path] = {path: text.encode()}
+    outputs: dict[Path, bytes | Path] = {path: encoded(_lines(wanted, match, rig, stated))}
     summaries = {path: f"the poses of {match.poseset}" + (f", rig {rig}" if rig else "")}
     if not match.complete:
         rig_path = _new_rig_path(library, match, wanted.name, folder)
-        outputs[rig_path] = _rig_text(library, match, wanted.name, title, model).encode()
+        poseset, base = library.poseset(match.poseset).model, None
+        if match.rig is not None:
+            known = {one.stem: one for one in library.rigs_of(match.poseset)}
+            base = cast("RigPack", library.load(known[match.rig], "rig", match.rig).model)
+        made = drafted(wanted.name, wanted.heading, match, poseset, base)
+        outputs[rig_path] = encoded(rig_lines(made, model, match, poseset))
         count = sum(len(places) for places in match.found.places.values())
         summaries[rig_path] = f"{count} channel{'s' * (count != 1)} for the model"
-    if copy is not None:
-        outputs[copy] = wanted.model
-        summaries[copy] = f"a copy of {wanted.model}"
-    others = tuple(_others(match, matches))
-    return CharacterDraft(path, outputs, match, others, rig, model, summaries)
+    summaries |= dict.fromkeys(copies, f"a copy of {wanted.model}")
+    best: dict[str, Match] = {}
+    for other in matches:
+        best.setdefault(other.poseset, other)
+    others = [m for m in best.values() if m.poseset != match.poseset and m.enough]
+    shown_others = tuple(others[:MAX_ALTERNATIVES])
+    return CharacterDraft(path, outputs | copies, match, shown_others, rig, model, summaries)
 
 
 def _chosen(
@@ -144,7 +153,6 @@ def _chosen(
     found = next((m for m in fitting if asked or m.enough), None)
     if found is not None:
         return found
-    shapes = dict.fromkeys(name for mesh in model.meshes for name in mesh.shapes)
     who = "no pose set knows"
     if asked:
         named = f"rig '{wanted.rig}'" if wanted.rig else f"pose set '{wanted.poseset}'"
@@ -152,17 +160,9 @@ def _chosen(
     near = f"; the nearest is {fitting[0]} ({_asking(fitting[0])})" if fitting else ""
     raise ModelError(
         f"{wanted.model}: {who} its shapes{near}. It has "
-        f"{some(shapes)}. Draft a pose set from them: lipsync-lang posesets new "
+        f"{some(model.shape_names)}. Draft a pose set from them: lipsync-lang posesets new "
         f"{wanted.name} --model {wanted.model}"
     )
-
-
-def _others(match: Match, matches: Sequence[Match]) -> list[Match]:
-    """Return the alternatives: the best match of each other pose set."""
-    best: dict[str, Match] = {}
-    for other in matches:
-        best.setdefault(other.poseset, other)
-    return [m for m in best.values() if m.poseset != match.poseset and m.enough][:MAX_ALTERNATIVES]
 
 
 def _asking(match: Match) -> str:
@@ -194,27 +194,12 @@ def _new_rig_path(library: "Library", match: Match, name: str, folder: Path) -> 
     return path
 
 
-def _rig_text(library: "Library", match: Match, name: str, title: str, model: Model) -> str:
-    """Return a rig under the names of the model."""
-    poseset = library.poseset(match.poseset).model
-    base = None
-    if match.rig is not None:
-        known = {one.stem: one for one in library.rigs_of(match.poseset)}
-        base = cast("RigPack", library.load(known[match.rig], "rig", match.rig).model)
-    return laid_out(drafted(name, title, match, poseset, base), model, match, poseset)
-
-
-def _lines(
-    wanted: CharacterWish, match: Match, rig: str | None, title: str, model: str
-) -> Iterator[str]:
+def _lines(wanted: CharacterWish, match: Match, rig: str | None, model: str) -> Iterator[str]:
+    title = wanted.heading
     yield f"# {title}: the poses of {match.poseset} on {wanted.model.name}. See it speak:"
     yield f"#   {_running(wanted.name, wanted.model)}"
-    yield from head("character", wanted.name)
-    yield f"title: {scalar(title)}"
-    yield f"poseset: {match.poseset}"
-    if rig is not None:
-        yield f"rig: {rig}"
-    yield f"model: {scalar(model)}"
+    fields = {"title": scalar(title), "poseset": match.poseset, "rig": rig}
+    yield from head("character", wanted.name, **fields, model=scalar(model))
     yield ""
     yield "# Optional settings of this character; it can also have bigrams, words and lines"
     yield "# motion: {speed_limit: 8}      # weight per second"

@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.inventories import Inventory, read_inventory
-from lipsync_lang.authoring.new_pack import PackDraft, check_name, head, title_of
-from lipsync_lang.authoring.poseset_text import scalar
+from lipsync_lang.authoring.new_pack import PackDraft, PackWish, check_name, encoded, head, scalar
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, IPA
 from lipsync_lang.phonology.g2p import Settings, engine
@@ -32,19 +31,16 @@ NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 10
 EMPTY_TESTS = """
 # Words with the IPA of a dictionary or a grammar, and the expected common phonemes:
 #  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}
-tests: []
-"""
+tests: []"""
 
 _PLAIN_LABEL = re.compile(r"[^\W\d_][\w\u0300-\u036f\u02b0-\u02ff]*")
 
 
 @dataclass(frozen=True)
-class LanguageWish:
+class LanguageWish(PackWish):
     """Request for a new language: voice, code, lexicon or inventory, at least one of them."""
 
-    name: str
     tag: str | None = None
-    title: str | None = None
     voice: str | None = None
     """eSpeak NG voice for transcription and speech."""
     epitran: str | None = None
@@ -110,12 +106,15 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
     if wanted.inventory is not None:
         inventory = read_inventory(wanted.inventory, wanted.inventory_id)
         sounds.add(inventory.segments)
-    for settings, name in _readers(wanted):
-        for words in engine(name, settings)([*wanted.texts, *NUMBERS]):
-            for word in words:
-                # Phrases and digits are unsuitable as example words.
-                single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
-                sounds.add(word.labels, word.text if single else "")
+    read = None
+    if wanted.epitran:
+        read = engine("epitran", Settings(wanted.name, code=wanted.epitran))
+    elif wanted.voice and not wanted.lexicon:
+        read = engine("espeak", Settings(wanted.name, voice=wanted.voice))
+    for word in chain.from_iterable(read([*wanted.texts, *NUMBERS]) if read else ()):
+        # Phrases and digits are unsuitable as example words.
+        single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
+        sounds.add(word.labels, word.text if single else "")
     outputs: dict[Path, bytes | Path] = {}
     if wanted.lexicon is not None:
         for spelling, labels in read_lexicon(wanted.lexicon).items():
@@ -130,9 +129,9 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
     parents = {common.shades[n].like if n in common.shades else n for n in mapped}
     added, order = sorted(parents - {*common.base}), [*common.phonemes, *common.shades]
     parts = _head(wanted, inventory, added), _body(sounds, found, order)
-    text = "\n".join([*chain(*parts, _inventory(inventory, found)), EMPTY_TESTS])
+    content = encoded([*chain(*parts, _inventory(inventory, found)), EMPTY_TESTS])
     doubtful = sum(map(_doubtful, found.values()))
-    return LanguageDraft(path, {path: text.encode()} | outputs, doubtful, len(found))
+    return LanguageDraft(path, {path: content} | outputs, doubtful, len(found))
 
 
 def _refuse(wanted: LanguageWish, path: Path) -> None:
@@ -149,40 +148,27 @@ def _refuse(wanted: LanguageWish, path: Path) -> None:
         raise LipsyncError("--epitran and --lexicon both read text; give only one of them")
 
 
-def _readers(wanted: LanguageWish) -> Iterator[tuple[Settings, str]]:
-    """Yield settings and names of the engines for text to IPA."""
-    if wanted.voice and not wanted.lexicon and not wanted.epitran:
-        yield Settings(wanted.name, voice=wanted.voice), "espeak"
-    if wanted.epitran:
-        yield Settings(wanted.name, code=wanted.epitran), "epitran"
-
-
 def _doubtful(near: "Nearest") -> bool:
     return near.distance > 0 or not near.value or bool(near.unknown)
 
 
 def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str]) -> Iterator[str]:
-    title = title_of(wanted.name, wanted.title)
-    yield f"# {title}: a draft. It runs as it is, but its doubtful labels may be wrong."
+    yield f"# {wanted.heading}: a draft. It runs as it is, but its doubtful labels may be wrong."
     yield "#"
     yield "# 1. Check the doubtful labels, at the top: does each have the mouth that you see?"
     yield "# 2. Write tests: words with the phonemes that a dictionary or a grammar gives them."
     yield f"# 3. lipsync-lang languages show {wanted.name}    lists what is untested,"
     yield f"#    lipsync-lang validate languages/{wanted.name}.yaml    lists the faults."
     yield "# 4. Remove `automatic` when the map has every label that you need."
-    yield from head("language", wanted.name)
     tag = wanted.tag or (wanted.voice or "").partition("+")[0] or (wanted.epitran or "")[:3]
     tag = tag or (inventory.code if inventory else "")
-    yield (f"tag: {tag}" if tag else "tag: und            # write the BCP 47 tag of the language")
-    yield f"title: {_scalar(title)}"
-    if added:
-        yield f"adds: [{', '.join(added)}]"
-    yield from _reading(wanted)
-    yield "automatic: true       # labels that are not below go to the nearest common phonemes"
-    yield ""
-
-
-def _reading(wanted: LanguageWish) -> Iterator[str]:
+    yield from head(
+        "language",
+        wanted.name,
+        tag=tag or "und            # write the BCP 47 tag of the language",
+        title=_scalar(wanted.heading),
+        adds=f"[{', '.join(added)}]" if added else None,
+    )
     if wanted.lexicon:
         file = f"{wanted.name}{wanted.lexicon.suffix}"
         yield f"g2p: {{engine: lexicon, file: {_scalar(file)}, notation: {IPA}}}"
@@ -196,6 +182,8 @@ def _reading(wanted: LanguageWish) -> Iterator[str]:
         yield f"g2p: {{engine: rules, notation: {IPA}}}"
     if wanted.voice:
         yield f"tts: {{engine: espeak, voice: {_scalar(wanted.voice)}}}"
+    yield "automatic: true       # labels that are not below go to the nearest common phonemes"
+    yield ""
 
 
 def _body(

@@ -1,12 +1,15 @@
-"""The parts that all drafts of packs share: name, title, head, model reference and files.
+"""The parts that all drafts of packs share: name, head, YAML values, model reference and files.
 
-Paths in a pack are POSIX paths relative to the folder of the pack.
+A draft is lines of YAML under a head; `encoded` makes the file. Paths in a pack are POSIX paths
+relative to the folder of the pack.
 """
 
+import json
 import re
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from filecmp import cmp
+from functools import partial
 from os.path import relpath
 from pathlib import Path
 from shutil import copyfileobj
@@ -15,10 +18,28 @@ from typing import BinaryIO
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.files import write_all
 
+WRAP_CHARS = 100
+"""Maximum line width in characters for wrapped lists."""
+
 _PACK_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
+_PLAIN_NAME = re.compile(r"[^\W\d][\w.]*(-[\w.]+)*")
+_YAML_LITERALS = {"true", "false", "null"}
 
 NewFiles = Mapping[Path, bytes | Path]
 """Content of each new file, or the file of which it is a copy."""
+
+
+@dataclass(frozen=True)
+class PackWish:
+    """Request for a new pack; each kind of pack adds its sources."""
+
+    name: str
+    title: str | None = field(default=None, kw_only=True)
+
+    @property
+    def heading(self) -> str:
+        """The title on one line; by default, the name in words."""
+        return " ".join((self.title or "").split()) or re.sub("[-_]", " ", self.name).title()
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +63,16 @@ class PackDraft:
 def write_new(files: NewFiles) -> None:
     """Write all files or none, in folders that need not exist."""
 
-    def writer(content: bytes | Path) -> Callable[[BinaryIO], object]:
-        def write(stream: BinaryIO) -> None:
-            if isinstance(content, bytes):
-                stream.write(content)
-                return
-            with content.open("rb") as source:
-                copyfileobj(source, stream)
-
-        return write
+    def fill(content: bytes | Path, stream: BinaryIO) -> None:
+        if isinstance(content, bytes):
+            stream.write(content)
+            return
+        with content.open("rb") as source:
+            copyfileobj(source, stream)
 
     for path in files:
         path.parent.mkdir(parents=True, exist_ok=True)
-    write_all({path: writer(content) for path, content in files.items()}, durable=True)
+    write_all({path: partial(fill, content) for path, content in files.items()}, durable=True)
 
 
 def check_name(name: str, existing: Path | None = None) -> None:
@@ -71,20 +89,38 @@ def check_name(name: str, existing: Path | None = None) -> None:
         raise PackError(f"{existing}: already exists; choose another name, or delete it first")
 
 
-def title_of(name: str, title: str | None) -> str:
-    """Return a title on one line; by default, the name in words."""
-    return " ".join((title or "").split()) or re.sub("[-_]", " ", name).title()
+def head(kind: str, name: str, **fields: str | None) -> Iterator[str]:
+    """Yield the first lines of a pack; fields are YAML, and None leaves one out."""
+    stated = {"kind": kind, "format": "1", "name": name, **fields}
+    yield from (f"{field}: {value}" for field, value in stated.items() if value is not None)
 
 
-def head(kind: str, name: str) -> Iterator[str]:
-    """Yield the first lines of a pack."""
-    yield f"kind: {kind}"
-    yield "format: 1"
-    yield f"name: {name}"
+def scalar(text: str, plain: re.Pattern[str] = _PLAIN_NAME) -> str:
+    """Format a string as a YAML scalar, quoted if it does not match the pattern of plain text."""
+    if plain.fullmatch(text) and text.casefold() not in _YAML_LITERALS:
+        return text
+    return json.dumps(text, ensure_ascii=False)
 
 
-def place_model(model: Path, pack: Path) -> tuple[str, Path | None]:
-    """Return the reference of a pack to a model, and the path of the copy that it requires.
+def flow(value: object, spaced: re.Pattern[str] | None = None) -> str:
+    """Format plain data as one line of flow-style YAML; texts that match `spaced` are unquoted."""
+    if isinstance(value, Mapping):
+        entries = (f"{scalar(key)}: {flow(inner, spaced)}" for key, inner in value.items())
+        return f"{{{', '.join(entries)}}}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(flow(inner, spaced) for inner in value)}]"
+    if isinstance(value, str):
+        return value if spaced is not None and spaced.fullmatch(value) else scalar(value)
+    return f"{value:g}" if isinstance(value, float) else json.dumps(value)
+
+
+def encoded(lines: Iterable[str]) -> bytes:
+    """Return the content of a pack."""
+    return ("\n".join(lines) + "\n").encode()
+
+
+def place_model(model: Path, pack: Path) -> tuple[str, NewFiles]:
+    """Return the reference of a pack to a model, and the copy that it requires, if any.
 
     Parameters
     ----------
@@ -98,7 +134,7 @@ def place_model(model: Path, pack: Path) -> tuple[str, Path | None]:
     """
     there = pack.parent.resolve()
     if model.resolve().is_relative_to(there.parent):
-        return Path(relpath(model.resolve(), there)).as_posix(), None
+        return Path(relpath(model.resolve(), there)).as_posix(), {}
     # Other formats may refer to buffers and textures outside the file, which a copy would lose.
     if model.suffix.lower() != ".glb":
         raise LipsyncError(
@@ -107,7 +143,7 @@ def place_model(model: Path, pack: Path) -> tuple[str, Path | None]:
         )
     copy = pack.with_name(model.name)
     if copy.is_file() and cmp(model, copy, shallow=False):
-        return model.name, None
+        return model.name, {}
     if copy.exists():
         raise PackError(f"{copy}: already exists and differs; use that model, or move it")
-    return model.name, copy
+    return model.name, {copy: model}

@@ -3,7 +3,7 @@
 A copy takes precedence over its original, and its animations are identical, bit for bit.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from os.path import normpath, relpath
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -46,13 +46,25 @@ def copy_poseset(library: "Library", name: str, folder: Path) -> list[Path]:
     """
     source = library.find("poseset", name)
     home = folder.absolute() / FOLDERS["poseset"] / source.parent.name
-    _refuse(library, source, home / POSESET)
+    if (home / POSESET).exists() or source == home / POSESET:
+        raise PackError(f"{shown(home / POSESET)}: already exists; the project has this pose set")
+    searched = [root.path.resolve() for root in library.roots]
+    origin = next(f.root.path for f in library.names("poseset") if f.path == source)
+    project = folder.resolve()
+    if project not in searched or searched.index(origin.resolve()) < searched.index(project):
+        raise PackError(
+            f"{shown(source)}: takes precedence over the project, so a copy would have no effect; "
+            "edit this file"
+        )
     outputs: dict[Path, bytes] = {}
-    known = {path.name for path in yaml_files(home / "banks").values()}
+    last = max((path.name for path in yaml_files(home / "banks").values()), default="")
+    # A bank sorts after the banks of the project, which keep their precedence.
+    marks = ("", *(f"{'z' * number}-" for number in range(1, len(last) + 2)))
     for path in _whole(library, source):
         target, content = Path(normpath(home / relpath(path, source.parent))), path.read_bytes()
         bank = target.parent == home / "banks" and target.suffix == ".yaml"
-        if bank and (stem := _behind(known, path.stem)) != path.stem:
+        stem = next(m + path.stem for m in marks if not bank or f"{m}{path.stem}.yaml" > last)
+        if stem != path.stem:
             target = target.with_name(f"{stem}.yaml")
             content = spliced(read_yaml(target, content), content, [(("name",), stem)])
         if target.parent != home / "rigs" or not target.exists():
@@ -62,19 +74,6 @@ def copy_poseset(library: "Library", name: str, folder: Path) -> list[Path]:
             raise PackError(f"{shown(target)}: already exists and differs; move or delete it")
     write_new(outputs)
     return list(outputs)
-
-
-def _refuse(library: "Library", source: Path, target: Path) -> None:
-    if target.exists() or source == target:
-        raise PackError(f"{shown(target)}: already exists; the project has this pose set")
-    searched = [root.path.resolve() for root in library.roots]
-    origin = next(f.root.path for f in library.names("poseset") if f.path == source)
-    project = target.parents[2].resolve()
-    if project not in searched or searched.index(origin.resolve()) < searched.index(project):
-        raise PackError(
-            f"{shown(source)}: takes precedence over the project, so a copy would have no effect; "
-            "edit this file"
-        )
 
 
 def _whole(library: "Library", source: Path) -> Iterator[Path]:
@@ -90,10 +89,3 @@ def _whole(library: "Library", source: Path) -> Iterator[Path]:
     model = beside(source, stated) if isinstance(stated, str) else None
     if model is not None and home not in model.parents:
         yield model
-
-
-def _behind(known: Collection[str], stem: str) -> str:
-    """Return a name for a bank that sorts after the banks of the project, which keep precedence."""
-    last = max(known, default="")
-    names = (stem, *(f"{'z' * number}-{stem}" for number in range(1, len(last) + 2)))
-    return next(name for name in names if f"{name}.yaml" > last)

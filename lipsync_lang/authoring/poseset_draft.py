@@ -9,10 +9,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from lipsync_lang.authoring.new_pack import PackDraft, check_name, place_model, title_of
-from lipsync_lang.authoring.poseset_text import laid_out, scalar
+from lipsync_lang.authoring.new_pack import (
+    NewFiles,
+    PackDraft,
+    PackWish,
+    check_name,
+    encoded,
+    place_model,
+    scalar,
+)
+from lipsync_lang.authoring.poseset_text import poseset_lines
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.models import (
@@ -28,6 +36,7 @@ from lipsync_lang.packs.models import (
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.rigs.driver import bare
+from lipsync_lang.rigs.model import read_model
 from lipsync_lang.rigs.shape_matching import places
 
 if TYPE_CHECKING:
@@ -51,16 +60,14 @@ MAX_POSE_NAME_CHARS = 120
 
 
 @dataclass(frozen=True)
-class PoseSetWish:
+class PoseSetWish(PackWish):
     """Request for a new pose set: pose names, a model or a known set, at least one of them."""
 
-    name: str
     poses: Sequence[str] = ()
     model: Path | None = None
     """Path of a model; its shapes are the poses if no names are given."""
     like: str | None = None
     """Pose set for the targets; its poses are used if neither names nor shapes are given."""
-    title: str | None = None
     guess: bool = False
     """Assign sounds to unknown poses instead of targets at rest."""
 
@@ -103,7 +110,7 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
             "a new pose set needs a source: the names of its poses, --model or --like"
         )
     sets = _sets(library, wanted.like)
-    shapes = _shapes(wanted.model)
+    shapes = read_model(wanted.model).shape_names if wanted.model is not None else ()
     names = _names(wanted.poses or shapes or sets[0].poses)
     common = library.common().model
     known, called = max(((s, _called(names, s)) for s in sets), key=lambda pair: len(pair[1]))
@@ -126,18 +133,16 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
             f"No pose set knows these poses: a first guess by sounds ({_kinds(made, common)})."
         )
     left = [name for name in names if name not in made.poses]
-    stated, copy = place_model(wanted.model, path) if wanted.model is not None else (None, None)
-    title = title_of(wanted.name, wanted.title)
-    made = made.model_copy(update={"name": wanted.name, "title": title, "model": stated})
+    stated, copies = place_model(wanted.model, path) if wanted.model is not None else (None, {})
+    own = {"name": wanted.name, "title": wanted.heading, "model": stated}
+    made = made.model_copy(update=own)
     absent = [name for name in made.poses if shapes and name not in shapes]
     said = [
         f"{len(made.poses)} pose{'s' * (len(made.poses) != 1)}, {origin}",
         *([f"{len(left)} unused, in a comment"] if left else ()),
         *([f"the model has no shape called {', '.join(absent)}"] if absent else ()),
     ]
-    outputs: dict[Path, bytes | Path] = {path: laid_out(made, common, why, left).encode()}
-    if copy is not None and wanted.model is not None:
-        outputs[copy] = wanted.model
+    outputs: NewFiles = {path: encoded(poseset_lines(made, common, why, left)), **copies}
     return PoseSetDraft(path, outputs, "; ".join(said))
 
 
@@ -152,17 +157,6 @@ def _sets(library: "Library", like: str | None) -> list[PoseSet]:
         except PackError:  # An invalid pack is the concern of `validate`, not of a draft.
             continue
     return found or [_bare({})]
-
-
-def _shapes(model: Path | None) -> list[str]:
-    """Return the distinct shape names of a model, in file order."""
-    if model is None:
-        return []
-    from lipsync_lang.rigs.model import read_model
-
-    return list(
-        dict.fromkeys(name for names in read_model(model).shapes.values() for name in names)
-    )
 
 
 def _names(stated: Iterable[str]) -> list[str]:
@@ -226,6 +220,11 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
     }
     measures = {name: renamed(gains) for name, gains in known.measures.items()}
     rest = (PhonemeTarget(),)
+    # The motion states what differs from the default preset, and always the speed limit.
+    usual = {**asdict(PRESETS["default"]), "speed_limit": None}
+    motion = {"speed_limit": PRESETS["default"].speed_limit}
+    motion |= known.motion.model_dump(exclude_none=True)
+    unusual = {name: value for name, value in motion.items() if value != usual.get(name)}
     # The spellings of a pose in models go, because they are specific to its old name.
     old = {name: known.poses[pose] for name, pose in called.items()}
     poses = {name: Pose(title=pose.title, region=pose.region) for name, pose in old.items()}
@@ -234,7 +233,7 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
             "constraints": _constraints(known.constraints, new),
             "priority": tuple(name for pose in known.priority for name in new.get(pose, ())),
             "contacts": {name: c for name, c in contacts.items() if c.floor or c.ceiling},
-            "motion": MotionFields(**_unusual(known.motion)),
+            "motion": MotionFields(**unusual),
             "targets": {
                 label: steps if any(step.weights for step in steps) else steps[:1]
                 for label, steps in {**dict.fromkeys(common.base, rest), **targets}.items()
@@ -242,13 +241,6 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
             "measures": {name: gains for name, gains in measures.items() if gains},
         }
     )
-
-
-def _unusual(motion: MotionFields) -> dict[str, Any]:
-    """Return the motion fields that differ from the default preset, and always the speed limit."""
-    usual = {**asdict(PRESETS["default"]), "speed_limit": None}
-    stated = {"speed_limit": PRESETS["default"].speed_limit, **motion.model_dump(exclude_none=True)}
-    return {name: value for name, value in stated.items() if value != usual.get(name)}
 
 
 def _constraints(known: Constraints, new: Mapping[str, Sequence[str]]) -> Constraints:
@@ -282,11 +274,23 @@ def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -
     common : common phonemes with their classes
     """
     first = poses[0]
-    dealt = _dealt(poses, common)
+    kinds: dict[str | None, list[str]] = {}
+    for label in common.base:
+        told = common.phonemes.get(label)
+        kinds.setdefault(told.sound if told else None, []).append(label)
+    groups = sorted(kinds.values(), key=len, reverse=True)
+    shares = [[pose] for pose in poses[: len(groups)]]
+    for pose in poses[len(groups) :]:  # surplus poses split the largest shares
+        most = max(range(len(shares)), key=lambda n: len(groups[n]) / len(shares[n]))
+        shares[most].append(pose)
+    dealt = {
+        label: share[number * len(share) // len(group)]
+        for group, share in zip(groups, shares, strict=False)
+        for number, label in enumerate(group)
+    }
     targets = {}
     for label in common.base:
-        pose = dealt.get(label)
-        weights = {first: WEAK_WEIGHT} if pose is None else {pose: STRONG}
+        weights = {dealt[label]: STRONG} if label in dealt else {first: WEAK_WEIGHT}
         shut = {first: 0.0} if label in shutting else {}
         targets[label] = (PhonemeTarget(weights={**weights, **shut}),)
     contacts = {"closure": ContactRule(phonemes=tuple(shutting), ceiling={first: SHUT})}
@@ -297,24 +301,6 @@ def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -
             "targets": targets,
         }
     )
-
-
-def _dealt(poses: Sequence[str], common: "Phonemes") -> dict[str, str]:
-    """Map sounds to poses: one class per pose; surplus poses split the largest shares."""
-    kinds: dict[str | None, list[str]] = {}
-    for label in common.base:
-        told = common.phonemes.get(label)
-        kinds.setdefault(told.sound if told else None, []).append(label)
-    groups = sorted(kinds.values(), key=len, reverse=True)
-    shares = [[pose] for pose in poses[: len(groups)]]
-    for pose in poses[len(groups) :]:
-        most = max(range(len(shares)), key=lambda n: len(groups[n]) / len(shares[n]))
-        shares[most].append(pose)
-    return {
-        label: share[number * len(share) // len(group)]
-        for group, share in zip(groups, shares, strict=False)
-        for number, label in enumerate(group)
-    }
 
 
 def _kinds(made: PoseSet, common: "Phonemes") -> str:

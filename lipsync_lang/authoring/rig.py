@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from lipsync_lang.authoring.new_pack import head
-from lipsync_lang.authoring.poseset_text import WRAP_CHARS, scalar
+from lipsync_lang.authoring.new_pack import WRAP_CHARS, flow, head, scalar
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.braces import expanded
 from lipsync_lang.packs.models.rig_channels import channels_of
@@ -100,47 +99,18 @@ def _braced(name: str) -> Iterator[str]:
                 yield braced
 
 
-# Text output
-
-
-def laid_out(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> str:
+def rig_lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:
     """Format a drafted rig as YAML, with the manual tasks in comments."""
-    return "\n".join(_lines(rig, model, match, poseset)) + "\n"
-
-
-def _lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:
     yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
     yield "# A gain is shape weight per pose weight; a shape may have several, also negative ones."
-    yield from head("rig", scalar(rig.name))
-    yield f"title: {scalar(rig.title)}"
-    yield f"poseset: {scalar(rig.poseset)}"
+    title, poses_of = scalar(rig.title), scalar(rig.poseset)
+    yield from head("rig", scalar(rig.name), title=title, poseset=poses_of)
     yield "channels:"
     yield from (f"  {scalar(name)}: {_channel(one)}" for name, one in rig.channels.items())
     if rig.lost:
         yield "# Add each of these poses to a shape above that looks similar, or leave it lost"
         yield "lost:"
         yield from (f"  {scalar(pose)}: {scalar(why)}" for pose, why in rig.lost.items())
-    yield from _bones(rig, model, poseset)
-    if match.left:
-        yield "# Unused shapes:"
-        yield from (f"#   {line}" for line in wrap(", ".join(match.left), WRAP_CHARS - 4))
-
-
-def _channel(channel: RigChannel) -> str:
-    """Format a channel as one line of flow-style YAML."""
-    gains = ", ".join(f"{scalar(pose)}: {gain:g}" for pose, gain in channel.gains.items())
-    parts = [f"gains: {{{gains}}}"]
-    for name in ("range", "rotation", "translation"):
-        values = getattr(channel, name)
-        parts += [f"{name}: [{', '.join(f'{v:g}' for v in values)}]"] if values else []
-    for name in ("node", "mesh", "at_most"):
-        value = getattr(channel, name)
-        parts += [f"{name}: {scalar(value)}"] if value is not None else []
-    return f"{{{', '.join(parts)}}}"
-
-
-def _bones(rig: RigPack, model: "Model", poseset: PoseSet) -> Iterator[str]:
-    """Yield a commented example of a bone channel for the first lost pose with a matching node."""
     nodes = model.document.get("nodes", ())
     free = [str(node["name"]) for node in nodes if "name" in node and "mesh" not in node]
     for pose in rig.lost:
@@ -150,4 +120,14 @@ def _bones(rig: RigPack, model: "Model", poseset: PoseSet) -> Iterator[str]:
             turned = RigChannel(gains={pose: TURN}, node=node, rotation=(1, 0, 0))
             yield f"# A bone may show '{pose}'. Degrees, about x; try other axes and signs:"
             yield f"#   {scalar(node)}: {_channel(turned)}"
-            return
+            break
+    if match.left:
+        yield "# Unused shapes:"
+        yield from (f"#   {line}" for line in wrap(", ".join(match.left), WRAP_CHARS - 4))
+
+
+def _channel(channel: RigChannel) -> str:
+    """Format a channel as one line of flow-style YAML."""
+    stated = ("gains", "range", "rotation", "translation", "node", "mesh", "at_most")
+    values = {name: getattr(channel, name) for name in stated}
+    return flow({name: value for name, value in values.items() if value is not None})

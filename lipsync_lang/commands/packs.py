@@ -233,7 +233,9 @@ def _new_character(library: "Library", options: Namespace) -> int:
         raise LipsyncError(
             "name the new character, and its model: characters new NAME --model FILE"
         )
-    wanted = CharacterWish(options.name, options.model, options.poseset, options.rig, options.title)
+    wanted = CharacterWish(
+        options.name, options.model, options.poseset, options.rig, title=options.title
+    )
     with working(f"trying pose sets on {options.model}"):
         made = draft(library, wanted)
     made.write()

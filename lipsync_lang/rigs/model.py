@@ -6,7 +6,7 @@ Models are glTF 2.0. The JSON holds all names and rest weights, so the binary da
 import json
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import isfinite
@@ -70,6 +70,11 @@ class Model:
     meshes: tuple[Mesh, ...]
     document: Json
     chunks: tuple[Chunk, ...]
+
+    @cached_property
+    def shape_names(self) -> tuple[str, ...]:
+        """Distinct names of the morph targets of all meshes, in order."""
+        return tuple(dict.fromkeys(name for mesh in self.meshes for name in mesh.shapes))
 
     @cached_property
     def texts(self) -> dict[str, str]:
@@ -197,14 +202,13 @@ def is_index(value: object, count: int) -> TypeGuard[int]:
 
 def numbers(path: Path, what: str, values: object, count: int) -> tuple[float, ...]:
     """Validate and return `count` numbers of a document."""
-    good = isinstance(values, list) and len(values) == count and all(map(_is_number, values))
-    if not good or not isinstance(values, list):
+    rows = values if isinstance(values, list) else []
+    if len(rows) != count or not all(
+        isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e30  # noqa: PLR2004 far within float32
+        for value in rows
+    ):
         fail(path, f"{what}: not a list of {count} numbers")
-    return tuple(map(float, values))
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e30  # noqa: PLR2004 far within float32
+    return tuple(map(float, rows))
 
 
 # Meshes
@@ -214,7 +218,14 @@ def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
     rows = document.get("meshes", [])
     if not rows and not bones:
         fail(path, "has no meshes", "export the model itself, not only its animation or scene")
-    labels = list(_labels(path, rows))
+    names = [row.get("name", "") for row in rows]
+    if not all(isinstance(name, str) for name in names):
+        fail(path, "the name of a mesh is not text")
+    taken = Counter(names)
+    labels = [
+        (name if taken[name] == 1 else f"{name} (mesh {number})") if name else f"mesh {number}"
+        for number, name in enumerate(names)
+    ]
     found = []
     for number, (label, row) in enumerate(zip(labels, rows, strict=True)):
         if shapes := _shapes(path, label, row):
@@ -230,17 +241,6 @@ def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
             "export it with its shape keys (blend shapes)",
         )
     return tuple(found)
-
-
-def _labels(path: Path, rows: list[Json]) -> Iterator[str]:
-    """Yield a unique name for every mesh."""
-    names = [row.get("name", "") for row in rows]
-    if not all(isinstance(name, str) for name in names):
-        fail(path, "the name of a mesh is not text")
-    taken = Counter(names)
-    for number, name in enumerate(names):
-        own = f"mesh {number}"
-        yield (name if taken[name] == 1 else f"{name} ({own})") if name else own
 
 
 def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
@@ -273,13 +273,3 @@ def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
 def _target_names(holder: Json) -> object:
     extras = holder.get("extras")
     return extras.get("targetNames") if isinstance(extras, dict) else None
-
-
-def _check_names(path: Path, label: str, names: list[str]) -> None:
-    mend = "give every morph target a name of its own and export the model again"
-    if not all(name.strip() for name in names):
-        number = [bool(name.strip()) for name in names].index(False)
-        fail(path, f"'{label}': its morph target {number} has no name", mend)
-    twice = [name for name, count in Counter(names).items() if count > 1]
-    if twice:
-        fail(path, f"'{label}': several morph targets share a name: {some(twice)}", mend)

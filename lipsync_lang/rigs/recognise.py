@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.rigs.model import Model
 
-
 MAX_SHOWN_MATCHES = 3
 """Number of lost poses that outweigh one shown pose."""
 
@@ -161,7 +160,9 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: "Model") -> I
         missing = tuple(loss.pose for loss in lost)
         yield Match(poseset.name, None, poses, found, missing, _left(model, found), lost)
     for rig in _sound(library, poseset):
-        channels = _channels(library, rig.model)
+        to = library.poseset(rig.model.to).model if rig.model.to is not None else None
+        plain = {"channels": plain_channels(rig.model, to)}
+        channels = Driver.from_plain(plain, poses, np.zeros(len(poses))).channels
         found = find(channels, model)
         if found.places:
             kept = replace(rig, model=reduced(rig.model, found))
@@ -183,15 +184,7 @@ def _sound(library: "Library", poseset: "models.PoseSet") -> "Iterator[Pack[mode
             yield rig
 
 
-def _channels(library: "Library", rig: "models.RigPack") -> "tuple[Channel, ...]":
-    to = library.poseset(rig.to).model if rig.to is not None else None
-    poses = tuple(library.poseset(rig.poseset).model.poses)
-    plain = {"channels": plain_channels(rig, to)}
-    return Driver.from_plain(plain, poses, np.zeros(len(poses))).channels
-
-
 def _left(model: "Model", found: ChannelPlaces) -> tuple[str, ...]:
     """List the shapes without a channel."""
     driven = {shape for shapes in found.places.values() for shape in shapes}
-    shapes = dict.fromkeys(shape for mesh in model.meshes for shape in mesh.shapes)
-    return tuple(shape for shape in shapes if shape not in driven)
+    return tuple(shape for shape in model.shape_names if shape not in driven)

@@ -93,7 +93,12 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     _move_shapes(take, channels, animation.weights[frames], floors)
     _move_nodes(take, channels, animation.weights[frames])
     if not take.channels:
-        raise _nothing_moves(model, channels)
+        wanted = [channel.node or channel.name for channel in channels]
+        raise OutputError(
+            f"{model.path}: no shape has the name of a pose: it has {some(model.shape_names)}; the "
+            f"poses are {some(wanted)}. Give the character a rig that says which pose moves what "
+            "(`lipsync-lang characters new` drafts one)"
+        )
     take.finish(animation.title, {"audio_start": round(animation.begins, 6)})
     _write(out, take)
 
@@ -312,13 +317,3 @@ def _write(out: BinaryIO, take: _NewAnimation) -> None:
         ),
     ]
     write_parts(out, chunks)
-
-
-def _nothing_moves(model: Model, channels: Sequence[Channel]) -> OutputError:
-    wanted = [channel.node or channel.name for channel in channels]
-    shapes = dict.fromkeys(shape for names in model.shapes.values() for shape in names)
-    return OutputError(
-        f"{model.path}: no shape has the name of a pose: it has "
-        f"{some(shapes)}; the poses are {some(wanted)}. Give the character a rig that says which "
-        "pose moves what (`lipsync-lang characters new` drafts one)"
-    )
