@@ -137,7 +137,7 @@ def test_a_draft_of_a_lexicon_takes_it_along(folder, cli):
 
 @full
 def test_a_draft_of_a_voice_hears_its_numbers(folder, cli):
-    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     (folder / "lines.txt").write_text("Góðan daginn\n", "utf-8")
     ended = cli("languages", "new", "icelandic", "--voice", "is", "--text", "lines.txt")
     assert ended.code == 0, ended.err

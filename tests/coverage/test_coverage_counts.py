@@ -295,7 +295,7 @@ def test_the_document_has_the_keys_of_its_version():
 
 @full
 def test_real_sentences_are_counted_soundly(data):
-    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     path = data / "text/harvard-sentences.txt"
     told = coverage(read_lines([path]), "english", "facefx").reports[0]
     running = [one.running for one in told.bigrams]

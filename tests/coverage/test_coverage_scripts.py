@@ -98,7 +98,7 @@ def test_a_word_in_capitals_is_judged_as_if_it_were_in_small_letters():
 
 @full
 def test_a_voice_reads_words_of_other_languages_and_spells_what_it_has_no_voice_for():
-    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     texts = ("Он сказал hello world и ушёл.", "Он сказал 会議 и ушёл.", "Он ушёл.", "I love you")
     told = coverage(lines(*texts), "russian", "facefx").reports[0]
     counted = {one.what: one.counted for one in told.other_scripts}
@@ -111,7 +111,7 @@ def test_a_voice_reads_words_of_other_languages_and_spells_what_it_has_no_voice_
 
 @full
 def test_real_lines_in_another_script_are_not_taken_for_speech(data):
-    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     path = data / "text/the_question_lines.tsv"
     told = coverage(read_lines(path, column="japanese"), "russian", "facefx").reports[0]
     read = [one.what for one in told.other_scripts if one.counted]

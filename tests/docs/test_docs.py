@@ -192,10 +192,9 @@ def needs(page):
     """Packages that a page's steps need beyond the bare installation."""
     done = "\n".join(text for language, _, text in steps(page) if language in ("console", "python"))
     found = set()
-    if re.search(r"lipsync-lang (run|explain|live) ['\"\w]", done) or "ll.speak(" in done:
+    speaks = r"lipsync-lang ((run|explain|live) ['\"\w]|(transcribe|languages new) )"
+    if re.search(speaks, done) or "ll.speak(" in done:
         found.add("espeakng_loader")
-    if re.search(r"lipsync-lang (transcribe|languages new) ", done):
-        found |= {"espeakng_loader", "phonemizer"}
     if "--plot" in done:
         found.add("matplotlib")
     if re.search(r"-o \S+\.(mp4|webm|png)\b", done):

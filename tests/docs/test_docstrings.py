@@ -17,7 +17,7 @@ NEEDS = {
     "align": ["espeakng_loader", "pocketsphinx"],
     "recognise": ["espeakng_loader", "pocketsphinx"],
     "speak": ["espeakng_loader"],
-    "transcribe": ["espeakng_loader", "phonemizer"],
+    "transcribe": ["espeakng_loader"],
     "Animation.to_frame": ["pandas"],
 }
 """The packages of extras that an example needs."""

@@ -15,7 +15,7 @@ from lipsync_lang.speech.speaking.synthesis import transcribe
 
 every_pack = pytest.mark.parametrize("pack", LANGUAGES, indirect=True)
 
-NEEDS = {"espeak": ["phonemizer"], "pypinyin": ["pypinyin", "opencc"], "epitran": ["epitran"],
+NEEDS = {"espeak": ["espeakng_loader"], "pypinyin": ["pypinyin", "opencc"], "epitran": ["epitran"],
          "thaiphon": ["thaiphon", "pythainlp"],
          "g2p2": ["g2p2"],
          "kana": ["pyopenjtalk"]}  # fmt: skip

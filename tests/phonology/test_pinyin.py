@@ -231,7 +231,7 @@ def test_foreign_words_go_by_their_letters_where_no_voice_says_them(heard, voice
 
 @full
 def test_foreign_words_are_said_as_the_voice_says_them():
-    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     text = "我爱Sylvie，用iPhone15和café！"
     (found,) = transcribe([text], PACK.name)
     words = {word.text: word for word in found.words}
@@ -245,7 +245,7 @@ def test_foreign_words_are_said_as_the_voice_says_them():
 
 @full
 def test_every_sound_of_english_words_is_mapped(data):
-    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     lines = (data / "text" / "harvard-sentences.txt").read_text("utf-8").splitlines()
     words = sorted({word.strip(".,'").casefold() for line in lines for word in line.split()})
     (found,) = transcribe(["我" + " ".join(words)], PACK.name)

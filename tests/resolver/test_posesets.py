@@ -32,7 +32,7 @@ every_pair = pytest.mark.parametrize(
 )
 """Every language on every pose set; each pose set once in the quick lane."""
 
-READERS = ("phonemizer", "pypinyin", "opencc", "pyopenjtalk", "thaiphon", "pythainlp")
+READERS = ("espeakng_loader", "pypinyin", "opencc", "pyopenjtalk", "thaiphon", "pythainlp")
 """Engines for the writing of a language that must be installed."""
 
 

@@ -196,7 +196,7 @@ def test_a_label_without_text_is_silence():
     [
         ("0.300000\t0.300000\tB", ":4: 'B', 0.3 to 0.3 s, has no length"),
         ("0.200000\t0.400000\tB", ":4: 'B', 0.2 to 0.4 s, starts before 'AY' ends"),
-        ("0.300000 0.400000 B", ":4: '0.300000 0.400000 B' is not a label; write START, END and TEXT"),
+        ("0.3 0.4 B", ":4: '0.3 0.4 B' is not a label; write START, END and TEXT"),
     ],
 )
 def test_what_is_wrong_with_a_label_is_told_with_its_line(line, told):

@@ -180,7 +180,7 @@ def test_a_language_without_a_voice_takes_its_own_lengths(ruled):
 
 @full
 def test_a_voice_can_be_left_out():
-    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     made = speak("Hello, world", "english", engine="none")
     assert made.estimated
     assert [w.text for w in made.words] == ["Hello", "world"]
@@ -230,7 +230,7 @@ def test_a_character_says_words_its_own_way(ruled):
 
 @full
 def test_words_that_an_engine_runs_together_are_told_apart_to_be_overridden(tmp_path):
-    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     (tmp_path / "languages").mkdir()
     (tmp_path / "languages" / "own.yaml").write_text(dedent("""\
         kind: language

@@ -1,4 +1,4 @@
-"""Child process that loads eSpeak NG, and speaks one text or many.
+"""Child process that loads eSpeak NG, and speaks one text or many, or reads them.
 
 Run by path, never imported by the package: it knows the standard library alone, so that the
 engine and its licence stay in a process of their own. A JSON request comes in as the first line of
@@ -6,9 +6,13 @@ stdin; the answer goes out on stdout as a frame: `FRAME_MAGIC`, the length of a 
 bytes, little-endian), the header, and the sound as int16 in the machine's byte order.
 
 Requests are ``{"library", "data", "task", "voice", "text", "rate"}``; the task is `speak`,
-`speak_many`, `voices` or `missing`. `rate` is in words per minute, 0 for the engine's own. `data`
-is relative to the working directory: eSpeak NG keeps its data path in a short buffer, and reads it
-in the system's encoding.
+`speak_many`, `transcribe`, `voices` or `missing`. `rate` is in words per minute, 0 for the engine's
+own. `data` is relative to the working directory: eSpeak NG keeps its data path in a short buffer,
+and reads it in the system's encoding.
+
+`transcribe` converts the list under ``"texts"`` to phonemes, without sound. It is answered by a
+frame ``{"rate"}`` or ``{"error"}``, and by one for each text: ``{"clauses"}`` as in
+``["h_ə_l_oʊ w_ɜː_l_d"]``, phonemes joined by ``_`` and words by spaces.
 
 `speak_many` is answered by a frame ``{"rate"}`` or ``{"error"}``. Each further line of stdin is
 then a text with its time limit, ``[text, seconds]``. A process forked from this one speaks it, so
@@ -22,7 +26,6 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterable
 from typing import Any, BinaryIO, NoReturn
 
 FRAME_MAGIC = b"lipsync1"
@@ -36,6 +39,7 @@ EVENT_NONE, EVENT_WORD, EVENT_PHONEME = 0, 1, 7
 BUFFER_MS = 500  # each buffer holds so many events; the default is tight
 NAME_BYTES = 8  # longer names are cut by the library
 SEPARATOR = "\x1f"
+LABEL_SEPARATOR = "_"
 SAID_BYTES = 4096  # of what the library prints about one text; the rest is dropped
 
 
@@ -89,19 +93,11 @@ def _languages(address: int) -> list[tuple[int, str]]:
 def list_voices(library: ctypes.CDLL) -> list[tuple[str, str, list[tuple[int, str]]]]:
     """Return each voice's identifier, title and (priority, language) pairs."""
     library.espeak_ListVoices.restype = ctypes.POINTER(ctypes.POINTER(VoiceRecord))
-    return read_voices(library.espeak_ListVoices(None))
-
-
-def read_voices(
-    listed: Iterable["ctypes._Pointer[VoiceRecord]"],
-) -> list[tuple[str, str, list[tuple[int, str]]]]:
-    """Return the same as `list_voices`, from the library's own list."""
-    rows, voices = [], []
-    for pointer in listed:
-        if not pointer:
+    voices = []
+    for pointer in library.espeak_ListVoices(None):
+        if not pointer:  # the end of the list
             break
-        rows.append(pointer.contents)
-    for row in rows:
+        row = pointer.contents
         languages = _languages(row.languages) if row.languages else []
         voices.append((_text(row.identifier), _text(row.name), languages))
     return voices
@@ -168,18 +164,18 @@ def collect(library: ctypes.CDLL, text: str) -> tuple[int, list[list[Any]], byte
     return status, events, sound
 
 
-def spell(library: ctypes.CDLL, text: str) -> list[str]:
-    """Return the phonemes of a text by their whole names, stress marks included."""
+def clauses(library: ctypes.CDLL, text: str, separator: str) -> list[str]:
+    """Return the phonemes of each clause by their whole names, stress marks included."""
     library.espeak_TextToPhonemes.restype = ctypes.c_char_p
     buffer = ctypes.create_string_buffer(text.encode("utf-8"))
     pointer = ctypes.c_void_p(ctypes.addressof(buffer))
-    names: list[str] = []
+    found: list[str] = []
     while pointer.value:
         clause = library.espeak_TextToPhonemes(
-            ctypes.byref(pointer), CHARS_UTF8, PHONEME_IPA | ord(SEPARATOR) << 8
+            ctypes.byref(pointer), CHARS_UTF8, PHONEME_IPA | ord(separator) << 8
         )
-        names += _text(clause).replace(SEPARATOR, " ").split()
-    return names
+        found += [_text(clause)] if clause else []
+    return found
 
 
 def answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes | bytearray]:
@@ -224,8 +220,18 @@ def speak(library: ctypes.CDLL, text: str, rate: int) -> tuple[dict[str, Any], b
     if status:
         return {"error": "synthesis", "status": status}, b""
     cut = any(kind == "phoneme" and len(name) == NAME_BYTES for kind, _, name in events)
-    spelled = spell(library, text) if cut else []
+    found = clauses(library, text, SEPARATOR) if cut else []
+    spelled = [name for clause in found for name in clause.replace(SEPARATOR, " ").split()]
     return {"rate": rate, "events": events, "spelled": spelled, "bytes": len(sound)}, sound
+
+
+def transcribe(request: dict[str, Any], out: BinaryIO) -> None:
+    """Answer a request for the phonemes of texts."""
+    library = ctypes.CDLL(request["library"])
+    ready = prepare(library, request)
+    send(out, ready)
+    for text in request["texts"] if "rate" in ready else ():
+        send(out, {"clauses": clauses(library, text, LABEL_SEPARATOR)})
 
 
 def speak_many(request: dict[str, Any], out: BinaryIO) -> None:
@@ -277,6 +283,8 @@ def main() -> None:
     request = json.loads(sys.stdin.buffer.readline())
     if request["task"] == "speak_many":
         speak_many(request, out)
+    elif request["task"] == "transcribe":
+        transcribe(request, out)
     else:
         send(out, *answer(request))
     os._exit(0)  # the library's own clean-up has nothing left to give

@@ -13,7 +13,6 @@ import sys
 import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +22,6 @@ from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 
 FRAME_MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")
-READER = Path(__file__).with_name("phonemizer_worker.py")
 
 GARBAGE = "eSpeak NG gave an unreadable answer; try again"
 """Message for an answer with an invalid frame."""
@@ -39,9 +37,12 @@ _ORDER = (
 )
 """Marks on one letter that the library reads only in the opposite of the Unicode order."""
 
-_QUOTE_MARKS = frozenset("«»‹›„“”‟")
-_IGNORED = {0x00AD, 0x200B, 0x200E, 0x200F, 0x2060, 0xFEFF}
-_IGNORED |= {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
+_BLANKED = frozenset("«»‹›„“”‟\u00ad\u200b\u200e\u200f\u2060\ufeff")
+_BLANKED |= {chr(code) for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A))}
+"""Quotation marks, and characters that are hidden or turn the direction of writing."""
+
+_UNREAD_CATEGORIES = frozenset({"Cc", "Cs", "Co", "Cn"})
+"""Control characters, lone surrogates, and characters without a meaning in Unicode."""
 
 
 @dataclass
@@ -60,7 +61,7 @@ class EspeakProcess:
     patience: float = 20.0
 
     def transcribe(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
-        """Convert texts to phonemes without sound, with phonemizer.
+        """Convert texts to phonemes without sound.
 
         Yields
         ------
@@ -70,28 +71,23 @@ class EspeakProcess:
         Raises
         ------
         SpeechError
-            No such voice, phonemizer or the library is missing, or it failed.
+            No such voice, the library is missing, or it failed.
         """
         for start in range(0, len(texts), WORKER_TEXTS):
-            yield from self._read([blank(t) for t in texts[start : start + WORKER_TEXTS]], voice)
-
-    def _read(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
-        library, data = _library()
-        if find_spec("phonemizer") is None:
-            raise SpeechError(
-                "reading text without speaking it needs phonemizer, which is not installed; "
-                f"get it with: {install_line('speech')}"
-            )
-        request = {"library": library, "data": data.name, "voice": voice, "texts": texts}
-        done = self._run([self.python, str(READER)], request, data.parent, texts)
-        answers = [json.loads(line) for line in done.stdout.splitlines()]
-        if answers and "error" in answers[0]:
-            raise SpeechError(refusal(answers[0], voice))
-        for clauses in answers[1:]:
-            yield [words_of(clause) for clause in clauses]
-        if len(answers) != len(texts) + 1:
-            at = max(len(answers) - 1, 0)
-            raise SpeechError(ending(done.returncode, done.stderr, texts[at], voice))
+            batch = [blank(text) for text in texts[start : start + WORKER_TEXTS]]
+            request, folder = self.request("transcribe", voice=voice)
+            done = self._run({**request, "texts": batch}, folder, batch)
+            stream = io.BytesIO(done.stdout)
+            headers = []
+            while stream.tell() < len(done.stdout):
+                headers.append(read_frame(stream.read)[0])
+            if headers and "error" in headers[0]:
+                raise SpeechError(refusal(headers[0], voice))
+            for header in headers[1:]:
+                yield [words_of(clause) for clause in header["clauses"]]
+            if len(headers) != len(batch) + 1:
+                at = max(len(headers) - 1, 0)
+                raise SpeechError(ending(done.returncode, done.stderr, batch[at], voice))
 
     def voices(self) -> dict[str, str]:
         """Return the voices of the library: language code and title."""
@@ -106,7 +102,7 @@ class EspeakProcess:
     def ask(self, task: str, text: str = "", voice: str = "", rate: int = 0) -> tuple[Any, bytes]:
         """Run the worker for one request and return its answer's header and sound."""
         request, folder = self.request(task, text, voice, rate)
-        done = self._run(self.command, request, folder, [text])
+        done = self._run(request, folder, [text])
         if done.returncode:
             raise SpeechError(ending(done.returncode, done.stderr, text, voice))
         answer = io.BytesIO(done.stdout)
@@ -135,12 +131,12 @@ class EspeakProcess:
         return self.patience + sum(map(len, texts)) / 100
 
     def _run(
-        self, command: list[str], request: object, folder: Path, texts: Sequence[str]
+        self, request: object, folder: Path, texts: Sequence[str]
     ) -> "subprocess.CompletedProcess[bytes]":
         """Run a worker for one request."""
         try:
             return subprocess.run(  # noqa: S603 our own script, no shell
-                command,
+                self.command,
                 input=json.dumps(request).encode("ascii"),
                 capture_output=True,
                 cwd=folder,
@@ -183,14 +179,10 @@ def blank(text: str) -> str:
     for marks, order in _ORDER:
         text = marks.sub(order, text)
     dotted = _DOTS.sub(lambda dots: "," + " " * (len(dots.group()) - 1), text)
-    return "".join(" " if c in _QUOTE_MARKS or _steers(c) else c for c in dotted)
-
-
-def _steers(character: str) -> bool:
-    """Return True for a control character, a lone surrogate, an unassigned or a hidden one."""
-    if unicodedata.category(character) in {"Cc", "Cs", "Co", "Cn"}:
-        return character != "\n"
-    return ord(character) in _IGNORED
+    return "".join(
+        " " if c in _BLANKED or (unicodedata.category(c) in _UNREAD_CATEGORIES and c != "\n") else c
+        for c in dotted
+    )
 
 
 def quoted(text: str) -> str:
