@@ -65,7 +65,19 @@ def read_inventory(path: Path, which: str | None = None) -> Inventory:
             f"{path}: holds {len(found)} inventories; name one by number, ISO 639-3 code or "
             "language: --inventory-id 2269"
         )
-    return _chosen(path, found, which)
+    if which in found:
+        return found[which]
+    key = which.casefold()
+    fits = {n: i for n, i in found.items() if key in (i.code.casefold(), i.language.casefold())}
+    if len(fits) == 1:
+        return next(iter(fits.values()))
+    if fits:
+        listed = ", ".join(
+            f"{n} ({len(i.segments)} segments)" for n, i in [*fits.items()][:SHOWN_INVENTORIES]
+        )
+        raise LipsyncError(f"{path}: several inventories match '{which}'; name one: {listed}")
+    names = {n for i in found.values() for n in (i.language, i.code) if n}
+    raise LipsyncError(f"{path}: has no inventory '{which}'; {did_you_mean(which, names)}")
 
 
 def _text(path: Path) -> str:
@@ -114,19 +126,3 @@ def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:
 
 def _of(row: Mapping[str, str], names: tuple[str, ...]) -> str:
     return next((row[name] or "" for name in names if name in row), "").strip()
-
-
-def _chosen(path: Path, found: Mapping[str, Inventory], which: str) -> Inventory:
-    if which in found:
-        return found[which]
-    key = which.casefold()
-    fits = {n: i for n, i in found.items() if key in (i.code.casefold(), i.language.casefold())}
-    if len(fits) == 1:
-        return next(iter(fits.values()))
-    if fits:
-        listed = ", ".join(
-            f"{n} ({len(i.segments)} segments)" for n, i in [*fits.items()][:SHOWN_INVENTORIES]
-        )
-        raise LipsyncError(f"{path}: several inventories match '{which}'; name one: {listed}")
-    names = {n for i in found.values() for n in (i.language, i.code) if n}
-    raise LipsyncError(f"{path}: has no inventory '{which}'; {did_you_mean(which, names)}")

@@ -115,16 +115,10 @@ def _as_letters(label: str, table: Mapping[str, Mapped]) -> str:
     one = next((part for part in shorter if table.get(part) == table[label]), "")
     if one:
         return f"as {one}"
-    return next(
-        (f"as {' and '.join(parts)}" for parts in _cuts(label, table) if len(parts) > 1), ""
-    )
-
-
-def _cuts(label: str, table: Mapping[str, Mapped]) -> Iterator[tuple[str, ...]]:
-    """Yield the divisions of a label into other labels that together have its mapping."""
     wanted = _sequence(table[label])
 
     def cut(rest: str, parts: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+        """Yield the divisions into other labels that together have the mapping."""
         if not rest:
             if _sequence([name for part in parts for name in table[part]]) == wanted:
                 yield parts
@@ -133,7 +127,7 @@ def _cuts(label: str, table: Mapping[str, Mapped]) -> Iterator[tuple[str, ...]]:
             if rest[:end] in table and rest[:end] != label and len(parts) < MAX_PIECES:
                 yield from cut(rest[end:], (*parts, rest[:end]))
 
-    yield from cut(label, ())
+    return next((f"as {' and '.join(parts)}" for parts in cut(label, ()) if len(parts) > 1), "")
 
 
 def _sequence(names: Iterable[str]) -> list[str]:

@@ -63,22 +63,17 @@ class LanguageCheck:
         }
 
     def __str__(self) -> str:
-        return "\n".join(self._lines())
-
-    def _lines(self) -> Iterator[str]:
-        yield from map(str, self.faults)
-        if self.sounds is None:
-            return
-        yield from self._mouth_table(self.sounds)
-        needed = [row for row in self.sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
-        if needed:
-            yield "look at:"
-            yield from (f"  {row['label']}: {row['says']}" for row in needed)
-        if not self.tests:
-            yield "no tests yet: add words with their phonemes under `tests`"
-            return
-        unread = f"; texts were not read: {self.refusal}" if self.refusal else ""
-        yield f"{self.tests - self.failed} of {self.tests} tests pass{unread}"
+        lines = [*map(str, self.faults)]
+        if self.sounds is not None:
+            lines += self._mouth_table(self.sounds)
+            needed = [row for row in self.sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
+            lines += ["look at:"] * bool(needed)
+            lines += [f"  {row['label']}: {row['says']}" for row in needed]
+            unread = f"; texts were not read: {self.refusal}" if self.refusal else ""
+            passed = f"{self.tests - self.failed} of {self.tests} tests pass{unread}"
+            untested = "no tests yet: add words with their phonemes under `tests`"
+            lines.append(passed if self.tests else untested)
+        return "\n".join(lines)
 
     def _mouth_table(self, sounds: Mapping[str, Any]) -> Iterator[str]:
         mouths = mouths_in(sounds)
@@ -92,7 +87,9 @@ class LanguageCheck:
             words = [*dict.fromkeys(word for row in own for word in row["words"][:1])]
             looks = " -> ".join(titles.get(name, "") for name in mouth)
             poses = " -> ".join(self.mouths.get(name, REST) for name in mouth)
-            told = [" ".join(mouth) or MUTE, _few(own), ", ".join(words[:MOST_WORDS]), looks]
+            more = f" + {len(own) - MOST_SOUNDS}" if len(own) > MOST_SOUNDS else ""
+            labels = " ".join(row["label"] for row in own[:MOST_SOUNDS]) + more
+            told = [" ".join(mouth) or MUTE, labels, ", ".join(words[:MOST_WORDS]), looks]
             rows.append([*told, poses])
         shown = rows if self.mouths else [row[:-1] for row in rows]
         yield from (f"  {line}" for line in columns(shown, widest=64))
@@ -111,12 +108,6 @@ def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str,
         if row["notation"] == shown and row["need"] != "unmapped":
             mouths.setdefault(tuple(row["to"]), []).append(row)
     return {mouth: sorted(own, key=lambda row: not row["words"]) for mouth, own in mouths.items()}
-
-
-def _few(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the labels of a mouth, the first of them if there are many."""
-    labels = " ".join(row["label"] for row in rows[:MOST_SOUNDS])
-    return f"{labels} + {len(rows) - MOST_SOUNDS}" if len(rows) > MOST_SOUNDS else labels
 
 
 def check_language(library: "Library", path: Path, character: str | None = None) -> LanguageCheck:

@@ -22,6 +22,8 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
     model = pack.model
     near = among(library, pack)
     decided = library.ipa().model.decided
+    common, trial = library.common().model, try_out(library, pack)
+    failed = {fault.line for fault in trial.faults(common.silence) if fault.severity == "fault"}
     reasons = {one: reason_for(model, near, one, decided) for one in model.notations.get(IPA, {})}
     return {
         "name": model.name,
@@ -59,7 +61,12 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
             }
             for row in disagreements(model, near, decided)
         ],
-        "tests": _tests(library, pack),
+        "tests": {
+            "count": len(model.tests),
+            "failed": len(failed),
+            "refusal": trial.refusal,
+            "untested": _untested(trial, common),
+        },
     }
 
 
@@ -77,18 +84,6 @@ def _reads(model: "models.Language") -> str:
         f"respelled as {g2p.respell}" if g2p.respell else "",
     ]
     return ", ".join(filter(None, parts))
-
-
-def _tests(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any]:
-    common = library.common().model
-    trial = try_out(library, pack)
-    failed = {fault.line for fault in trial.faults(common.silence) if fault.severity == "fault"}
-    return {
-        "count": len(pack.model.tests),
-        "failed": len(failed),
-        "refusal": trial.refusal,
-        "untested": _untested(trial, common),
-    }
 
 
 def _untested(trial: Trial, common: "models.Phonemes") -> dict[str, list[str]]:

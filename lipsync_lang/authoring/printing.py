@@ -48,7 +48,10 @@ def language_table(told: dict[str, Any]) -> str:
     lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}", *_facts(told)]
     for number, (name, rows) in enumerate(told["notations"].items()):
         lines.append(f"\n{name}: {len(rows)} labels")
-        lines += _rows(rows) if number == 0 else _grouped(rows)
+        table = [("phoneme", "common", "example", "why")]
+        table += [(r["label"], r["common"] or "(mute)", r["example"], r["reason"]) for r in rows]
+        listed = columns(table, widest=60) if number == 0 else _grouped(rows)
+        lines += [f"  {line}" for line in listed]
     inventory = told["inventory"]
     if inventory:
         lines.append(f"\ninventory: {len(inventory['segments'])} phonemes, {inventory['source']}")
@@ -62,7 +65,14 @@ def language_table(told: dict[str, Any]) -> str:
             for d in told["disagreements"]
         ]
         lines += [f"  {line}" for line in columns(table, widest=60)]
-    return "\n".join([*lines, *_tests(told)])
+    tests = told["tests"]
+    failed = f", {tests['failed']} of them fail" if tests["failed"] else ""
+    lines.append(f"\n{tests['count']} tests{failed}")
+    if tests["refusal"]:
+        lines.append(f"  not run: {tests['refusal']}")
+    untested = tests["untested"].items()
+    lines += [f"  untested {what}: {' '.join(which)}" for what, which in untested if which]
+    return "\n".join(lines)
 
 
 def _facts(told: dict[str, Any]) -> Iterator[str]:
@@ -77,26 +87,9 @@ def _facts(told: dict[str, Any]) -> Iterator[str]:
         yield f"note: {caveat}"
 
 
-def _rows(rows: Sequence[dict[str, str]]) -> Iterator[str]:
-    table = [("phoneme", "common", "example", "why")]
-    table += [(r["label"], r["common"] or "(mute)", r["example"], r["reason"]) for r in rows]
-    yield from (f"  {line}" for line in columns(table, widest=60))
-
-
 def _grouped(rows: Sequence[dict[str, str]]) -> Iterator[str]:
     groups: dict[str, list[str]] = {}
     for row in rows:
         groups.setdefault(row["common"], []).append(row["label"])
     for common, labels in sorted(groups.items(), key=lambda group: " " in group[0]):
-        yield f"  {common or '(mute)':<10}{'  '.join(labels)}"
-
-
-def _tests(told: dict[str, Any]) -> Iterator[str]:
-    tests = told["tests"]
-    failed = f", {tests['failed']} of them fail" if tests["failed"] else ""
-    yield f"\n{tests['count']} tests{failed}"
-    if tests["refusal"]:
-        yield f"  not run: {tests['refusal']}"
-    for what, which in tests["untested"].items():
-        if which:
-            yield f"  untested {what}: {' '.join(which)}"
+        yield f"{common or '(mute)':<10}{'  '.join(labels)}"

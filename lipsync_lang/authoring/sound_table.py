@@ -70,9 +70,14 @@ class SoundTable:
     spoken: tuple[tuple[str, str], ...] = ()
 
     def told(self) -> dict[str, Any]:
-        """Return the table as JSON data: rows, common phonemes, tests and caveats."""
+        """Return JSON data: rows, common phonemes each followed by its shades, tests, caveats."""
         trial = self.trial()
         model, sources = self.pack.model, self.pack.sources
+        known, common = self.library.common().model, []
+        for name in candidates(model, known):
+            stated: Any = model.adds.get(name) or known.phonemes[name]
+            common.append(_described(name, stated, ""))
+            common += [_described(s, x, name) for s, x in known.shades.items() if x.like == name]
         return {
             "name": model.name,
             "title": next(filter(None, (one.data.get("title") for one in sources)), model.name),
@@ -82,7 +87,7 @@ class SoundTable:
             "speaks": model.tts is not None,
             "notations": list(model.notations),
             "read": written(model),
-            "common": self._common(),
+            "common": common,
             "rows": self.rows(trial),
             "tests": self._tests(trial),
             "own_tests": len(self.pack.source.data.get("tests") or ()),
@@ -92,15 +97,13 @@ class SoundTable:
 
     def trial(self) -> Trial:
         """Run the tests of the pack, and those of the packs that it extends."""
-        tests = [*self._lineage_tests()]
-        whole = replace(self.pack, model=self.pack.model.model_copy(update={"tests": tests}))
-        return try_out(self.library, whole, self._read(self._manner()))
-
-    def _lineage_tests(self) -> "Iterator[models.Test]":
+        tests: list[models.Test] = []
         for source in self.pack.sources:
             if source.path.is_file() or source.path in self.library.unsaved:
                 found: Any = self.library.load(source.path, "language", source.path.stem)
-                yield from found.model.tests
+                tests += found.model.tests
+        whole = replace(self.pack, model=self.pack.model.model_copy(update={"tests": tests}))
+        return try_out(self.library, whole, self._read(self._manner()))
 
     def transcribed(self, text: str) -> dict[str, Any]:
         """Transcribe a text: words with their labels, and the common phonemes of each.
@@ -130,15 +133,17 @@ class SoundTable:
 
     def rows(self, trial: Trial) -> list[dict[str, Any]]:
         """Return a row for each label of each notation, the most urgent first."""
+        model, near = self.pack.model, self._near()
         words = self._words(trial)
-        near = self._near()
+        first = next(iter(model.notations), "")
         rows = [*self._unmapped(trial)]
-        for notation, table in self.pack.model.notations.items():
+        for notation, table in model.notations.items():
             judged = self._judged(near) if notation == IPA and near is not None else {}
-            known = words if notation in (IPA, written(self.pack.model)) else {}
+            known = words if notation in (IPA, written(model)) else {}
             for label, sounds in table.items():
                 row = self._row(notation, label, list(sounds.to), list(sounds.shares or ()))
-                own = self._examples(notation, label)
+                example = model.examples.get(label, "") if notation == first else ""
+                own = [example] if example else []
                 row["words"] = [*dict.fromkeys((*own, *known.get(normalise(label), ())))]
                 rows.append(row | judged.get(label, {}))
         rows += self._automatic(trial, near)
@@ -167,12 +172,6 @@ class SoundTable:
             "distance": 0.0,
             "words": [],
         }
-
-    def _examples(self, notation: str, label: str) -> list[str]:
-        model = self.pack.model
-        first = next(iter(model.notations), "")
-        example = model.examples.get(label, "") if notation == first else ""
-        return [example] if example else []
 
     def _near(self) -> NearestPhonemes | None:
         """Return the search by features; None if the pack of the IPA is unsound."""
@@ -236,12 +235,8 @@ class SoundTable:
                     found.setdefault((IPA, segment), [])
         for (where, label), words in found.items():
             says = f"'{words[0]}' has this label" if words else "the inventory has it"
-            row = self._row(where, label, [], [])
-            yield row | {
-                "need": "unmapped",
-                "says": f"not mapped: {says}",
-                "words": words,
-            }
+            own = {"need": "unmapped", "says": f"not mapped: {says}", "words": words}
+            yield self._row(where, label, [], []) | own
 
     def _automatic(self, trial: Trial, near: NearestPhonemes | None) -> Iterator[dict[str, Any]]:
         """Yield rows for labels that an automatic language maps by features alone."""
@@ -286,19 +281,6 @@ class SoundTable:
             known = next((one for one in looser(label) if one in names), label)
             found.setdefault(known, []).extend(words)
         return {label: [*dict.fromkeys(words)] for label, words in found.items()}
-
-    # What rows refer to
-
-    def _common(self) -> list[dict[str, Any]]:
-        """Return the common phonemes of the language, followed by their shades."""
-        common, model = self.library.common().model, self.pack.model
-        names = candidates(model, common)
-        told = []
-        for name in names:
-            stated: Any = model.adds.get(name) or common.phonemes[name]
-            told.append(_described(name, stated, ""))
-            told += [_described(s, x, name) for s, x in common.shades.items() if x.like == name]
-        return told
 
     def _tests(self, trial: Trial) -> list[dict[str, Any]]:
         """Return each test with its result."""

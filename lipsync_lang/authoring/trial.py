@@ -4,6 +4,7 @@ A test is a text with its expected common phonemes; a mismatch is a fault with a
 """
 
 from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -121,21 +122,15 @@ def doubts(library: Library, pack: "Pack[models.Language]") -> Iterator[Fault]:
 
 def languages_in(library: Library, paths: Sequence[Path] = ()) -> "Iterator[Pack[models.Language]]":
     """Yield the valid language packs of paths; by default all except the built-in ones."""
-    for path in _files(library, paths):
-        try:
-            yield extended(library, path)
-        except PackError:
-            continue
-
-
-def _files(library: Library, paths: Sequence[Path]) -> Iterator[Path]:
-    if not paths:
-        mine = (found for found in library.names("language") if found.root.path != built_in())
-        yield from (found.path for found in mine)
+    named = library.names("language") if not paths else ()
+    files = [found.path for found in named if found.root.path != built_in()]
     for path in paths:
         absolute = path.absolute()
         inner = absolute / FOLDERS["language"]
         folder = inner if inner.is_dir() else absolute
         found = sorted(folder.glob("*.yaml")) if absolute.is_dir() else [absolute]
         in_place = (f for f in found if f.parent.name == FOLDERS["language"])
-        yield from (file for file in in_place if file.stem not in SHARED)
+        files += [file for file in in_place if file.stem not in SHARED]
+    for file in files:
+        with suppress(PackError):
+            yield extended(library, file)
