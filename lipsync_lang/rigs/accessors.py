@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import prod
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -46,15 +46,6 @@ LARGEST_STRIDE = 252
 
 MAX_ACCESSOR_VALUES = 2**26
 """Maximum values read from one model; a head of 100,000 points with 52 shapes has 16 million."""
-
-
-class ViewBytes(NamedTuple):
-    """Position of a buffer view: its bytes are `data[start : start + length]`."""
-
-    data: bytes | memoryview
-    start: int
-    length: int
-    stride: object
 
 
 class Accessors:
@@ -98,11 +89,22 @@ class Accessors:
         row, what = self._row(number), f"accessor {_shown(number)}"
         if "bufferView" in row:
             self._span(what, row["bufferView"])  # what is decoded counts as stored
-        shape, dtype = self._form(what, row)
+        kind, width = row.get("componentType"), ACCESSOR_WIDTHS.get(str(row.get("type")))
+        if not is_index(kind, max(COMPONENT_TYPES) + 1) or kind not in COMPONENT_TYPES or not width:
+            self._fail(what, "has numbers of an unknown type")
+        # A stored value takes a byte or more; sparse-only accessors hold offsets of stored points.
+        count = row.get("count")
+        if not is_index(count, self._stored + 1) or count == 0:
+            self._fail(what, f"states {_shown(count)} values in {self._stored} bytes of data")
+        shape, dtype = (int(count), width), np.dtype(COMPONENT_TYPES[kind])
+        self.spend(prod(shape))
         if "bufferView" in row:
             values = self._values(what, row, shape, dtype)
         elif number in self._unpacked:
-            values = self._draco_values(what, self._unpacked[number], shape, dtype)
+            decoded = self._unpacked[number]
+            if decoded.shape != shape:
+                self._fail(what, f"states {shape[0]} values, and has {len(decoded)}")
+            values = decoded.astype(dtype)
         else:
             values = np.zeros(shape, dtype)
         if "sparse" in row:
@@ -113,8 +115,7 @@ class Accessors:
 
     def view(self, number: object) -> bytes:
         """Read the bytes of a buffer view."""
-        data, start, length, _ = self._span(f"buffer view {_shown(number)}", number)
-        return bytes(data[start : start + length])
+        return bytes(self._span(f"buffer view {_shown(number)}", number)[0])
 
     def unpack(self, primitive: Json) -> None:
         """Decode the Draco data of a primitive, so that its accessors can be read.
@@ -130,17 +131,22 @@ class Accessors:
         places = {"indices": primitive.get("indices"), **primitive["attributes"]}
         if packed is None or "bufferView" in self._row(places["POSITION"]):
             return
-        corners, points = (self._count(places[name]) for name in ("indices", "POSITION"))
-        self.spend(corners + points)
+        counts = []
+        for number in (places["indices"], places["POSITION"]):
+            count = self._row(number).get("count")
+            if not is_index(count, MAX_ACCESSOR_VALUES + 1):
+                self._fail(f"accessor {number}", f"states {_shown(count)} values")
+            counts.append(count)
+        self.spend(sum(counts))
         data = self.view(packed.get("bufferView"))
         what = f"buffer view {packed['bufferView']}"
         with self._decoding(what, DRACO):
-            mesh = draco_mesh(data, corners, points)
-        found = {"indices": mesh.corners[:, None]}
+            corners, attributes = draco_mesh(data, *counts)
+        found = {"indices": corners[:, None]}
         for name, own in packed["attributes"].items():
-            if own not in mesh.attributes:
+            if own not in attributes:
                 self._fail(what, f"has no {str(name)[:20]}")
-            found[name] = mesh.attributes[own]
+            found[name] = attributes[own]
         self._unpacked |= {places[name]: values for name, values in found.items()}
         self._stored += sum(values.nbytes for values in found.values())
 
@@ -149,12 +155,6 @@ class Accessors:
             fail(self.path, f"refers to accessor {_shown(number)}, but has only {len(self._rows)}")
         row: Json = self._rows[number]
         return row
-
-    def _count(self, number: object) -> int:
-        count = self._row(number).get("count")
-        if not is_index(count, MAX_ACCESSOR_VALUES + 1):
-            self._fail(f"accessor {number}", f"states {_shown(count)} values")
-        return count
 
     @contextmanager
     def _decoding(self, what: str, extension: str) -> Iterator[None]:
@@ -173,75 +173,47 @@ class Accessors:
             mend = "export it with fewer vertices, shapes or frames"
             fail(self.path, f"holds more than {MAX_ACCESSOR_VALUES:,} numbers", mend)
 
-    def _form(self, what: str, row: Json) -> tuple[tuple[int, int], np.dtype[Any]]:
-        """Validate the shape and type of an accessor, and add its size to the total."""
-        kind, width = row.get("componentType"), ACCESSOR_WIDTHS.get(str(row.get("type")))
-        if not is_index(kind, max(COMPONENT_TYPES) + 1) or kind not in COMPONENT_TYPES or not width:
-            self._fail(what, "has numbers of an unknown type")
-        # A stored value takes a byte or more; sparse-only accessors hold offsets of stored points.
-        count = row.get("count")
-        if not is_index(count, self._stored + 1) or count == 0:
-            self._fail(what, f"states {_shown(count)} values in {self._stored} bytes of data")
-        shape = (int(count), width)
-        self.spend(prod(shape))
-        return shape, np.dtype(COMPONENT_TYPES[kind])
-
     def _values(self, what: str, row: Json, shape: tuple[int, int], dtype: np.dtype[Any]) -> Array:
         """View values in place, without a copy."""
-        data, start, length, stride = self._span(what, row.get("bufferView"))
+        data, stride = self._span(what, row.get("bufferView"))
         offset, size = row.get("byteOffset", 0), shape[1] * dtype.itemsize
         step = size if stride is None else stride
         if not is_index(step, LARGEST_STRIDE + 1) or step < size:
             self._fail(what, f"has values {_shown(step)} bytes apart, but each takes {size} bytes")
         reach = (shape[0] - 1) * step + size
-        if not is_index(offset, length) or offset + reach > length:
+        if not is_index(offset, len(data)) or offset + reach > len(data):
             self._fail(what, "lies past the end of its data")
-        return np.ndarray(shape, dtype, data, start + offset, (step, dtype.itemsize))
+        return np.ndarray(shape, dtype, data, offset, (step, dtype.itemsize))
 
-    def _draco_values(
-        self, what: str, values: Array, shape: tuple[int, int], dtype: np.dtype[Any]
-    ) -> Array:
-        """Convert decoded values to the type of their accessor."""
-        if values.shape != shape:
-            self._fail(what, f"states {shape[0]} values, and has {len(values)}")
-        return values.astype(dtype)
-
-    def _span(self, what: str, number: object) -> ViewBytes:
-        """Locate a view, and decode it if it is compressed."""
+    def _span(self, what: str, number: object) -> tuple[memoryview, object]:
+        """Return the bytes of a view, decoded if compressed, and its stride."""
         if not is_index(number, len(self._views)):
             self._fail(what, "has no buffer view")
         view = self._views[number]
         packed = next((name for name in MESHOPT if name in _extensions(view)), None)
         if packed is None:
-            start, length = self._place(what, view)
-            return ViewBytes(self._binary, start, length, view.get("byteStride"))
+            return self._place(what, view), view.get("byteStride")
         if number not in self._decoded:
-            where = f"buffer view {number}"
-            self._decoded[number] = self._decode(where, packed, view["extensions"][packed])
-        data = self._decoded[number]
-        return ViewBytes(data, 0, len(data), view.get("byteStride"))
+            row, where = view["extensions"][packed], f"buffer view {number}"
+            if not isinstance(row, dict):
+                self._fail(where, f"has an {packed} that is not an object")
+            data = self._place(where, row)
+            with self._decoding(where, packed):
+                size = meshopt_size(row, len(data))
+                self.spend(size // 4)
+                self._decoded[number] = meshopt_rows(bytes(data), row)
+            self._stored += size
+        return self._decoded[number], view.get("byteStride")
 
-    def _decode(self, what: str, extension: str, row: object) -> memoryview:
-        """Decode a view of meshoptimizer."""
-        if not isinstance(row, dict):
-            self._fail(what, f"has an {extension} that is not an object")
-        start, length = self._place(what, row)
-        with self._decoding(what, extension):
-            size = meshopt_size(row, length)
-            self.spend(size // 4)
-            data = meshopt_rows(self._binary[start : start + length], row)
-        self._stored += size
-        return data
-
-    def _place(self, what: str, view: Json) -> tuple[int, int]:
-        """Return the checked offset and length in bytes of a view."""
+    def _place(self, what: str, view: Json) -> memoryview:
+        """Return the stored bytes of a view, after a check of its place."""
         if view.get("buffer", 0) != 0:
             fail(self.path, "has its data in several buffers", "export the model as GLB")
         start, length = view.get("byteOffset", 0), view.get("byteLength")
         total = len(self._binary)
         if not is_index(start, total + 1) or not is_index(length, total - start + 1):
             self._fail(what, "lies past the end of its data")
-        return start, int(length)
+        return memoryview(self._binary)[start : start + length]
 
     def _changed(self, what: str, sparse: object, values: Array) -> Array:
         """Copy values and apply sparse replacements."""

@@ -7,7 +7,8 @@ the stated counts are compared with the compressed bytes before anything is deco
 
 from collections.abc import Iterator
 from importlib import import_module
-from typing import Any, NamedTuple
+from itertools import islice
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from lipsync_lang.extras import install_line
 from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.container import LARGEST
+from lipsync_lang.rigs.model import is_index
 
 DRACO = "KHR_draco_mesh_compression"
 
@@ -43,19 +45,6 @@ class MissingDecoderError(Exception):
     """The library for a compression is not installed."""
 
 
-class DracoMesh(NamedTuple):
-    """A decoded mesh of N points.
-
-    Parameters
-    ----------
-    corners : (F * 3,) point numbers
-    attributes : number of an attribute in the data -> (N, n) values
-    """
-
-    corners: npt.NDArray[np.uint32]
-    attributes: dict[int, npt.NDArray[Any]]
-
-
 def meshopt_size(row: Json, compressed: int) -> int:
     """Return the decoded size in bytes of a buffer view.
 
@@ -69,7 +58,10 @@ def meshopt_size(row: Json, compressed: int) -> int:
     ValueError
         The counts are absent, or larger than the data can hold.
     """
-    count, stride = (_whole(row.get(name)) for name in ("count", "byteStride"))
+    count, stride = row.get("count"), row.get("byteStride")
+    for value in (count, stride):
+        if not is_index(value, LARGEST + 1):
+            raise ValueError(f"states {str(value)[:20]} for a count")
     if not 0 < count * stride <= BYTES_PER_BYTE * compressed:
         raise ValueError(f"states {count} rows of {stride} bytes in {compressed} bytes")
     return count * stride
@@ -93,12 +85,18 @@ def meshopt_rows(data: bytes, row: Json) -> memoryview:
     return np.ascontiguousarray(found).view(np.uint8).reshape(-1).data
 
 
-def draco_mesh(data: bytes, corners: int, points: int) -> DracoMesh:
-    """Decode a Draco mesh.
+def draco_mesh(
+    data: bytes, corners: int, points: int
+) -> tuple[npt.NDArray[np.uint32], dict[int, npt.NDArray[Any]]]:
+    """Decode a Draco mesh of N points.
 
     Parameters
     ----------
     corners, points : the counts that the document states; the data may not hold more
+
+    Returns
+    -------
+    (F * 3,) point numbers; number of an attribute in the data -> (N, n) values
 
     Raises
     ------
@@ -108,7 +106,13 @@ def draco_mesh(data: bytes, corners: int, points: int) -> DracoMesh:
         The data are damaged, or have other counts than stated.
     """
     library = _library("DracoPy")
-    faces, own = _draco_counts(data)
+    signature, size = DRACO_START
+    if len(data) < size or not data.startswith(signature) or data[10] & 0x80:
+        raise ValueError("is not a Draco mesh of bitstream 2.2 without metadata")
+    if data[8] == EDGEBREAKER:
+        own, faces = islice(_varints(data, size + 1), 2)
+    else:
+        faces, own = islice(_varints(data, size), 2)
     if 3 * faces > corners or own > points:
         raise ValueError(
             f"has {3 * faces} corners of {own} points, but states {corners} of {points}"
@@ -120,21 +124,7 @@ def draco_mesh(data: bytes, corners: int, points: int) -> DracoMesh:
     except (MemoryError, RuntimeError, ValueError, library.FileTypeException):
         raise ValueError("has Draco data that cannot be decoded") from None
     found = {one["unique_id"]: np.asarray(one["data"]) for one in mesh.attributes}
-    return DracoMesh(np.asarray(mesh.faces, np.uint32).reshape(-1), found)
-
-
-def _draco_counts(data: bytes) -> tuple[int, int]:
-    """Read the numbers of faces and points from the start of a mesh."""
-    signature, size = DRACO_START
-    if len(data) < size or not data.startswith(signature) or data[10] & 0x80:
-        raise ValueError("is not a Draco mesh of bitstream 2.2 without metadata")
-    if data[8] == EDGEBREAKER:
-        numbers = _varints(data, size + 1)
-        points, faces = next(numbers), next(numbers)
-    else:
-        numbers = _varints(data, size)
-        faces, points = next(numbers), next(numbers)
-    return faces, points
+    return np.asarray(mesh.faces, np.uint32).reshape(-1), found
 
 
 def _library(name: str) -> Any:
@@ -142,12 +132,6 @@ def _library(name: str) -> Any:
         return import_module(name)
     except ImportError:
         raise MissingDecoderError(name) from None
-
-
-def _whole(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= LARGEST:
-        raise ValueError(f"states {str(value)[:20]} for a count")
-    return value
 
 
 def _varints(data: bytes, start: int) -> Iterator[int]:

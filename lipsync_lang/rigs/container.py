@@ -92,7 +92,15 @@ def _container(path: Path, stream: BinaryIO, size: int) -> tuple[bytes, tuple[Ch
             fail(path, f"is not GLB; it seems to be {_seems(head)}", EXPORT)
         stream.seek(0)
         return stream.read(size), ()
-    _check_header(path, head, size)
+    if len(head) < 20:  # noqa: PLR2004 a header, and that of a chunk
+        fail(path, f"ends after {size} bytes", "copy or download it again")
+    _, version, length = struct.unpack_from("<4sII", head)
+    if version != 2:  # noqa: PLR2004
+        fail(path, f"is GLB version {version}", f"{EXPORT}, version 2")
+    if length > size:
+        fail(path, f"ends after {size} of {length} bytes", "copy or download it again")
+    if length < size:
+        fail(path, f"has {size} bytes, but its header states {length}")
     first, *rest = islice(_chunks(path, stream, size), MOST_CHUNKS + 1)
     if len(rest) == MOST_CHUNKS:
         fail(path, f"has more than {MOST_CHUNKS} parts")
@@ -112,18 +120,6 @@ def _seems(head: bytes) -> str:
     if lines[0].startswith(OBJ_LINES) and lines[-2:][0].startswith(OBJ_LINES):
         return "an OBJ file, which has no morph targets"
     return "something else"
-
-
-def _check_header(path: Path, head: bytes, size: int) -> None:
-    if len(head) < 20:  # noqa: PLR2004 a header, and that of a chunk
-        fail(path, f"ends after {size} bytes", "copy or download it again")
-    _, version, length = struct.unpack_from("<4sII", head)
-    if version != 2:  # noqa: PLR2004
-        fail(path, f"is GLB version {version}", f"{EXPORT}, version 2")
-    if length > size:
-        fail(path, f"ends after {size} of {length} bytes", "copy or download it again")
-    if length < size:
-        fail(path, f"has {size} bytes, but its header states {length}")
 
 
 def _chunks(path: Path, stream: BinaryIO, size: int) -> Iterator[Chunk]:
@@ -152,30 +148,23 @@ def binary_of(path: Path, document: Json, chunks: Sequence[Chunk]) -> bytes:
     """
     first, *others = document.get("buffers") or [{}]
     for row in (first, *others, *document.get("images", ())):
-        _check_within(path, row.get("uri"))
-    uri = first.get("uri")
-    data = _first(path, chunks) if uri is None else _decoded(path, uri)
+        uri = row.get("uri")
+        within = uri is None or (isinstance(uri, str) and uri.lower().startswith(("data:", "http")))
+        if not within:
+            fail(
+                path, f"keeps a part in another file ('{str(uri)[:60]}')", f"{EXPORT}, in one file"
+            )
+    if first.get("uri") is None:
+        data = read_chunk(path, chunks[0]) if has_binary(chunks) else b""
+    else:
+        try:
+            data = b64decode(first["uri"].partition(",")[2], validate=True)
+        except (NotBase64, ValueError):
+            fail(path, "its binary data is not Base64")
     length = first.get("byteLength", 0)
     if isinstance(length, bool) or not isinstance(length, int) or not 0 <= length <= len(data):
         fail(path, f"has {len(data)} bytes of binary data, fewer than it states")
     return data
-
-
-def _check_within(path: Path, uri: object) -> None:
-    within = uri is None or (isinstance(uri, str) and uri.lower().startswith(("data:", "http")))
-    if not within:
-        fail(path, f"keeps a part in another file ('{str(uri)[:60]}')", f"{EXPORT}, in one file")
-
-
-def _decoded(path: Path, uri: str) -> bytes:
-    try:
-        return b64decode(uri.partition(",")[2], validate=True)
-    except (NotBase64, ValueError):
-        fail(path, "its binary data is not Base64")
-
-
-def _first(path: Path, chunks: Sequence[Chunk]) -> bytes:
-    return read_chunk(path, chunks[0]) if has_binary(chunks) else b""
 
 
 def has_binary(chunks: Sequence[Chunk]) -> bool:

@@ -44,20 +44,15 @@ class Driver:
             channels.append(
                 Channel(one["name"], tuple(one["names"]), one["mesh"], one["node"], *ways)
             )
-        return cls(
-            tuple(channels),
-            Rig(gains, ranges[:, 0], ranges[:, 1], _order(stated), sides(gains, floors)),
-        )
+        number = {one["name"]: index for index, one in enumerate(stated)}
+        limits = {number[one["name"]]: number[one["at_most"]] for one in stated if one["at_most"]}
+        # Each value is final before its use as a limit.
+        order = TopologicalSorter({own: {other} for own, other in limits.items()}).static_order()
+        pairs = tuple((own, limits[own]) for own in order if own in limits)
+        rig = Rig(gains, ranges[:, 0], ranges[:, 1], pairs, sides(gains, floors))
+        return cls(tuple(channels), rig)
 
 
 def bare(poses: Sequence[str], names: Mapping[str, Sequence[str]]) -> tuple[Channel, ...]:
     """Build channels for a face without a rig: its poses, under the names in models."""
     return tuple(Channel(pose, tuple(names.get(pose, ()))) for pose in poses)
-
-
-def _order(stated: Sequence[Mapping[str, Any]]) -> tuple[tuple[int, int], ...]:
-    """Sort the limits between channels, by number, so that each value is final before its use."""
-    number = {one["name"]: index for index, one in enumerate(stated)}
-    limits = {number[one["name"]]: number[one["at_most"]] for one in stated if one["at_most"]}
-    order = TopologicalSorter({own: {other} for own, other in limits.items()}).static_order()
-    return tuple((own, limits[own]) for own in order if own in limits)

@@ -6,13 +6,12 @@ from rest have no visible effect. Limits between channels are ignored. Of two po
 alike, the one with the larger effect counts as shown and the other as lost.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
 from lipsync_lang.packs.models.rig_channels import plain_channels
 from lipsync_lang.rigs.driver import Driver
 
@@ -57,32 +56,30 @@ class Loss:
 
 
 def losses(library: "Library", rig: "Pack[models.RigPack]") -> tuple[Loss, ...]:
-    """List the losses of a rig, in the order of its pose set."""
+    """List the losses of a rig, in the order of its pose set.
+
+    The effects of poses on channels, (C, P), are compared with one another.
+    """
     poses = tuple(library.poseset(rig.model.poseset).model.poses)
     data = {"channels": plain_channels(rig.model, None)}
     driver = Driver.from_plain(data, poses, np.zeros(len(poses)))
     made = driver.rig
     low, high, span = made.low[:, None], made.high[:, None], made.span[:, None]
     moves = np.clip(made.gains, low, high) - np.clip(0.0, low, high)
-    return tuple(_losses(poses, moves / np.where(span > 0, span, 1), rig.model.lost))
-
-
-def _losses(poses: Sequence[str], moves: Floats, lost: Mapping[str, str]) -> list[Loss]:
-    """Compare the effects of poses, (C, P), with one another."""
+    moves /= np.where(span > 0, span, 1)
     shown = np.minimum(np.abs(moves).max(axis=0), 1)
     lengths = np.linalg.norm(moves, axis=0)
     unit = moves / np.where(lengths > 0, lengths, 1)
-    rank = np.argsort(
-        np.argsort(-shown, kind="stable")
-    )  # of two alike poses, the first or stronger one is kept
+    # Of two alike poses, the first or stronger one is kept.
+    rank = np.argsort(np.argsort(-shown, kind="stable"))
     alike = np.where(rank[:, None] > rank, unit.T @ unit, 0)
-    found = []
+    lost, found = rig.model.lost, []
     for pose, share, others in zip(poses, shown.tolist(), alike, strict=True):
         nearest = int(others.argmax())
         like = poses[nearest] if others[nearest] > ALIKE else None
         if share < WEAK_SHARE or like or pose in lost:
             found.append(Loss(pose, share, like, lost.get(pose, "")))
-    return found
+    return tuple(found)
 
 
 def loss_table(found: Sequence[Loss]) -> str:

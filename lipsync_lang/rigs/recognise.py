@@ -152,15 +152,22 @@ def reduced(rig: "models.RigPack", found: ChannelPlaces) -> "models.RigPack":
 
 
 def _matches(library: "Library", poseset: "models.PoseSet", model: "Model") -> Iterator[Match]:
-    """Yield non-empty matches: the pose set alone, and each of its rigs."""
+    """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
     poses = tuple(poseset.poses)
     found = find(bare(poses, pose_names(poseset)), model)
     if found.places:
         lost = tuple(Loss(pose, 0, None, "") for pose in poses if pose not in found.places)
         missing = tuple(loss.pose for loss in lost)
         yield Match(poseset.name, None, poses, found, missing, _left(model, found), lost)
-    for rig in _sound(library, poseset):
-        to = library.poseset(rig.model.to).model if rig.model.to is not None else None
+    known = {found.name for found in library.names("poseset")}
+    for path in library.rigs_of(poseset.name):
+        try:
+            rig = cast("Pack[models.RigPack]", library.load(path, "rig", path.stem))
+            to = library.poseset(rig.model.to).model if rig.model.to in known else None
+        except PackError:
+            continue
+        if any(fault.severity == "fault" for fault in check_rig(rig, poseset, known, to)):
+            continue
         plain = {"channels": plain_channels(rig.model, to)}
         channels = Driver.from_plain(plain, poses, np.zeros(len(poses))).channels
         found = find(channels, model)
@@ -169,19 +176,6 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: "Model") -> I
             missing = tuple(one.name for one in channels if one.name not in found.places)
             left, lost = _left(model, found), losses(library, kept)
             yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost)
-
-
-def _sound(library: "Library", poseset: "models.PoseSet") -> "Iterator[Pack[models.RigPack]]":
-    """Yield the valid rigs of a pose set."""
-    known = {found.name for found in library.names("poseset")}
-    for path in library.rigs_of(poseset.name):
-        try:
-            rig = cast("Pack[models.RigPack]", library.load(path, "rig", path.stem))
-            to = library.poseset(rig.model.to).model if rig.model.to in known else None
-        except PackError:
-            continue
-        if all(fault.severity != "fault" for fault in check_rig(rig, poseset, known, to)):
-            yield rig
 
 
 def _left(model: "Model", found: ChannelPlaces) -> tuple[str, ...]:

@@ -44,6 +44,9 @@ NAME, STATED, FOLDED_NAME, FOLDED, BARE_NAME, BARE, PATTERN, BOTH_SIDES, ONE_SID
 MANY = {STATED, FOLDED, BARE, PATTERN, BOTH_SIDES}
 """Comparisons that can assign several shapes to a channel."""
 
+MAX_PREFIX_WORDS = 32
+"""Maximum number of words of a common prefix, because the time is quadratic in it."""
+
 Grade = tuple[int, int]
 """A comparison and the number of ignored letters; smaller is better."""
 
@@ -232,7 +235,13 @@ def _places_of_sides(words: Sequence["re.Match[str]"]) -> Iterator[int]:
 
 def _variants(shapes: Sequence[str]) -> Iterator[tuple[str, int, str]]:
     """Yield each shape with the number of dropped letters and the remaining name."""
-    shared = _shared(shapes)
+    rests: dict[str, list[str]] = defaultdict(list)
+    for name in shapes:
+        for word in islice(_NAME_WORD.finditer(name), 1, MAX_PREFIX_WORDS + 1):
+            rests[name[: word.start()]].append(name[word.start() :])
+    # A prefix common to most names is dropped, up to a word boundary.
+    most = {start: own for start, own in rests.items() if 2 * len(own) > len(shapes) > 1}
+    shared = [start for start, own in most.items() if any(map(_says, own))]
     for shape in shapes:
         yield shape, 0, shape
         starts = {start for start in shared if shape.startswith(start) and start != shape}
@@ -241,20 +250,6 @@ def _variants(shapes: Sequence[str]) -> Iterator[tuple[str, int, str]]:
             starts.add(owner[0])
         for start in sorted(starts, key=len):
             yield shape, len(start), shape[len(start) :]
-
-
-MAX_PREFIX_WORDS = 32
-"""Maximum number of words of a common prefix, because the time is quadratic in it."""
-
-
-def _shared(names: Sequence[str]) -> list[str]:
-    """Find the prefix common to most of a model's names, up to a word boundary."""
-    rests: dict[str, list[str]] = defaultdict(list)
-    for name in names:
-        for word in islice(_NAME_WORD.finditer(name), 1, MAX_PREFIX_WORDS + 1):
-            rests[name[: word.start()]].append(name[word.start() :])
-    most = {start: own for start, own in rests.items() if 2 * len(own) > len(names) > 1}
-    return [start for start, own in most.items() if any(map(_says, own))]
 
 
 def _says(rest: str) -> bool:

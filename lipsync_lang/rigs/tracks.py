@@ -96,7 +96,13 @@ def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
     table = values.reshape(len(times), each, -1)
     if way == "CUBICSPLINE":
         return _splined(where, times, table)
-    return _stepped(times, table[:, 0]) if way == "STEP" else (times, table[:, 0])
+    held = table[:, 0]
+    if way == "LINEAR":
+        return times, held
+    # Tracks are linear: the value of a step gets a second key just before the next.
+    before = times[1:] - np.minimum(np.diff(times) / 2, STEPPED_KEY_SECONDS)
+    order = np.argsort(np.concatenate((times, before)), kind="stable")
+    return np.concatenate((times, before))[order], np.concatenate((held, held[:-1]))[order]
 
 
 def _splined(where: Path, times: Floats, table: Floats) -> tuple[Floats, Floats]:
@@ -112,10 +118,3 @@ def _splined(where: Path, times: Floats, table: Floats) -> tuple[Floats, Floats]
     at = np.union1d(times, steps)
     spline = Spline(np.arange(len(times)), table[:, 1], table[:, 0], table[:, 2])
     return at, sample(times, spline, at)
-
-
-def _stepped(times: Floats, table: Floats) -> tuple[Floats, Floats]:
-    """Convert steps to straight lines: each value gets a second key just before the next."""
-    before = times[1:] - np.minimum(np.diff(times) / 2, STEPPED_KEY_SECONDS)
-    order = np.argsort(np.concatenate((times, before)), kind="stable")
-    return np.concatenate((times, before))[order], np.concatenate((table, table[:-1]))[order]
