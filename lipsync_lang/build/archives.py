@@ -169,7 +169,14 @@ def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
     """
     if old.flag_bits & ENCRYPTED or old.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         raise BadZipFile(f"'{old.filename}' is encrypted, or compressed in another way")
-    _seek(source, old)
+    source.seek(old.header_offset)
+    head = source.read(ZIP_HEAD.size)
+    if len(head) < ZIP_HEAD.size:
+        raise BadZipFile(f"'{old.filename}' ends early")
+    mark, name, further = ZIP_HEAD.unpack(head)
+    if mark != ZIP_START:
+        raise BadZipFile(f"'{old.filename}' is not at the position that the archive states")
+    source.seek(name + further, 1)
     info = _fresh(old.filename, old.compress_type)
     info.CRC, info.compress_size, info.file_size = old.CRC, old.compress_size, old.file_size
     out = archive.fp
@@ -186,15 +193,3 @@ def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
     archive.filelist.append(info)
     archive.NameToInfo[info.filename] = info
     archive.start_dir = out.tell()
-
-
-def _seek(source: BinaryIO, info: ZipInfo) -> None:
-    """Go to the compressed data of a member."""
-    source.seek(info.header_offset)
-    head = source.read(ZIP_HEAD.size)
-    if len(head) < ZIP_HEAD.size:
-        raise BadZipFile(f"'{info.filename}' ends early")
-    mark, name, further = ZIP_HEAD.unpack(head)
-    if mark != ZIP_START:
-        raise BadZipFile(f"'{info.filename}' is not at the position that the archive states")
-    source.seek(name + further, 1)

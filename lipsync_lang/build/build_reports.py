@@ -1,6 +1,7 @@
 """Reports of a project's build, with a page for each of its worst lines."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 
 from lipsync_lang.animations.animation_writers import WRITERS
@@ -39,33 +40,22 @@ def report(
     -------
     Counts over all lines, and the worst lines past a limit of the project
     """
-    if not paths:
+    if paths:
+        named = "name" in project.project.model_fields_set
+        heading = BuildHeading(
+            project.project.name if named else project.folder.name,
+            sum(one.outcome == "built" for one in outcome.built.values()),
+            len(outcome.plan.steps) - len(outcome.plan.stale),
+            sum(one.outcome == "failed" for one in (*outcome.built.values(), *refused)),
+            tuple(outcome.kept),
+            outcome.seconds,
+        )
+        linking = next((path for path in paths if path.suffix.lower() == f".{PAGE}"), None)
+        pages = _pages(project, outcome, linking) if linking else {}
+        tally = write_report(paths, chain(outcome.lines(), refused), heading, pages=pages)
+    else:
         tally = outcome.tally(refused)
-        return tally, _over(tally, most)
-    named = "name" in project.project.model_fields_set
-    heading = BuildHeading(
-        project.project.name if named else project.folder.name,
-        sum(one.outcome == "built" for one in outcome.built.values()),
-        len(outcome.plan.steps) - len(outcome.plan.stale),
-        sum(one.outcome == "failed" for one in (*outcome.built.values(), *refused)),
-        tuple(outcome.kept),
-        outcome.seconds,
-    )
-
-    def lines() -> Iterator[BuiltLine]:
-        yield from outcome.lines()
-        yield from refused
-
-    pages: Mapping[Key, Path] = {}
-    page_reports = [path for path in paths if path.suffix.lower() == f".{PAGE}"]
-    if page_reports:
-        pages = _pages(project, outcome, page_reports[0])
-    tally = write_report(paths, lines(), heading, pages=pages)
-    return tally, _over(tally, most)
-
-
-def _over(tally: BuildTally, most: int) -> list[BuiltLine]:
-    return [one for one in tally.worst() if one.failed][:most]
+    return tally, [one for one in tally.worst() if one.failed][:most]
 
 
 def pages_folder(report: Path) -> Path:

@@ -158,7 +158,14 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
         stack.enter_context(closing(running))  # type: ignore[type-var]  # a generator
         stack.enter_context(keeper)
         for found in running:
-            results = _lost(found) if isinstance(found, LostBatch) else found
+            results: Sequence[MadeLine]
+            if isinstance(found, LostBatch):
+                results = [
+                    MadeLine(BuiltLine(line, "failed", f"{line.place}: {found.message}"))
+                    for line in found.batch.lines
+                ]
+            else:
+                results = found
             outcome.kept += keeper.keep(results)
             for one in results:
                 outcome.built[one.built.line.key] = one.built
@@ -170,14 +177,6 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
         keeper.flush()
     outcome.seconds = monotonic() - begun
     return outcome
-
-
-def _lost(lost: LostBatch[LineBatch]) -> list[MadeLine]:
-    """Return the lines of a batch that killed its workers, as failed."""
-    return [
-        MadeLine(BuiltLine(line, "failed", f"{line.place}: {lost.message}"))
-        for line in lost.batch.lines
-    ]
 
 
 def _refuse_full(results: Sequence[MadeLine], done: int, of: int) -> None:

@@ -129,7 +129,17 @@ class BuildTally:
     def add(self, line: BuiltLine) -> None:
         """Count a line."""
         self.lines += 1
-        exceeded = self._judge(line)
+        exceeded = False
+        for figure in line.figures:
+            value, limit = figure.value, figure.limit
+            if value is None or limit is None:
+                continue
+            passed = figure.passed
+            exceeded = exceeded or not passed
+            key = figure.name, limit == 0
+            if key not in self.figures:
+                self.figures[key] = FigureTally(figure.name, figure.unit)
+            self.figures[key].add(line, value, limit, passed=passed)
         failed = line.outcome == "failed"
         over = not failed and exceeded and bool(line.failed)
         pair = self.pairs.setdefault((line.line.language, line.line.character), PairTally())
@@ -153,22 +163,6 @@ class BuildTally:
         """Count a line of no report by its verdict, one of `UNSHOWN`, without its figures."""
         self.lines += 1
         self.doubtful += verdict == "doubted"
-
-    def _judge(self, line: BuiltLine) -> bool:
-        """Count the figures of a line; return True if any exceeds its limit."""
-        exceeded = False
-        for figure in line.figures:
-            value, limit = figure.value, figure.limit
-            if value is None or limit is None:
-                continue
-            passed = figure.passed
-            exceeded = exceeded or not passed
-            key = figure.name, limit == 0
-            tally = self.figures.get(key)
-            if tally is None:
-                tally = self.figures[key] = FigureTally(figure.name, figure.unit)
-            tally.add(line, value, limit, passed=passed)
-        return exceeded
 
     def worst(self) -> list[BuiltLine]:
         """Return the worst lines first; equally bad lines stay in order."""

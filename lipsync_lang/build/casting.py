@@ -22,7 +22,12 @@ def languages_of(
         faults.add(FILE, "names no language; state `languages: [NAME, ...]` or `language: NAME`")
     found: dict[int, ScriptLanguage] = {}
     for own, word in stated.items():
-        path = None if ":" in own else _language(finder, own, faults)
+        path = None
+        if ":" not in own:  # ENGINE:CODE has no pack
+            try:
+                path = finder.find("language", own)
+            except PackError as error:
+                faults.add_error(f"{FILE}: {error}")
         name = own if path is None else path.stem
         same = [one for one in found.values() if one.name == name]
         if same:
@@ -88,11 +93,3 @@ def _character(finder: Finder, name: str, faults: ScriptFaults) -> str:
         return name
     path = Path(found[0])
     return path.parent.name if path.name == POSESET else path.stem
-
-
-def _language(finder: Finder, name: str, faults: ScriptFaults) -> Path | None:
-    try:
-        return finder.find("language", name)
-    except PackError as error:
-        faults.add_error(f"{FILE}: {error}")
-        return None

@@ -9,11 +9,11 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from stat import S_ISDIR
-from typing import Any, BinaryIO, NamedTuple
+from typing import BinaryIO, NamedTuple
 from zlib import crc32
 
 from lipsync_lang.animations.animation import Animation, ExportSettings
@@ -22,7 +22,7 @@ from lipsync_lang.build.archives import split_archive
 from lipsync_lang.build.digests import file_digest, output_digest
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.output_paths import recorded_path
-from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.build.planned_line import CONFIDENCE, BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.timing import Timed, attempt, schedules
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.temporary import temporary_name, this_process
@@ -35,9 +35,6 @@ MAX_FINDINGS = 3
 
 ENDING = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EROFS))
 """Errors of a disk that would affect every other line too."""
-
-CONFIDENCE = "confidence"
-"""Limit of a project that is a minimum: the confidence of an alignment."""
 
 TIMING_DOUBT = "doubt of timings"
 """Figure of an aligned line: 1 minus its confidence."""
@@ -97,10 +94,8 @@ class LineMaker:
     folder: Path
     settings: BuildSettings
     owner: str = field(default_factory=this_process)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickle only the fields."""
-        return {name: vars(self)[name] for name in ("folder", "settings", "owner")}
+    _folders: dict[str, str] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """Folders for waiting outputs that this batch has checked, by path."""
 
     def __call__(self, batch: LineBatch, pairs: Mapping[str, PairNeeds]) -> list[MadeLine]:
         """Make the lines of a batch, in order; `pairs` has the needs of each character."""
@@ -170,9 +165,29 @@ class LineMaker:
             yield line, said if isinstance(said, Exception) else next(animations)
 
     def _judgement(self, pair: PairNeeds, line: PlannedLine, animation: Animation) -> LineJudgement:
+        from lipsync_lang.quality.check_animation import check
+
         reasons = any(WRITERS[name].reasons for name, _ in line.outputs)
         needs = pair.of(animation.schedule, spoken=line.timings is None, reasons=reasons)
-        return LineJudgement(needs, self._figures(animation))
+        limits = {name: most for name, most in self.settings.limits.items() if name != CONFIDENCE}
+        figures = [
+            JudgedFigure(
+                one.name,
+                one.value,
+                one.unit,
+                one.limit,
+                tuple(finding.at for finding in one.findings[:MAX_FINDINGS]),
+                one.findings[0].what if one.findings else one.why,
+                one.name.partition(" ")[0] in limits,
+            )
+            for one in check(animation, limits=limits).figures
+        ]
+        confidence = animation.schedule.confidence
+        if confidence is not None:
+            least = self.settings.limits.get(CONFIDENCE)
+            most = None if least is None else 1 - least
+            figures.append(JudgedFigure(TIMING_DOUBT, 1 - confidence, "", most))
+        return LineJudgement(needs, tuple(figures))
 
     def _made(
         self,
@@ -209,31 +224,20 @@ class LineMaker:
         return MadeLine(built, tuple(files), contents, judged.needs)
 
     def _failed(self, line: PlannedLine, error: Exception) -> MadeLine:
+        """Return a line with the reason why it failed, and its place."""
+        home = f"{self.folder}{os.sep}"
+        if isinstance(error, LipsyncError):
+            message = f"{line.place}: {error}".replace(home, "")
+        elif isinstance(error, OSError):
+            where = f"{error.filename}: " if error.filename else ""
+            message = f"{line.place}: {where}{error.strerror or error}".replace(home, "")
+        elif isinstance(error, MemoryError):
+            message = f"{line.place}: out of memory; give fewer --workers, or split the line"
+        else:
+            why = f"an internal error stopped it ({type(error).__name__}: {error})"
+            message = f"{line.place}: {why}; report the line"
         fatal = isinstance(error, OSError) and error.errno in ENDING
-        return MadeLine(BuiltLine(line, "failed", self._why(line, error)), fatal=fatal)
-
-    def _figures(self, animation: Animation) -> tuple[JudgedFigure, ...]:
-        from lipsync_lang.quality.check_animation import check
-
-        limits = {name: most for name, most in self.settings.limits.items() if name != CONFIDENCE}
-        figures = [
-            JudgedFigure(
-                one.name,
-                one.value,
-                one.unit,
-                one.limit,
-                tuple(finding.at for finding in one.findings[:MAX_FINDINGS]),
-                one.findings[0].what if one.findings else one.why,
-                one.name.partition(" ")[0] in limits,
-            )
-            for one in check(animation, limits=limits).figures
-        ]
-        confidence = animation.schedule.confidence
-        if confidence is not None:
-            least = self.settings.limits.get(CONFIDENCE)
-            most = None if least is None else 1 - least
-            figures.append(JudgedFigure(TIMING_DOUBT, 1 - confidence, "", most))
-        return tuple(figures)
+        return MadeLine(BuiltLine(line, "failed", message), fatal=fatal)
 
     def _write(self, line: PlannedLine, animation: Animation, files: list[MadeFile]) -> None:
         for name, path in line.outputs:
@@ -242,12 +246,14 @@ class LineMaker:
             content = stream.getbuffer()
             within, _, last = path.rpartition("/")
             parent = self._waiting(within, path)
-            hidden = temporary_name(last, self.owner)
-            temporary = os.path.join(parent, hidden)  # noqa: PTH118 once a file
+            temporary = os.path.join(parent, temporary_name(last, self.owner))  # noqa: PTH118 once a file
             with created(temporary, os.path.join(parent, last)) as out:  # noqa: PTH118
                 files.append(MadeFile(path, temporary, 0, 0, ""))
                 out.write(content)
-            files[-1] = _made_file(path, temporary, content)
+            crc, size = crc32(content), len(content)
+            archived = split_archive(path) is not None
+            changed = crc if archived else os.stat(temporary).st_mtime_ns  # noqa: PTH116 once a file
+            files[-1] = MadeFile(path, temporary, size, changed, output_digest(crc, size))
 
     def _waiting(self, within: str, path: str) -> str:
         """Return the folder in which the outputs of a folder or archive wait.
@@ -271,36 +277,11 @@ class LineMaker:
                     contents[name] = file_digest(self.folder / path)
         return contents
 
-    def _why(self, line: PlannedLine, error: Exception) -> str:
-        """Return the reason why a line failed, with its place."""
-        if isinstance(error, LipsyncError):
-            return f"{line.place}: {error}".replace(f"{self.folder}{os.sep}", "")
-        if isinstance(error, OSError):
-            where = f"{error.filename}: " if error.filename else ""
-            told = f"{line.place}: {where}{error.strerror or error}"
-            return told.replace(f"{self.folder}{os.sep}", "")
-        if isinstance(error, MemoryError):
-            return f"{line.place}: out of memory; give fewer --workers, or split the line"
-        kind = type(error).__name__
-        return f"{line.place}: an internal error stopped it ({kind}: {error}); report the line"
-
-    @cached_property
-    def _folders(self) -> dict[str, str]:
-        """Folders for waiting outputs that this batch has checked, by path."""
-        return {}
-
 
 def parent_of(folder: Path, path: str) -> Path:
     """Return the folder in which an output waits: its own, or that of its archive."""
     split = split_archive(path)
     return (folder / (path if split is None else split[0])).parent
-
-
-def _made_file(path: str, temporary: str, content: memoryview) -> MadeFile:
-    crc, size = crc32(content), len(content)
-    archived = split_archive(path) is not None
-    changed = crc if archived else os.stat(temporary).st_mtime_ns  # noqa: PTH116 once a file
-    return MadeFile(path, temporary, size, changed, output_digest(crc, size))
 
 
 def created(temporary: str, target: str) -> BinaryIO:

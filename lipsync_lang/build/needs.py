@@ -4,7 +4,7 @@ A need has a name, such as `bigram m iy`, and a digest of the value that the pac
 whose needs all have the digests of the last build would be made the same again.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -89,7 +89,15 @@ class PairNeeds:
         own = next(name for name, one in known.items() if one is notation)
         names += [f"label {own} {label}" for label in dict.fromkeys(schedule.labels)]
         names += [f"word {text}" for text in dict.fromkeys(word.text for word in schedule.words)]
-        names += self._units(schedule)
+        ids, _, _ = self.performer.common_phonemes(schedule)
+        phonemes, count = self.performer.compiled.phonemes, len(self.performer.compiled.phonemes)
+        silence = np.array([self.performer.compiled.tables.silence])
+        around = np.concatenate((silence, ids, silence))
+        pairs = around[:-1] * count + around[1:]
+        threes = (pairs[:-1] * count + around[2:])[around[1:-1] != silence]
+        for one in np.unique(pairs).tolist():
+            names.append(f"bigram {phonemes[one // count]} {phonemes[one % count]}")
+        names += [_trigram(phonemes, code) for code in np.unique(threes).tolist()]
         return {name: self.current(name) for name in names}
 
     def current(self, name: str) -> bytes:
@@ -108,10 +116,8 @@ class PairNeeds:
 
     def _digest(self, name: str) -> bytes:
         kind, _, rest = name.partition(" ")
-        if kind == "bigram":
-            return self._bigrams.get(rest, ABSENT_DIGEST)
-        if kind == "trigram":
-            return self._trigrams.get(rest, ABSENT_DIGEST)
+        if kind in {"bigram", "trigram"}:
+            return self._curves.get(name, ABSENT_DIGEST)
         if kind == "label":
             notation, _, label = rest.partition(" ")
             return digest(self._sounds(notation, label))
@@ -119,20 +125,6 @@ class PairNeeds:
             compiled = self.performer.compiled
             return digest(compiled.word_edits.get(rest.casefold()), compiled.words.get(plain(rest)))
         return self._wide.get(kind, ABSENT_DIGEST)
-
-    def _units(self, schedule: Schedule) -> Iterator[str]:
-        """Yield the bigrams and trigrams of a line, drawn or not."""
-        ids, _, _ = self.performer.common_phonemes(schedule)
-        compiled = self.performer.compiled
-        silence = np.array([compiled.tables.silence])
-        around = np.concatenate((silence, ids, silence))
-        names, count = compiled.phonemes, len(compiled.phonemes)
-        pairs = around[:-1] * count + around[1:]
-        threes = (pairs[:-1] * count + around[2:])[around[1:-1] != silence]
-        for one in np.unique(pairs).tolist():
-            yield f"bigram {names[one // count]} {names[one % count]}"
-        for one in np.unique(threes).tolist():
-            yield f"trigram {' '.join(_three(names, one))}"
 
     def _sounds(self, notation: str, label: str) -> Any:
         """Return the phonemes of a label, with shades as they are performed."""
@@ -177,47 +169,30 @@ class PairNeeds:
         }
 
     @cached_property
-    def _rows(self) -> list[bytes]:
-        """Digest of each row of the tables: its curves in every style."""
-        tables = self.performer.compiled.tables
+    def _curves(self) -> dict[str, bytes]:
+        """Digests of each bigram and each drawn trigram: curves in every style, and rules."""
+        tables, names = self.performer.compiled.tables, self.performer.compiled.phonemes
         arrays = [array for bank in (tables.neutral, *tables.styles) for array in bank]
-        return [
+        rows = [
             joined(*(np.ascontiguousarray(array[row]).tobytes() for array in arrays))
             for row in range(len(tables.curves))
         ]
-
-    @cached_property
-    def _trigrams(self) -> dict[str, bytes]:
-        """Digest of each drawn trigram, by its three phonemes."""
-        tables, names = self.performer.compiled.tables, self.performer.compiled.phonemes
-        both = zip(tables.trigrams.tolist(), tables.trigram_rows.tolist(), strict=True)
-        return {
-            " ".join(_three(names, code)): joined(*(self._rows[row] for row in rows))
-            for code, rows in both
-        }
-
-    @cached_property
-    def _bigrams(self) -> dict[str, bytes]:
-        """Digest of each bigram by its two phonemes: its curves in every style, and its rules."""
-        tables, names = self.performer.compiled.tables, self.performer.compiled.phonemes
-        rows = self._rows
-        asked = [contact.phonemes for contact in tables.contacts]
         rules = [
-            joined(tables.opposed[at].tobytes(), bytes(bool(one[at]) for one in asked))
-            for at in range(len(names))
+            joined(opposed.tobytes(), bytes(bool(one.phonemes[at]) for one in tables.contacts))
+            for at, opposed in enumerate(tables.opposed[: len(names)])
         ]
-        pairs = tables.pairs.tolist()
+        trigrams = zip(tables.trigrams.tolist(), tables.trigram_rows.tolist(), strict=True)
         return {
-            f"{names[a]} {names[b]}": joined(rows[pairs[a][b]], rules[a], rules[b])
-            for a in range(len(names))
-            for b in range(len(names))
-        }
+            f"bigram {names[a]} {names[b]}": joined(rows[row], rules[a], rules[b])
+            for a, of_first in enumerate(tables.pairs.tolist())
+            for b, row in enumerate(of_first)
+        } | {_trigram(names, code): joined(*(rows[row] for row in own)) for code, own in trigrams}
 
 
-def _three(names: Sequence[str], code: int) -> tuple[str, str, str]:
-    """Return the phonemes of a trigram by its code."""
+def _trigram(names: Sequence[str], code: int) -> str:
+    """Return the need of a trigram, by its code."""
     pair, last = divmod(code, len(names))
-    return names[pair // len(names)], names[pair % len(names)], names[last]
+    return f"trigram {names[pair // len(names)]} {names[pair % len(names)]} {names[last]}"
 
 
 def told(name: str) -> str:

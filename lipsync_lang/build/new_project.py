@@ -120,15 +120,21 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     speaker = first_column(cells.head, SPEAKER_COLUMNS, [ids.column])
     named = {ids.stem(name) for name in cells.at(ids.column)}
     matching = [one for one in found if folded_name(one.stem) in named]
-    folders = _folders(matching, cells.at(speaker), finder)
-    languages = _languages(cells, {ids.column, speaker}, folders.languages, finder, language)
+    pattern, words = _folders(matching, cells.at(speaker), finder)
+    languages, text = _languages(cells, {ids.column, speaker}, words, finder, language)
+    for name in characters:
+        if not any(finder.lookup(kind, name) for kind in FACE_KINDS):
+            raise finder.unknown(name, *FACE_KINDS)
+    if not characters:
+        known = sorted({one.name for kind in FACE_KINDS for one in finder.names(kind)})
+        raise LipsyncError(f"the character is missing; name one of: {', '.join(known)}")
     layout = ProjectLayout(
         lines=table.resolve().relative_to(folder.resolve()).as_posix(),
-        audio="/".join([*folders.pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]),
-        columns={"id": cells.head[ids.column], **languages.column}
+        audio="/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]),
+        columns={"id": cells.head[ids.column], **text}
         | ({"speaker": cells.head[speaker]} if speaker >= 0 else {}),
-        languages=languages.words,
-        characters=_known_characters(finder, characters),
+        languages=languages,
+        characters=list(characters),
         speakers=[name for name, _ in Counter(cells.at(speaker)).most_common()],
     )
     return NewProject(project_text(layout), _matches(found, cells.at(ids.column), ids, matching))
@@ -178,31 +184,26 @@ def find_ids(
     stems = {folded_name(one.stem) for one in found}
     plain = [IdColumn(at) for at in range(len(cells.head))]
     for candidates in (plain, [one for at in plain for one in _within(stems, cells, at.column)]):
-        shares = [(_named(one, cells, stems), -one.column, one) for one in candidates]
-        count, _, best = max(shares, default=(0, 0, IdColumn(0)))
-        if count >= LEAST_SHARE * len(stems):
+        shares = []
+        for one in candidates:
+            counts = Counter(map(one.stem, cells.at(one.column)))
+            # a cell that is repeated is not an id
+            named = sum(count == 1 and stem in stems for stem, count in counts.items())
+            shares.append((named, -one.column, one))
+        most, _, best = max(shares, default=(0, 0, IdColumn(0)))
+        if most >= LEAST_SHARE * len(stems):
             return best
-    columns = "".join(
-        f"\n  {name}: {shortened(', '.join(cells.at(at)[:2])) or 'empty'}"
-        for at, name in enumerate(cells.head)
-    )
+    columns = ""
+    for at, name in enumerate(cells.head):
+        text = ", ".join(cells.at(at)[:2]) or "empty"
+        short = text if len(text) <= MAX_SHOWN_CHARS else f"{text[: MAX_SHOWN_CHARS - 3]}..."
+        columns += f"\n  {name}: {short}"
     raise LipsyncError(
         f"{table}: no column names the {len(found)} recordings in {recordings}, such as "
         f"{', '.join(one.stem for one in found[:SHOWN_FILES])}; add a column with their names. Its "
         "columns:"
         f"{columns}"
     )
-
-
-def shortened(text: str) -> str:
-    """Return the start of a text."""
-    return text if len(text) <= MAX_SHOWN_CHARS else f"{text[: MAX_SHOWN_CHARS - 3]}..."
-
-
-def _named(ids: IdColumn, cells: Cells, stems: Collection[str]) -> int:
-    """Count the recordings that a column names; a cell that is repeated is not an id."""
-    counts = Counter(map(ids.stem, cells.at(ids.column)))
-    return sum(count == 1 and stem in stems for stem, count in counts.items())
 
 
 def _within(stems: Collection[str], cells: Cells, at: int) -> Iterator[IdColumn]:
@@ -217,15 +218,10 @@ def _within(stems: Collection[str], cells: Cells, at: int) -> Iterator[IdColumn]
         yield IdColumn(at, before, after)
 
 
-class Folders(NamedTuple):
-    """Folders of recordings: a pattern of them, and the words of languages by name."""
-
-    pattern: list[str]
-    languages: dict[str, str]
-
-
-def _folders(found: Sequence[FoundRecording], speakers: Sequence[str], finder: Finder) -> Folders:
-    """Return the pattern of the folders that hold the most recordings."""
+def _folders(
+    found: Sequence[FoundRecording], speakers: Sequence[str], finder: Finder
+) -> tuple[list[str], dict[str, str]]:
+    """Return the pattern of the folders with the most recordings, and the words of languages."""
     depth = Counter(len(one.folders) for one in found).most_common(1)[0][0]
     levels = zip(*(one.folders for one in found if len(one.folders) == depth), strict=True)
     pattern: list[str] = []
@@ -241,20 +237,13 @@ def _folders(found: Sequence[FoundRecording], speakers: Sequence[str], finder: F
             pattern.append("{speaker}")
         else:
             pattern.append(names.most_common(1)[0][0])
-    return Folders(pattern, languages)
-
-
-class Tongues(NamedTuple):
-    """Languages with their words, and their text columns if the project must state them."""
-
-    words: dict[str, str]
-    column: dict[str, str]
+    return pattern, languages
 
 
 def _languages(
     cells: Cells, taken: Collection[int], folders: dict[str, str], finder: Finder, asked: str | None
-) -> Tongues:
-    """Return the languages of the recordings, and the columns of their texts."""
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the words of languages, and their text column if the project must state it."""
     heads = {
         own: name
         for at, name in enumerate(cells.head)
@@ -273,28 +262,18 @@ def _languages(
     if not words:
         raise LipsyncError("the language of the recordings is unknown; state `language='NAME'`")
     if words.keys() <= heads.keys():
-        return Tongues(words, {})
+        return words, {}
     at = text_column(cells.head)
     if at in {-1, *taken}:
         free = [at for at in range(len(cells.head)) if at not in taken]
         at = max(free, key=lambda at: sum(map(len, cells.at(at))), default=-1)
-    return Tongues(words, {"text": cells.head[at]} if at >= 0 and len(words) == 1 else {})
+    return words, {"text": cells.head[at]} if at >= 0 and len(words) == 1 else {}
 
 
 def _language(finder: Finder, name: str) -> str | None:
     """Return the language with the name of a folder or column."""
     found = finder.lookup("language", name) if name else ()
     return Path(found[0]).stem if found else None
-
-
-def _known_characters(finder: Finder, names: Sequence[str]) -> list[str]:
-    for name in names:
-        if not (finder.lookup("character", name) or finder.lookup("poseset", name)):
-            raise finder.unknown(name, "character", "poseset")
-    if not names:
-        known = sorted({one.name for kind in FACE_KINDS for one in finder.names(kind)})
-        raise LipsyncError(f"the character is missing; name one of: {', '.join(known)}")
-    return list(names)
 
 
 def _matches(

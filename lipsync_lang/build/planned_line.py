@@ -5,6 +5,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple
 
+CONFIDENCE = "confidence"
+"""Limit of a project that is a minimum: the confidence of an alignment."""
+
 Outcome = Literal["built", "failed"]
 """`built`: its outputs are complete. `failed`: it has no outputs."""
 

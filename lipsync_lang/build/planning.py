@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,9 @@ INPUTS = {
     "audio": "its recording",
 }
 """Parts of a line's inputs in words."""
+
+FILES = ("timings", "audio")
+"""Parts of the inputs that are files: path, size and time of change."""
 
 REMAKE_REASONS = {
     "missing": "is missing",
@@ -205,31 +209,21 @@ class _Planner:
     def _inputs_changed(
         self, inputs: Mapping[str, Any], text: str, record: LineRecord
     ) -> Iterator[str]:
-        latest = max(
-            inputs["timings"][2] if "timings" in inputs else 0,
-            inputs["audio"][2] if "audio" in inputs else 0,
-        )
-        sure = text == record.inputs and latest <= record.at - TICK_NANOSECONDS
-        if sure or record.verdict == "failed":
+        sure = record.at - TICK_NANOSECONDS
+        late = {part for part in FILES if part in inputs and inputs[part][2] > sure}
+        if record.verdict == "failed" or (text == record.inputs and not late):
             return
         before = from_json(record.inputs)
         for part, words in INPUTS.items():
             now, then = inputs.get(part), before.get(part)
-            late = part in ("timings", "audio") and now and now[2] > record.at - TICK_NANOSECONDS
-            if (now != then or late) and not self._same_content(part, now, then, record):
-                yield f"{words} changed"
-
-    def _same_content(self, part: str, now: Any, then: Any, record: LineRecord) -> bool:
-        """Return True if a file has another time, but the content of the last build."""
-        if part not in ("timings", "audio") or not now or not isinstance(then, list):
-            return False
-        if now[:1] != then[:1]:
-            return False
-        try:
-            now_digest = file_digest(self.folder / now[0])
-        except OSError:
-            return False
-        return bool(now_digest == from_json(record.contents).get(now[0]))
+            if now == then and part not in late:
+                continue
+            # A file may have another time, but the content of the last build.
+            if part in FILES and now and isinstance(then, list) and now[:1] == then[:1]:
+                with suppress(OSError):
+                    if file_digest(self.folder / now[0]) == from_json(record.contents).get(now[0]):
+                        continue
+            yield f"{words} changed"
 
     def _state(self, path: str, written: Written | None) -> str:
         """Return the state of an output: `sound`, or one of `REMAKE_REASONS` or `STANDING`."""
@@ -262,14 +256,10 @@ def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[s
     }
     for part, path in (("timings", line.timings), ("audio", line.audio)):
         if path is not None:
-            inputs[part] = [recorded_path(folder, path), *_stamp(os.path.join(folder, path))]  # noqa: PTH118
+            try:
+                stat = os.stat(os.path.join(folder, path))  # noqa: PTH116, PTH118 once a line
+                stamp = stat.st_size, stat.st_mtime_ns
+            except OSError:
+                stamp = 0, 0
+            inputs[part] = [recorded_path(folder, path), *stamp]
     return inputs
-
-
-def _stamp(path: str) -> tuple[int, int]:
-    """Return size and time of a file; a missing one has neither."""
-    try:
-        stat = os.stat(path)  # noqa: PTH116 as above
-    except OSError:
-        return 0, 0
-    return stat.st_size, stat.st_mtime_ns

@@ -106,7 +106,15 @@ def project_files(
     own = not library.finder.lookup("character", face)
     poseset = library.poseset(face).model.name if own else face
     usual = spoken.name == library.language(defaults.language).model.name
-    lines = defaults.lines if usual else tuple(_samples([t.text for t in spoken.tests]))
+    lines = defaults.lines
+    if not usual:
+        texts = list(dict.fromkeys(test.text for test in spoken.tests))
+        longest = sorted(texts, key=len, reverse=True)[:SHOWN_SAMPLE_LINES]
+        lines = tuple(text for text in texts if text in longest)
+    script = io.StringIO()
+    rows = csv.writer(script, lineterminator="\n")
+    rows.writerow(("id", "speaker", "text"))
+    rows.writerows((line_id(n), defaults.name, text) for n, text in enumerate(lines, 1))
     known: dict[str, Any] = {
         "name": name,
         "title": flow(name),
@@ -122,7 +130,7 @@ def project_files(
     made = {
         "README.md": _filled("README.md", known),
         FILE: _filled(FILE, known),
-        "lines.csv": _table(lines, defaults.name),
+        "lines.csv": script.getvalue(),
         character_file: _filled("character.yaml", known),
         ".gitignore": _filled("gitignore", known),
     }
@@ -140,21 +148,6 @@ def _from(folder: str, path: Path) -> str:
         return Path(os.path.relpath(path, folder)).as_posix()
     except ValueError:
         return path.absolute().as_posix()
-
-
-def _samples(texts: list[str]) -> list[str]:
-    """Return the longest texts, in their order."""
-    different = list(dict.fromkeys(texts))
-    longest = sorted(different, key=len, reverse=True)[:SHOWN_SAMPLE_LINES]
-    return [text for text in different if text in longest]
-
-
-def _table(lines: tuple[str, ...], speaker: str) -> str:
-    out = io.StringIO()
-    rows = csv.writer(out, lineterminator="\n")
-    rows.writerow(("id", "speaker", "text"))
-    rows.writerows((line_id(number), speaker, text) for number, text in enumerate(lines, 1))
-    return out.getvalue()
 
 
 def _filled(name: str, known: dict[str, Any]) -> str:

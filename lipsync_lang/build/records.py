@@ -7,7 +7,7 @@ that was there before. So a build killed at any moment can tell its own files fr
 import json
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -107,13 +107,25 @@ class Records:
         with ExitStack() as stack:
             try:
                 if write:
-                    _make_folder(path.parent)
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                    ignore = path.with_name(".gitignore")
+                    if not ignore.exists():
+                        ignore.write_text("*\n", encoding="utf-8")
                 connection = sqlite3.connect(path if write else ":memory:", timeout=60)
                 stack.enter_context(closing(connection))
                 if write:
-                    _prepare(path, connection)
-                else:
-                    _copy(path, connection)
+                    connection.execute("PRAGMA journal_mode = WAL")
+                    connection.execute("PRAGMA synchronous = FULL")
+                    _check_form(path, connection)
+                connection.executescript(TABLES)
+                if write:
+                    connection.execute(f"PRAGMA user_version = {RECORDS_VERSION}")
+                    connection.commit()
+                elif path.is_file():
+                    with closing(sqlite3.connect(path)) as stored:
+                        stored.execute("PRAGMA query_only = ON")
+                        _check_form(path, stored)
+                        stored.backup(connection)
             except sqlite3.DatabaseError as error:
                 raise _damaged(path, error) from None
             except OSError as error:
@@ -134,9 +146,20 @@ class Records:
             (figures,),
         ).fetchall()
         try:
-            return _records(rows)
+            # All outputs at once take half the time.
+            outputs = json.loads(f"[{','.join([row[7] for row in rows])}]")
+            found: dict[Key, LineRecord] = {}
+            for row, written in zip(rows, outputs, strict=True):
+                language, character, name, at, inputs, contents, needs, _, verdict, result = row
+                if type(at) is not int or type(needs) is not bytes or len(needs) % NEED.itemsize:
+                    raise unusable()
+                paths = {path: Written(*one) for path, one in written.items()}
+                found[language, character, name] = LineRecord(
+                    inputs, contents, needs, paths, verdict, result, at
+                )
         except (ValueError, TypeError, AttributeError, RecursionError):
             raise unusable() from None
+        return found
 
     def name(self, number: int) -> str:
         """Return the name of a need."""
@@ -203,31 +226,6 @@ def from_json(text: Any) -> dict[str, Any]:
     return value
 
 
-def _records(rows: Sequence[tuple[Any, ...]]) -> dict[Key, LineRecord]:
-    outputs = json.loads(f"[{','.join([row[7] for row in rows])}]")  # at once: half the time
-    found = {
-        (language, character, name): LineRecord(
-            inputs,
-            contents,
-            needs,
-            {path: Written(*one) for path, one in written.items()},
-            verdict,
-            result,
-            at,
-        )
-        for (
-            (language, character, name, at, inputs, contents, needs, _, verdict, result),
-            written,
-        ) in zip(rows, outputs, strict=True)
-    }
-    for one in found.values():
-        if type(one.at) is not int or type(one.needs) is not bytes:
-            raise TypeError
-        if len(one.needs) % NEED.itemsize:
-            raise ValueError
-    return found
-
-
 def unusable(
     why: object = "it is damaged", path: str | Path = f"{FOLDER}/{RECORDS_FILE}"
 ) -> LipsyncError:
@@ -236,31 +234,6 @@ def unusable(
         f"{path}: the record of builds cannot be used ({why}); move it away: the next build "
         "compares the existing files with new ones, and keeps those that differ"
     )
-
-
-def _make_folder(folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    ignore = folder / ".gitignore"
-    if not ignore.exists():
-        ignore.write_text("*\n", encoding="utf-8")
-
-
-def _prepare(path: Path, connection: sqlite3.Connection) -> None:
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = FULL")
-    _check_form(path, connection)
-    connection.executescript(TABLES)
-    connection.execute(f"PRAGMA user_version = {RECORDS_VERSION}")
-    connection.commit()
-
-
-def _copy(path: Path, connection: sqlite3.Connection) -> None:
-    connection.executescript(TABLES)
-    if path.is_file():
-        with closing(sqlite3.connect(path)) as stored:
-            stored.execute("PRAGMA query_only = ON")
-            _check_form(path, stored)
-            stored.backup(connection)
 
 
 def _check_form(path: Path, connection: sqlite3.Connection) -> None:

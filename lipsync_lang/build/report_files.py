@@ -6,10 +6,11 @@ from dataclasses import replace
 from io import TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any, Protocol, TextIO
+from typing import Protocol, TextIO
 
 from lipsync_lang.build.build_tally import BuildHeading, BuildTally
-from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.build.planned_line import BuiltLine
+from lipsync_lang.build.records import Key
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.writing import atomic
 from lipsync_lang.reports.junit import JunitCase, JunitSuite, junit_text
@@ -32,7 +33,7 @@ def write_report(
     built: Iterable[BuiltLine],
     heading: BuildHeading,
     *,
-    pages: Mapping[tuple[str, str, str], Path] | None = None,
+    pages: Mapping[Key, Path] | None = None,
 ) -> BuildTally:
     """Write reports of a build.
 
@@ -52,12 +53,7 @@ def write_report(
     OutputError
         A suffix is none of these, or a file cannot be written.
     """
-    known = pages or {}
-
-    def page_of(line: PlannedLine) -> Path | None:
-        return known.get(line.key)
-
-    forms = [(path, _form(path, heading, page_of)) for path in paths]
+    forms = [(path, _form(path, heading, pages or {})) for path in paths]
     tally = BuildTally()
     for line in built:
         tally.add(line)
@@ -78,12 +74,12 @@ def write_report(
     return tally
 
 
-def _form(path: Path, heading: BuildHeading, page_of: Any) -> ReportForm:
+def _form(path: Path, heading: BuildHeading, pages: Mapping[Key, Path]) -> ReportForm:
     suffix = path.suffix.lower()
     if suffix == ".html":
         from lipsync_lang.build.report_page import PageReport
 
-        return PageReport(heading, path.parent, page_of)
+        return PageReport(heading, path.parent, pages)
     if suffix == ".xml":
         return JunitReport(heading)
     if suffix == ".json":
@@ -100,7 +96,20 @@ class JsonReport:
 
     def add(self, line: BuiltLine) -> None:
         """Add a line."""
-        self._rows.write(f"{json.dumps(_row(line), ensure_ascii=True)}\n")
+        plan = line.line
+        row = {
+            "language": plan.language,
+            "character": plan.character,
+            "line": plan.name,
+            "place": plan.place,
+            "outcome": line.outcome,
+            "message": line.message,
+            "seconds": round(line.seconds, 4),
+            "confidence": line.confidence,
+            "figures": {one.name: {"value": one.value, "limit": one.limit} for one in line.figures},
+            "failed": [figure.name for figure in line.failed],
+        }
+        self._rows.write(f"{json.dumps(row, ensure_ascii=True)}\n")
 
     def write(self, out: TextIO, tally: BuildTally) -> None:
         """Write counts, then a row per line."""
@@ -128,24 +137,6 @@ class JsonReport:
         self._rows.close()
 
 
-def _row(line: BuiltLine) -> dict[str, Any]:
-    plan = line.line
-    return {
-        "language": plan.language,
-        "character": plan.character,
-        "line": plan.name,
-        "place": plan.place,
-        "outcome": line.outcome,
-        "message": line.message,
-        "seconds": round(line.seconds, 4),
-        "confidence": line.confidence,
-        "figures": {
-            figure.name: {"value": figure.value, "limit": figure.limit} for figure in line.figures
-        },
-        "failed": [figure.name for figure in line.failed],
-    }
-
-
 class JunitReport:
     """JUnit XML for build servers: a suite per language and character, a case per line.
 
@@ -167,12 +158,13 @@ class JunitReport:
         if line.outcome == "failed":
             case = replace(case, outcome="error", message=line.message)
         elif line.failed:
-            message = "; ".join(map(_limited, line.failed))
-            detail = place
+            limited, detail = [], place
             for figure in line.failed:
+                amount = f"{figure.name} {figure.value:.4g} {figure.unit}".rstrip()
+                limited.append(f"{amount}, at most {figure.limit:g}")
                 times = ", ".join(f"{at:.3f} s" for at in figure.at)
                 detail += f"\n{figure.name}: {': '.join(filter(None, (times, figure.words)))}"
-            case = replace(case, outcome="failure", message=message, detail=detail)
+            case = replace(case, outcome="failure", message="; ".join(limited), detail=detail)
         elif kept:
             message = f"kept, because it was changed: {', '.join(kept)}"
             case = replace(case, outcome="skipped", message=message)
@@ -185,9 +177,3 @@ class JunitReport:
         counts = ("tests", "errors", "failures", "skipped")
         heading = self._heading
         out.write(junit_text(suites, heading.project, counts, heading.seconds) + "\n")
-
-
-def _limited(figure: JudgedFigure) -> str:
-    """Return a figure with its limit in words: `speed 14.2 per second, at most 12`."""
-    words = f"{figure.name} {figure.value:.4g} {figure.unit}".rstrip()
-    return words if figure.limit is None else f"{words}, at most {figure.limit:g}"

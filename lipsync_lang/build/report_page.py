@@ -5,7 +5,7 @@ larger. Charts are SVG with a name in words; rows are sorted and filtered by a s
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -22,13 +22,11 @@ from lipsync_lang.build.build_tally import (
     share_of_limit,
 )
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.build.records import Key
 from lipsync_lang.files.quoting import shell_command
 from lipsync_lang.reports.pages import CHART_HEIGHT, PageEnvironment
 from lipsync_lang.reports.percentages import percent, percentage_text
 from lipsync_lang.reports.wording import NBSP, count
-
-PageOf = Callable[[PlannedLine], Path | None]
-"""The page of a line (`-o line.html`), or None if it was not written."""
 
 LEAST_BAR = 60
 """Minimum height of a bar with lines, out of `CHART_HEIGHT`: one line of 20,000 is visible."""
@@ -137,20 +135,18 @@ class PageReport:
     ----------
     heading : of the build as a whole
     folder : folder of the report, from which links lead to the pages of lines
-    page_of : the page of a line, or None where none was written
+    pages : the written pages of lines (`-o line.html`), by key
     """
 
-    def __init__(
-        self, heading: BuildHeading, folder: Path, page_of: PageOf = lambda _: None
-    ) -> None:
-        self._heading, self._folder, self._page_of = heading, folder, page_of
+    def __init__(self, heading: BuildHeading, folder: Path, pages: Mapping[Key, Path]) -> None:
+        self._heading, self._folder, self._pages = heading, folder, pages
 
     def add(self, line: BuiltLine) -> None:
         """Ignore a line, since a page needs only the counts."""
 
     def write(self, out: TextIO, tally: BuildTally) -> None:
         """Write the page."""
-        rows = [WorstRow(one, self._page_of(one.line), self._folder) for one in tally.worst()]
+        rows = [WorstRow(one, self._pages.get(one.line.key), self._folder) for one in tally.worst()]
         figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))
         languages, characters = (sorted(set(part)) for part in zip(*tally.pairs, strict=True)) if (
             tally.pairs

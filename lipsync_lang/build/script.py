@@ -8,10 +8,10 @@ from pathlib import Path
 
 from lipsync_lang.build.casting import Cast, languages_of
 from lipsync_lang.build.output_paths import check_links, check_outputs, outputs_of
-from lipsync_lang.build.planned_line import PlannedLine
+from lipsync_lang.build.planned_line import CONFIDENCE, PlannedLine
 from lipsync_lang.build.script_faults import ScriptFaults
-from lipsync_lang.build.script_files import ScriptFile, ScriptLanguage, read_rows
-from lipsync_lang.build.script_lines import Remark, ScriptPlanner
+from lipsync_lang.build.script_files import Remark, ScriptFile, ScriptLanguage, read_rows
+from lipsync_lang.build.script_lines import ScriptPlanner
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.lines.line_readers import line_files
 from lipsync_lang.lines.markup import Cleaning
@@ -19,9 +19,6 @@ from lipsync_lang.packs.finding import Finder, Paths, folders_of
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.yaml.faults import shown
-
-CONFIDENCE = "confidence"
-"""Limit that is not a measure of an animation: the minimum confidence of timings."""
 
 REPORT_SUFFIXES = (".html", ".xml", ".json")
 

@@ -142,20 +142,19 @@ def _table_rows(
             "has no column of ids for the file names; add one, or state `columns: {id: NAME}`",
         )
     for number, row in table.rows:
-        said = tuple([(index, _said(source, number, cell(row, at))) for index, at in texts])
+        said: list[tuple[int, str]] = []
+        for index, at in texts:
+            text = cell(row, at)
+            part = spoken(text, source.cleaning)
+            for remark in part.remarks:
+                source.remark(f"{source.path}:{number}: {remark}")
+            # A cell of markup alone stays, and is performed as rest.
+            said.append((index, part.text or (text.strip() if part.dropped else "")))
         own = cell(row, name).removeprefix(LINE_TAG)
         if own:
-            yield ScriptRow(number, own, cell(row, speaker), said)
+            yield ScriptRow(number, own, cell(row, speaker), tuple(said))
         elif any(text for _, text in said):
             faults.add(f"{file.path}:{number}", "this line has no id for its file names")
-
-
-def _said(source: LineFile, number: int | str, text: str) -> str:
-    """Return the spoken part of a cell; a cell of markup alone stays, and is performed as rest."""
-    said = spoken(text, source.cleaning)
-    for remark in said.remarks:
-        source.remark(f"{source.path}:{number}: {remark}")
-    return said.text or (text.strip() if said.dropped else "")
 
 
 def _text_columns(

@@ -3,14 +3,14 @@
 import os
 import posixpath
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from lipsync_lang.build.casting import Cast
 from lipsync_lang.build.output_paths import OutputPattern, filled, for_line
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.build.recordings import Recordings
-from lipsync_lang.build.script_files import ScriptFile, ScriptLanguage, ScriptRow
+from lipsync_lang.build.script_files import Remark, ScriptFile, ScriptLanguage, ScriptRow
 from lipsync_lang.files.names import fault_of_name, folded_name
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
@@ -27,8 +27,6 @@ LACKING = {
     "timings": "without the stated timings",
 }
 """Kinds of gaps, and their words after the number of lines."""
-
-Remark = Callable[[str], None]
 
 
 class Examples:
@@ -199,19 +197,13 @@ class ScriptPlanner:
         again: set[int] = set()
         for line in planned:
             for _, path in line.outputs:
-                key = hash(folded_name(path))
-                (again if key in met else met).add(key)
+                digest = hash(folded_name(path))
+                (again if digest in met else met).add(digest)
         read = {folded_name(path) for path in self._recordings.used()}
         read |= {folded_name(os.path.relpath(path, self._folder)) for path in scripts}
         again |= met & {hash(path) for path in read}
-        if again:
-            self._name_clashes(planned, again, read)
-
-    def _name_clashes(
-        self, planned: Sequence[PlannedLine], again: set[int], read: set[str]
-    ) -> None:
         first: dict[str, str] = {}
-        for line in planned:
+        for line in planned if again else ():
             for _, path in line.outputs:
                 key = folded_name(path)
                 if key in read:

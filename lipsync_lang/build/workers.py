@@ -195,15 +195,13 @@ def run_job(job: Job) -> Any:
         lacking = [p.key for p in parcels if p.content is None and p.key not in opened]
         if lacking:
             return Missing(tuple(lacking))
-        work, *more = [_open(parcel) for parcel in parcels]
+        values = []
+        for key, content in parcels:
+            if key not in opened and content is not None:
+                opened[key] = pickle.loads(content)  # noqa: S301 of our own parent
+                if len(opened) > MAX_OPENED:
+                    opened.popitem(last=False)
+            opened.move_to_end(key)
+            values.append(opened[key])
+        work, *more = values
         return work(job.batch, *more)
-
-
-def _open(parcel: Parcel) -> Any:
-    if parcel.key not in opened:
-        assert parcel.content is not None  # noqa: S101 `run_job` asked for it
-        opened[parcel.key] = pickle.loads(parcel.content)  # noqa: S301 of our own parent
-        if len(opened) > MAX_OPENED:
-            opened.popitem(last=False)
-    opened.move_to_end(parcel.key)
-    return opened[parcel.key]
