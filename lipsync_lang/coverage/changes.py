@@ -4,7 +4,6 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from lipsync_lang.coverage.facts import Left
 from lipsync_lang.coverage.report import (
     COVERAGE_FORMAT,
     Coverage,
@@ -43,7 +42,10 @@ def read_document(path: Path) -> Coverage:
 
 def since(old: Coverage, new: Coverage, file: str) -> Coverage:
     """Return the new document with its changes since an older one."""
-    before, now = _by_pair(old), _by_pair(new)
+    before, now = (
+        {(report.label, report.character): report for report in document.reports}
+        for document in (old, new)
+    )
     both = [pair for pair in now if pair in before]
     return new.model_copy(
         update={
@@ -56,23 +58,18 @@ def since(old: Coverage, new: Coverage, file: str) -> Coverage:
                     if (pair in before) != (pair in now)
                 ),
                 script=tuple(script_changes(old.corpus.script, new.corpus.script)),
-                left=(_left(old, new), _left(new, new)),
+                # both with the minutes per bigram of the newer one
+                left=(
+                    total_of(old.reports, new.minutes).left,
+                    total_of(new.reports, new.minutes).left,
+                ),
             )
         }
     )
 
 
-def _left(document: Coverage, new: Coverage) -> Left:
-    """Return the work left in a document, with the minutes per bigram of the newer one."""
-    return total_of(document.reports, new.minutes).left
-
-
-def _by_pair(document: Coverage) -> dict[tuple[str, str], CoverageReport]:
-    return {(report.label, report.character): report for report in document.reports}
-
-
 def _change(old: CoverageReport, new: CoverageReport) -> ReportChange:
-    was, has = _authored(old), _authored(new)
+    was, has = ({one.bigram for one in r.bigrams if one.authored} for r in (old, new))
     needed, needs = ([one.bigram for one in report.bigrams] for report in (old, new))
     return ReportChange(
         language=new.language,
@@ -85,7 +82,3 @@ def _change(old: CoverageReport, new: CoverageReport) -> ReportChange:
         gone=tuple(name for name in needed if name not in needs),
         column=new.column,
     )
-
-
-def _authored(report: CoverageReport) -> set[str]:
-    return {one.bigram for one in report.bigrams if one.authored}

@@ -1,7 +1,7 @@
 """Joining of the documents of several columns into one."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.report import Corpus, Coverage, CoverageReport, Shared, Tally
@@ -25,11 +25,28 @@ def joined(
         return documents[0][1]
     corpora = [document.corpus for _, document in documents]
     dropped: dict[str, Tally] = {}
-    for tally in (tally for corpus in corpora for tally in corpus.dropped):
-        known = dropped.get(tally.what)
-        total = tally.count + (known.count if known else 0)
-        dropped[tally.what] = (known or tally).model_copy(update={"count": total})
-    reports = tuple(_with_columns(documents))
+    others: dict[str, Tally] = {}
+    for corpus in corpora:
+        for tally in corpus.dropped:
+            known = dropped.get(tally.what)
+            total = tally.count + (known.count if known else 0)
+            dropped[tally.what] = (known or tally).model_copy(update={"count": total})
+        for tally in corpus.other_speakers:  # not a sum, because all columns have the same rows
+            found = others.setdefault(tally.what, tally)
+            if found.count < tally.count:
+                others[tally.what] = tally
+    columns = Counter(
+        language
+        for _, document in documents
+        for language in {report.language for report in document.reports}
+    )
+    reports = tuple(
+        report.model_copy(update={"column": column or ""})
+        if columns[report.language] > 1
+        else report
+        for column, document in documents
+        for report in document.reports
+    )
     minutes = documents[0][1].minutes
     added = {one.language: one for _, document in documents for one in document.shared}
     return Coverage(
@@ -38,7 +55,7 @@ def joined(
             lines=sum(corpus.lines for corpus in corpora),
             words=sum(corpus.words for corpus in corpora),
             dropped=tuple(sorted(dropped.values(), key=lambda tally: -tally.count)),
-            other_speakers=tuple(_most(corpora)),
+            other_speakers=tuple(others.values()),
             script=tuple(
                 digests.model_copy(update={"column": column or ""})
                 for column, document in documents
@@ -53,28 +70,6 @@ def joined(
         ),
         total=total_of(reports, minutes, weights),
     )
-
-
-def _most(corpora: Iterable[Corpus]) -> Iterator[Tally]:
-    """Yield each speaker once, because all columns have the same rows."""
-    found: dict[str, Tally] = {}
-    for tally in (tally for corpus in corpora for tally in corpus.other_speakers):
-        known = found.get(tally.what)
-        if known is None or known.count < tally.count:
-            found[tally.what] = tally
-    yield from found.values()
-
-
-def _with_columns(
-    documents: Sequence[tuple[str | None, Coverage]],
-) -> Iterator[CoverageReport]:
-    """Yield all reports, with their columns if a language has several."""
-    languages = [{report.language for report in document.reports} for _, document in documents]
-    columns = Counter(language for found in languages for language in found)
-    for column, document in documents:
-        for report in document.reports:
-            several = columns[report.language] > 1
-            yield report.model_copy(update={"column": column or ""}) if several else report
 
 
 def shared_of(

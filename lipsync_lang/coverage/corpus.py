@@ -222,23 +222,19 @@ class Count:
             is_first |= not self.first[code]
             if len(self.first[code]) < MAX_PLACES:
                 self.first[code].append(number)
-        if len(self._performer.compiled.tables.trigrams):
-            self._count_trigrams(number, ids)
-        spoken = kinds[self.sounding(kinds)]
-        self._sets.extend(spoken.tolist())
-        self._starts.append(len(self._sets))
-        return is_first
-
-    def _count_trigrams(self, number: int, ids: "Ints") -> None:
-        """Count the trigrams of a line between breaks."""
-        for part in np.split(ids, np.flatnonzero(ids == BREAK)):
+        tables = self._performer.compiled.tables
+        for part in np.split(ids, np.flatnonzero(ids == BREAK)) if len(tables.trigrams) else ():
             run = part[part != BREAK]
-            for at in trigrams_in(run, self._performer.compiled.tables).tolist():
+            for at in trigrams_in(run, tables).tolist():
                 one, two, three = run[at : at + 3].tolist()
                 self.trigrams[one, two, three] = self.trigrams.get((one, two, three), 0) + 1
                 places = self.first_trigrams.setdefault((one, two, three), [])
                 if len(places) < MAX_PLACES and number not in places:
                     places.append(number)
+        spoken = kinds[self.sounding(kinds)]
+        self._sets.extend(spoken.tolist())
+        self._starts.append(len(self._sets))
+        return is_first
 
     def sounding(self, codes: "Ints") -> "npt.NDArray[np.bool_]":
         """Return True for codes without silence, in the shape of `codes`."""

@@ -4,6 +4,7 @@ Bigrams are codes, that is, indices of counts. The most frequent comes first; of
 ones, the smaller code.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from itertools import accumulate
 
@@ -73,7 +74,13 @@ def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]
             missing.discard(member)
             at = np.flatnonzero(sets == member)
             gains[np.searchsorted(starts, at, "right") - 1] -= 1
-    return _in_order(_spared(chosen, sets, starts, wanted), sets, starts, wanted)
+    missing = set(wanted.tolist())
+    found: list[tuple[int, list[int]]] = []
+    for number in _spared(chosen, sets, starts, wanted):
+        new = [member for member in _members(sets, starts, number) if member in missing]
+        missing.difference_update(new)
+        found.append((number, new))
+    return found
 
 
 def _members(sets: Ints, starts: Ints, number: int) -> list[int]:
@@ -85,10 +92,7 @@ def _spared(chosen: Sequence[int], sets: Ints, starts: Ints, wanted: Ints) -> li
     """Drop sets whose wanted members are all in other sets, beginning with the last choice."""
     asked = set(wanted.tolist())
     held = {n: asked.intersection(_members(sets, starts, n)) for n in chosen}
-    times: dict[int, int] = {}
-    for members in held.values():
-        for member in members:
-            times[member] = times.get(member, 0) + 1
+    times = Counter(member for members in held.values() for member in members)
     kept: list[int] = []
     for number in reversed(chosen):
         if all(times[member] > 1 for member in held[number]):
@@ -97,15 +101,3 @@ def _spared(chosen: Sequence[int], sets: Ints, starts: Ints, wanted: Ints) -> li
         else:
             kept.append(number)
     return kept[::-1]
-
-
-def _in_order(
-    chosen: Sequence[int], sets: Ints, starts: Ints, wanted: Ints
-) -> list[tuple[int, list[int]]]:
-    missing = set(wanted.tolist())
-    found: list[tuple[int, list[int]]] = []
-    for number in chosen:
-        new = [m for m in _members(sets, starts, number) if m in missing]
-        missing.difference_update(new)
-        found.append((number, new))
-    return found

@@ -74,7 +74,11 @@ class OtherScripts:
 
     def spelled(self, lines: "Sequence[Line]") -> list[TextSpans]:
         """Count the words of lines in other scripts; return the spans of spelled words."""
-        spans = [self._phrases(line.text) for line in lines]
+        spans: list[TextSpans] = []
+        for line in lines:
+            foreign = self._own and any(map(self._foreign, set(line.text)))
+            shape = "".join(map(self._class, line.text)) if foreign else ""
+            spans.append([found.span() for found in _PHRASE.finditer(shape)])
         self._judge(
             {
                 _judged(line.text[slice(*span)])
@@ -99,13 +103,6 @@ class OtherScripts:
             for tally in counter.tallies()
         ]
         return tuple(sorted(found, key=lambda one: (-one.count, one.what)))
-
-    def _phrases(self, text: str) -> TextSpans:
-        """Return the phrases of a text in another script."""
-        if not self._own or not any(map(self._foreign, set(text))):
-            return []
-        shape = "".join(map(self._class, text))
-        return [found.span() for found in _PHRASE.finditer(shape)]
 
     def _foreign(self, character: str) -> bool:
         return script(character) not in ("", *self._own)

@@ -9,7 +9,7 @@ languages. Languages have equal weights by default, because each player hears on
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.coverage import plan
@@ -160,8 +160,8 @@ def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) 
                 count=counts[piece],
                 percent=rounded(gains[piece], is_all=False),
                 reaches=round(min(reached, WHOLE_PERCENT), 4),
-                languages=_names(report.language for report in serves[piece]),
-                characters=_names(report.character for report in serves[piece]),
+                languages=tuple(dict.fromkeys(report.language for report in serves[piece])),
+                characters=tuple(dict.fromkeys(report.character for report in serves[piece])),
             )
         )
     return items
@@ -171,10 +171,6 @@ def piece_of(report: "CoverageReport", need: "BigramNeed") -> WorkKey:
     """Return the work item of a bigram of a report."""
     own = {"language": report.language, "character": report.character}
     return WorkKey(need.bigram, report.poseset, own.get(need.layer, ""))
-
-
-def _names(found: Iterable[str]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(found))
 
 
 def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> dict[str, float]:

@@ -11,15 +11,7 @@ from lipsync_lang.reports.percentages import percentage_text, ranked_text
 from lipsync_lang.reports.text_table import columns
 
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.report import (
-        Corpus,
-        Coverage,
-        CoverageReport,
-        ReportChange,
-        Since,
-        Tally,
-    )
-    from lipsync_lang.coverage.script_changes import ScriptChange
+    from lipsync_lang.coverage.report import Coverage, CoverageReport, Since, Tally
 
 MAX_RANKING_ROWS = 20
 """Number of rows of the ranking by default."""
@@ -27,11 +19,20 @@ MAX_RANKING_ROWS = 20
 MAX_TEXT_NAMES = 8
 """Maximum number of names of a list."""
 
+MAX_SENTENCES = 3
+"""Maximum number of lines to draw first, by default."""
+
 
 @FORMS.register("text")
 def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     """Write all reports; several reports are preceded by their total and a table."""
-    blocks = [_read(coverage.corpus)]
+    corpus = coverage.corpus
+    read = (len(corpus.files), "file"), (corpus.lines, "line"), (corpus.words, "word")
+    blocks = [[", ".join(_count(number, thing) for number, thing in read)]]
+    if corpus.dropped:
+        blocks[0].append(f"not spoken: {_tallies(corpus.dropped)}")
+    if corpus.other_speakers:
+        blocks[0].append(f"no character of their own: {_tallies(corpus.other_speakers)}")
     if len(coverage.reports) > 1:
         if coverage.total is not None:
             blocks[0].insert(0, headline(coverage.total))
@@ -46,16 +47,6 @@ def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     blocks += [shared] if shared else []
     blocks += [_since(coverage.since)] if coverage.since else []
     out.write("\n\n".join("\n".join(lines) for lines in blocks) + "\n")
-
-
-def _read(corpus: "Corpus") -> list[str]:
-    read = (len(corpus.files), "file"), (corpus.lines, "line"), (corpus.words, "word")
-    lines = [", ".join(_count(number, thing) for number, thing in read)]
-    if corpus.dropped:
-        lines.append(f"not spoken: {_tallies(corpus.dropped)}")
-    if corpus.other_speakers:
-        lines.append(f"no character of their own: {_tallies(corpus.other_speakers)}")
-    return lines
 
 
 def _matrix(reports: "Sequence[CoverageReport]") -> list[str]:
@@ -81,8 +72,7 @@ def _report(report: "CoverageReport", minutes: float, *, everything: bool) -> li
         "",
         *(f"  {line}" for line in _table(report, everything=everything)),
         "",
-        *(f"  {line}" for line in _facts(report)),
-        *(f"  {line}" for line in _sentences(report, everything=everything)),
+        *(f"  {line}" for line in _facts(report, everything=everything)),
     ]
 
 
@@ -136,7 +126,7 @@ def _table(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
         yield f"... and {len(report.bigrams) - len(shown)} more; --all lists them"
 
 
-def _facts(report: "CoverageReport") -> Iterator[str]:
+def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
     shares = ", ".join(f"{share} % in {number}" for share, number in report.needed.items())
     yield f"most frequent bigrams: {shares}"
     kinds = len(report.bigrams) + len(report.unused)
@@ -159,13 +149,9 @@ def _facts(report: "CoverageReport") -> Iterator[str]:
         yield f"in another script, read by the voice: {_tallies(read)}"
     if spelled:
         yield f"in another script, not counted: {_tallies(spelled)}"
-
-
-def _sentences(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
-    if not report.sentences:
-        return
-    shown = report.sentences if everything else report.sentences[:3]
-    yield f"{_count(len(report.sentences), 'line')} that use every unauthored bigram:"
+    shown = report.sentences if everything else report.sentences[:MAX_SENTENCES]
+    if shown:
+        yield f"{_count(len(report.sentences), 'line')} that use every unauthored bigram:"
     for one in shown:
         yield f"  {one.place}: {one.text or '(timed phonemes)'} ({len(one.bigrams)} new)"
     if len(shown) < len(report.sentences):
@@ -194,38 +180,27 @@ def _since(since: "Since") -> list[str]:
             f"{now.hours:g} hours"
         )
     for script in since.script:
-        lines += [f"  {line}" for line in _script_change(script, several=len(since.script) > 1)]
+        was, has = script.lines
+        whose = f"script in {_few(script.languages)}" if len(since.script) > 1 else "script"
+        parts = (("added", script.added), ("removed", script.removed), ("changed", script.changed))
+        told = ", ".join(f"{len(names)} {what}" for what, names in parts if names) or "no change"
+        lines.append(f"  {whose}: {_count(has, 'line')}, {was:,} before; {told}")
+        lines += [f"    {what}: {_few(names)}" for what, names in parts if names]
     for change in since.reports:
-        lines += [f"  {line}" for line in _change(change)]
+        lines.append(
+            f"  {change.label} on {change.character}: {percentage_text(change.percent[0])} to "
+            f"{percentage_text(change.percent[1])} authored, {change.left[0]} to "
+            f"{change.left[1]} left"
+        )
+        lists = (
+            ("authored", change.authored),
+            ("no longer authored", change.lost),
+            ("newly needed", change.new),
+            ("no longer needed", change.gone),
+        )
+        lines += [f"    {what}: {_few(names)}" for what, names in lists if names]
     lines += [f"  {name}: in only one of the documents" for name in since.unmatched]
     return lines
-
-
-def _script_change(change: "ScriptChange", *, several: bool) -> Iterator[str]:
-    before, now = change.lines
-    whose = f"script in {_few(change.languages)}" if several else "script"
-    parts = (("added", change.added), ("removed", change.removed), ("changed", change.changed))
-    told = [f"{len(lines)} {what}" for what, lines in parts if lines]
-    yield f"{whose}: {_count(now, 'line')}, {before:,} before; {', '.join(told) or 'no change'}"
-    for what, lines in parts:
-        if lines:
-            yield f"  {what}: {_few(lines)}"
-
-
-def _change(change: "ReportChange") -> Iterator[str]:
-    before, now = change.percent
-    yield (
-        f"{change.label} on {change.character}: {percentage_text(before)} to "
-        f"{percentage_text(now)} authored, {change.left[0]} to {change.left[1]} left"
-    )
-    for what, which in (
-        ("authored", change.authored),
-        ("no longer authored", change.lost),
-        ("newly needed", change.new),
-        ("no longer needed", change.gone),
-    ):
-        if which:
-            yield f"  {what}: {_few(which)}"
 
 
 def _tallies(found: "Sequence[Tally]") -> str:

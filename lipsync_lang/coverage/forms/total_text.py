@@ -32,7 +32,19 @@ def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Itera
         return
     if len(total.faces) > 1:
         yield ""
-        yield from (f"  {line}" for line in columns(_faces(total)))
+        rows_of_faces = [("character", "pose set", "authored", "left", "hours", "first hour")]
+        rows_of_faces += [
+            (
+                face.character,
+                face.poseset,
+                f"{percentage_text(face.authored.percent):>7}",
+                f"{face.left.bigrams:4}",
+                f"{face.left.hours:5.1f}",
+                f"{percentage_text(face.next_hour.percent):>10}",
+            )
+            for face in total.faces
+        ]
+        yield from (f"  {line}" for line in columns(rows_of_faces))
     soon = total.ranking[: affordable(coverage.minutes)]
     for number, call in enumerate(draft_calls(soon)):
         yield from () if number else ("", "  next, for all:")
@@ -78,37 +90,10 @@ def headline(total: "TotalFigures") -> str:
     return f"{total.left.bigrams:,} {drawn}, {total.left.hours:g} hours for {whom}{gain}"
 
 
-def _faces(total: "Total") -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = [
-        ("character", "pose set", "authored", "left", "hours", "first hour")
-    ]
-    rows += [
-        (
-            face.character,
-            face.poseset,
-            f"{percentage_text(face.authored.percent):>7}",
-            f"{face.left.bigrams:4}",
-            f"{face.left.hours:5.1f}",
-            f"{percentage_text(face.next_hour.percent):>10}",
-        )
-        for face in total.faces
-    ]
-    return rows
-
-
 def _ranking(total: "Total", items: "Sequence[WorkItem]") -> list[tuple[str, ...]]:
     several = len({face.poseset for face in total.faces}) > 1
-    rows = [
-        (
-            "rank",
-            "bigram",
-            *(["pose set"] if several else []),
-            "gain %",
-            "then %",
-            "count",
-            "serves",
-        )
-    ]
+    own = ["pose set"] if several else []
+    rows = [("rank", "bigram", *own, "gain %", "then %", "count", "serves")]
     rows += [
         (
             f"{rank:4}",

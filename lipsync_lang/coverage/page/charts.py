@@ -4,7 +4,7 @@ Shapes are SVG paths stretched to the available width: x in ranks, y in thousand
 Text is separate HTML, so that it keeps its size on a telephone.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import ceil, floor, log10
@@ -148,16 +148,10 @@ def _marks(
 
 
 def _ranks(width: int) -> list[tuple[str, str]]:
-    return [(f"{rank:,}", _placed(left=(rank - 0.5) / width)) for rank in _round_ranks(width)]
-
-
-def _round_ranks(width: int) -> Iterator[int]:
-    if width:
-        step = max(1, round(_step(width)))
-        yield 1
-        yield from (rank for rank in range(step, width, step) if 1 < rank < width - step / 2)
-    if width > 1:
-        yield width
+    step = max(1, round(_step(width))) if width else 1
+    round_ones = (rank for rank in range(step, width, step) if 1 < rank < width - step / 2)
+    ranks = dict.fromkeys((1, *round_ones, width)) if width else ()
+    return [(f"{rank:,}", _placed(left=(rank - 0.5) / width)) for rank in ranks]
 
 
 def _placed(**sides: float) -> str:
