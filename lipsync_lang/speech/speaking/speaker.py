@@ -81,12 +81,6 @@ class Speaker:
         manner = manner_of(pack, common)
         return cls(manner, notations_of(library, pack), near, cleaning=cleaning)
 
-    def remembering(self) -> "Speaker":
-        """Return a copy that reads no text twice."""
-        made = Speaker(self.manner, self.notations, self.near, {}, self.cleaning)
-        made.__dict__.update({k: v for k, v in self.__dict__.items() if k == "_engine"})
-        return made
-
     def written(self, text: str) -> WrittenText:
         """Return the part of a text that is read, with its emphasis."""
         said = spoken(text, self.cleaning)
@@ -109,10 +103,15 @@ class Speaker:
     def transcribe_many(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
         """Yield for each text its transcript, or the error of its reading."""
         for batch in batches(texts, BATCH_TEXTS):
-            written = [self.written(text) for text in batch]
-            words = self._read([one.text for one in written])
-            for one, found in zip(written, words, strict=True):
-                yield found if isinstance(found, SpeechError) else self._transcript(one, found)
+            yield from self.transcripts(batch)
+
+    def transcripts(self, texts: Sequence[str]) -> list[Transcript | SpeechError]:
+        """Return for each text its transcript, or the error of its reading, all read at once."""
+        written = [self.written(text) for text in texts]
+        return [
+            found if isinstance(found, SpeechError) else self._transcript(one, found)
+            for one, found in zip(written, self._read([w.text for w in written]), strict=True)
+        ]
 
     def _read(self, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
         """Return the words of texts, all read at once, and a repeated one once."""
@@ -337,7 +336,7 @@ class Speaker:
         direct = manner.direct or manner.voice is None or name != manner.voice[0]
         read = self._for_direct_voice(texts) if direct else self.transcribe_many(texts)
         ours, engines = tee(read)
-        spellings = (_spelling(one) for one in engines if isinstance(one, Transcript))
+        spellings = (one.spelling for one in engines if isinstance(one, Transcript))
         said = iter(speak_many(spellings, voice, engine=name, words_per_minute=words_per_minute))
         for transcript in ours:
             if isinstance(transcript, SpeechError):
@@ -359,7 +358,7 @@ class Speaker:
         for batch in batches(texts, BATCH_TEXTS):
             whole = self.manner.engine is None
             odd = [text for text in batch if not (whole or self._utterances.ordinary(text))]
-            read = dict(zip(odd, self.transcribe_many(odd), strict=True))
+            read = dict(zip(odd, self.transcripts(odd), strict=True))
             for text in batch:
                 yield read.get(text) or Transcript(text, self.manner.language, "", ())
 
@@ -426,10 +425,3 @@ def _separate_words(schedule: Schedule) -> tuple[Said, ...]:
         words.append(Said(word.text, schedule.labels[span], stress=schedule.stress[span]))
         at = word.stop
     return tuple(words)
-
-
-def _spelling(transcript: Transcript) -> str:
-    """Return the text for a voice to read, in the engine's spelling if it has one."""
-    if not any(word.respelled for word in transcript.words):
-        return transcript.text
-    return " ".join(word.respelled or word.text for word in transcript.words)

@@ -4,9 +4,9 @@ Each word has pronunciation variants from the dictionary and from the language's
 package selects the most likely variant and its times.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
+from itertools import repeat
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import SpeechError
@@ -56,16 +56,22 @@ class PocketsphinxAligner(BatchAligner):
         model: str | None = None,
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with many texts read at once."""
+        from lipsync_lang.resolver.nearest_phonemes import model_phones
+
         try:
-            models = find_models(model or _every_language())
+            if not model:  # the one that hears languages without a model of their own
+                known = model_phones()
+                model = known.model if known else None
+            models = find_models(model)
         except SpeechError as error:
             yield from (error for _ in recordings)
             return
         for batch in batches(recordings, BATCH_TEXTS):
             # All texts of a batch are read before the first sound: G2P engines start slowly.
-            reader = WordReader(models, speaker.remembering())
-            read = list(reader.speaker.transcribe_many(text for _, text in batch))
-            reader.read_apart(one for one in read if not isinstance(one, SpeechError))
+            read = speaker.transcripts([text for _, text in batch])
+            reader = WordReader(
+                models, speaker, [one for one in read if not isinstance(one, SpeechError)]
+            )
             for (sound, _), transcript in zip(batch, read, strict=True):
                 if isinstance(transcript, SpeechError):
                     yield transcript
@@ -112,9 +118,16 @@ class PocketsphinxAligner(BatchAligner):
 
 
 class WordReader:
-    """Pronunciation lookup for words of a language."""
+    """Pronunciation lookup for words of a language.
 
-    def __init__(self, models: Models, speaker: "Speaker") -> None:
+    Parameters
+    ----------
+    transcripts : texts whose words will be asked for; words that the G2P joined are read apart here
+    """
+
+    def __init__(
+        self, models: Models, speaker: "Speaker", transcripts: "Iterable[Transcript]" = ()
+    ) -> None:
         self.models = models
         self.speaker = speaker
         manner = speaker.manner
@@ -130,43 +143,38 @@ class WordReader:
                 for label, names in manner.audio.phones.items()
             }
         )
-
-    def read_apart(self, transcripts: "Iterable[Transcript]") -> None:
-        """Read the parts of all words that the G2P joined, at once."""
-        words = [said for one in transcripts for said in one.words]
-        parts = sorted(_parts(_joined(words)))
-        if parts:  # the speaker remembers what it read
-            deque(self.speaker.transcribe_many(parts), maxlen=0)
+        joined = [s.text.split() for one in transcripts for s in one.words if _is_joined(s)]
+        parts = sorted({part for texts in joined for part in texts})
+        self.apart = dict(zip(parts, speaker.transcripts(parts), strict=True)) if parts else {}
 
     def sayings(self, words: "Sequence[Said]") -> list[Saying]:
         """Return words with their pronunciation variants, split where the G2P joined them."""
-        together = _joined(words)
-        parts = sorted(_parts(together))
-        read = dict(zip(parts, self.speaker.transcribe(parts), strict=True)) if parts else {}
-        apart = [
-            one
-            for said in words
-            for one in (
-                (word for part in said.text.split() for word in read[part].words)
-                if said.text in together
-                else [said]
-            )
-        ]
-        sayings = (self.saying(said) for said in apart)
+        apart: list[Said] = []
+        for said in words:
+            if _is_joined(said):
+                for part in said.text.split():
+                    read = self.apart[part]
+                    if isinstance(read, SpeechError):
+                        raise read
+                    apart += read.words
+            else:
+                apart.append(said)
+        own = self.models.ways([plain(said.text) for said in apart]) if self.own else repeat(())
+        sayings = map(self.saying, apart, own)
         return [saying for saying in sayings if saying.ways]
 
-    def saying(self, said: "Said") -> Saying:
+    def saying(self, said: "Said", own: tuple[tuple[int, ...], ...]) -> Saying:
         """Return a word with its pronunciations.
 
-        In the model's own language the dictionary comes first; elsewhere the G2P alone counts.
+        In the model's own language the dictionary comes first (`own`); elsewhere the G2P alone
+        counts.
         """
         numbers = [self.numbers(label) for label in said.labels]
         read = tuple(number for some in numbers for number in some)
         if not read:
             return Saying(said.text, ())
         if self.own:
-            ways = tuple(dict.fromkeys([*self.models.ways(plain(said.text)), read]))
-            return Saying(said.text, ways)
+            return Saying(said.text, tuple(dict.fromkeys([*own, read])))
         spelled = tuple(
             (label, len(some)) for label, some in zip(said.labels, numbers, strict=True) if some
         )
@@ -180,14 +188,12 @@ class WordReader:
         """
         found = self.stated.find(label)
         if found is None:
-            said = [label] if self.speaker.manner.notation == IPA else self._typical(label)
+            said = [label]
+            if self.speaker.manner.notation != IPA:
+                common = self.labels.find(label) or ()
+                said = [self.typical.get(((name, 1.0),), "") for name, _ in common]
             found = tuple(one for ipa in said for one in self.by_ear(ipa))
         return [self.models.numbers[name] for name, _ in found if name in self.models.numbers]
-
-    def _typical(self, label: str) -> list[str]:
-        """Return the IPA of the common phonemes of a label."""
-        common = self.labels.find(label) or ()
-        return [self.typical.get(((name, 1.0),), "") for name, _ in common]
 
     @cached_property
     def by_ear(self) -> "Callable[[str], Value]":
@@ -200,18 +206,6 @@ class WordReader:
         return lambda label: known.nearest.nearest(label).value  # signs that are no IPA are mute
 
 
-def _every_language() -> str | None:
-    """Return the model that hears languages without one of their own, by name."""
-    from lipsync_lang.resolver.nearest_phonemes import model_phones
-
-    known = model_phones()
-    return known.model if known else None
-
-
-def _joined(words: "Iterable[Said]") -> set[str]:
-    """Return the texts of words that the G2P joined."""
-    return {said.text for said in words if said.labels and len(said.text.split()) > 1}
-
-
-def _parts(joined: Iterable[str]) -> set[str]:
-    return {part for text in joined for part in text.split()}
+def _is_joined(said: "Said") -> bool:
+    """Return True for several words that the G2P reads as one."""
+    return bool(said.labels) and len(said.text.split()) > 1

@@ -119,7 +119,8 @@ def _heard(models: Models, sound: Floats) -> _DecodedPart:
     """Return the words of a part, or its phonemes if it has no words."""
     progress.tell(0, 1)
     words = decoded_words(models, sound)
-    sayings = [Saying(word.text, models.ways(word.text)) for word in words]
+    texts = [word.text for word in words]
+    sayings = [Saying(*one) for one in zip(texts, models.ways(texts), strict=True)]
     found = lay(models.model, features(sound), [one.ways for one in sayings]) if sayings else None
     if found is not None:
         fits: list[list[HeardPhoneme]] = [[] for _ in words]

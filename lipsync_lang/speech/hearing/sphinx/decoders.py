@@ -3,6 +3,7 @@
 A sound is decoded in parts, cut at the quietest frames.
 """
 
+import re
 from collections.abc import Iterator
 from functools import partial
 from threading import local
@@ -13,7 +14,7 @@ import numpy as np
 from lipsync_lang.arrays import Floats
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES
-from lipsync_lang.speech.hearing.sphinx.folder import Models, without_variant
+from lipsync_lang.speech.hearing.sphinx.folder import Models
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.speech.sound import SPEECH_RATE
 
@@ -35,6 +36,9 @@ PHONE_WEIGHT = 2.0
 
 PHONE_BEAM = 1e-20
 """Likelihood of the unlikeliest phonemes that are followed, relative to the likeliest."""
+
+VARIANT = re.compile(r"\(\d+\)$")
+"""Number of a further pronunciation, after a word of the dictionary."""
 
 threads = local()
 """Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
@@ -64,15 +68,18 @@ def parts(
 
 def decoded_words(models: Models, sound: Floats) -> list[DecodedWord]:
     """Return the recognised words; entries outside the dictionary are pauses or noises."""
-    found = _segments(models, sound, "words", lm=str(models.words), maxhmmpf=MAX_ACTIVE_STATES)
-    named = (DecodedWord(without_variant(one.word), min(one.prob, 1.0)) for one in found)
-    return [word for word in named if models.ways(word.text)]
+    language = str(models.folder / f"{models.folder.name}.lm.bin")
+    found = _segments(models, sound, "words", lm=language, maxhmmpf=MAX_ACTIVE_STATES)
+    named = [DecodedWord(VARIANT.sub("", one.word), min(one.prob, 1.0)) for one in found]
+    ways = models.ways(word.text for word in named)
+    return [word for word, known in zip(named, ways, strict=True) if known]
 
 
 def decoded_phones(models: Models, sound: Floats) -> list[HeardPhoneme]:
     """Return the phonemes of a sound without words, one after the other."""
     settings = {"lw": PHONE_WEIGHT, "beam": PHONE_BEAM, "pbeam": PHONE_BEAM}
-    found = _segments(models, sound, "phones", allphone=str(models.phones), **settings)
+    language = str(models.folder / f"{models.folder.name}-phone.lm.bin")
+    found = _segments(models, sound, "phones", allphone=language, **settings)
     names = [(one.word, one.start_frame) for one in found] or [("", 0)]
     stops = [first for _, first in names[1:]] + [-(-len(sound) // HOP_SAMPLES)]
     return [

@@ -1,6 +1,6 @@
 """Locations of the installed pocketsphinx models, and their dictionary."""
 
-import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.util import find_spec
@@ -9,8 +9,6 @@ from pathlib import Path
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.extras import install_line
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE, AcousticModel, read_model
-
-_VARIANT = re.compile(r"\(\d+\)$")
 
 
 @dataclass(frozen=True)
@@ -34,16 +32,6 @@ class Models:
         """The pronunciation dictionary file."""
         return self.folder / f"cmudict-{self.folder.name}.dict"
 
-    @property
-    def words(self) -> Path:
-        """The word language model file."""
-        return self.folder / f"{self.folder.name}.lm.bin"
-
-    @property
-    def phones(self) -> Path:
-        """The phoneme language model file."""
-        return self.folder / f"{self.folder.name}-phone.lm.bin"
-
     @cached_property
     def model(self) -> AcousticModel:
         """The acoustic model."""
@@ -60,20 +48,23 @@ class Models:
         """The numbers of non-speech phonemes."""
         return self.model.fillers | {OUTSIDE}
 
-    def ways(self, word: str) -> tuple[tuple[int, ...], ...]:
-        """Return pronunciations of a word as phoneme numbers; empty if unknown.
+    def ways(self, words: Iterable[str]) -> list[tuple[tuple[int, ...], ...]]:
+        """Return the pronunciations of each word as phoneme numbers; none of an unknown word.
 
         Raises
         ------
         SpeechError
             The dictionary is unreadable.
         """
-        found: list[tuple[int, ...]] = []
-        spelling = word
-        while (phones := self._entries.get(spelling)) is not None:
-            found.append(tuple(self.numbers[name] for name in phones.split()))
-            spelling = f"{word}({len(found) + 1})"
-        return tuple(found)
+        ways: list[tuple[tuple[int, ...], ...]] = []
+        for word in words:
+            found: list[tuple[int, ...]] = []
+            spelling = word
+            while (phones := self._entries.get(spelling)) is not None:
+                found.append(tuple(self.numbers[name] for name in phones.split()))
+                spelling = f"{word}({len(found) + 1})"
+            ways.append(tuple(found))
+        return ways
 
     @cached_property
     def _entries(self) -> dict[str, str]:
@@ -83,11 +74,6 @@ class Models:
         except (OSError, UnicodeDecodeError) as error:
             raise SpeechError(f"{self.dictionary}: cannot be read: {error}") from None
         return {word: phones for word, _, phones in (line.partition(" ") for line in lines)}
-
-
-def without_variant(word: str) -> str:
-    """Strip the variant number from a dictionary word."""
-    return _VARIANT.sub("", word)
 
 
 @cache
