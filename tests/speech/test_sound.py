@@ -13,7 +13,7 @@ from lanes import full
 import lipsync_lang as ll
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.speech import sound
-from lipsync_lang.speech.hearing.align.spectrum import listen, samples_of
+from lipsync_lang.speech.hearing.align.spectrum import heard_in, mel_power, samples_of
 from lipsync_lang.speech.sound import FASTEST, MAX_SOUND_SECONDS, SLOWEST, read_audio, resampled
 
 soundfile = pytest.importorskip("soundfile")
@@ -294,9 +294,9 @@ def test_speech_is_found_at_any_level_and_beside_a_constant(level):
     """The level of a recording and a constant offset in it have no effect."""
     rng = np.random.default_rng(1)
     voice = rng.normal(0, 1500, 2 * RATE) * np.repeat([1, 0.003, 1, 0.003], RATE // 2)
-    plain = listen(samples_of(ll.Audio(voice.astype(np.int16), RATE))).spoken
+    plain = heard_in(mel_power(samples_of(ll.Audio(voice.astype(np.int16), RATE)))[0]).spoken
     other = np.rint(voice * 10 * level + 9000).astype(np.int16)
-    heard = listen(samples_of(ll.Audio(other, RATE))).spoken
+    heard = heard_in(mel_power(samples_of(ll.Audio(other, RATE)))[0]).spoken
     assert np.mean(plain != heard) < 0.03
     assert 0.4 < plain.mean() < 0.6
 

@@ -17,7 +17,7 @@ from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech import speak
 from lipsync_lang.speech.hearing.align.aligners import ALIGNERS
 from lipsync_lang.speech.hearing.align.bending import SpokenVoice, _coarse, _edges
-from lipsync_lang.speech.hearing.align.spectrum import listen, mel_power, samples_of
+from lipsync_lang.speech.hearing.align.spectrum import heard_in, mel_power, samples_of
 from lipsync_lang.speech.hearing.align.warping import MIN_PHONEME_SECONDS, _pauses, _spaced
 from lipsync_lang.speech.sound import SPEECH_RATE, read_audio
 from lipsync_lang.speech.speaking.speaker import Speaker
@@ -309,7 +309,7 @@ def test_bands_are_empty_where_a_tone_is_not():
 def test_speech_is_told_from_what_is_around_it(recording):
     quiet = np.zeros(SPEECH_RATE // 2)
     samples = np.concatenate([quiet, samples_of(recording.audio), quiet])
-    spoken = listen(samples).spoken
+    spoken = heard_in(mel_power(samples)[0]).spoken
     assert not spoken[:45].any()
     assert not spoken[-45:].any()
     assert spoken[60:-60].mean() > 0.7

@@ -15,7 +15,12 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.speech.hearing.sphinx.features import FFT_POINTS, PRE_EMPHASIS
+from lipsync_lang.speech.hearing.sphinx.features import (
+    FFT_POINTS,
+    PRE_EMPHASIS,
+    mel_edges,
+    triangles,
+)
 from lipsync_lang.speech.sound import SPEECH_RATE, resampled
 
 if TYPE_CHECKING:
@@ -112,29 +117,8 @@ def mel_power(
 @lru_cache(maxsize=8)
 def _bank(tract: float) -> Floats:
     """Return triangular filter weights of the bands: (bins, BANDS)."""
-    mels = np.linspace(_mel(LOWEST), _mel(HIGHEST), BANDS + 2)
     # A longer vocal tract moves all formants by one factor, so the bands move with it.
-    edges = 700 * (10 ** (mels / 2595) - 1) * tract
-    bins = np.arange(FFT_POINTS // 2 + 1)[:, None] * SPEECH_RATE / FFT_POINTS
-    low, middle, high = edges[:-2], edges[1:-1], edges[2:]
-    rising, falling = (bins - low) / (middle - low), (high - bins) / (high - middle)
-    return np.maximum(0, np.minimum(rising, falling))
-
-
-def _mel(hertz: float) -> float:
-    return float(2595 * np.log10(1 + hertz / 700))
-
-
-def listen(samples: Floats) -> SpeechSpectrum:
-    """Detect the speech in a recording.
-
-    Raises
-    ------
-    SpeechError
-        The recording has no speech.
-    """
-    (power,) = mel_power(samples)
-    return heard_in(power)
+    return triangles(mel_edges(LOWEST, HIGHEST, BANDS) * tract)
 
 
 def heard_in(power: Floats) -> SpeechSpectrum:

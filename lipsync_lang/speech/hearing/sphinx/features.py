@@ -40,7 +40,12 @@ def features(samples: Floats) -> Floats:
     -------
     (T, 3, 13): cepstra less their mean, first and second derivatives; T = N / `HOP_SAMPLES`
     """
-    cepstra = _cepstra(_quieted(_spectra(samples)))
+    order = np.arange(CEPSTRA)[:, None]
+    waves = np.cos(np.pi * order * (np.arange(BANDS) + 0.5) / BANDS) * np.sqrt(2 / BANDS)
+    # The unitary cosine transform has another factor for the constant.
+    waves[0] = np.sqrt(1 / BANDS)
+    lifter = 1 + LIFTER / 2 * np.sin(np.pi * np.arange(CEPSTRA) / LIFTER)
+    cepstra: Floats = (np.log(_quieted(_spectra(samples)) + 1e-4) @ waves.T) * lifter
     # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
     cepstra -= cepstra.mean(axis=0)
     wide = np.pad(cepstra, ((3, 3), (0, 0)), mode="edge")
@@ -70,7 +75,11 @@ def _spectra(samples: Floats) -> Floats:
     ]
     # A Hamming window.
     window = 0.54 - 0.46 * np.cos(2 * np.pi * np.arange(WINDOW_SAMPLES) / (WINDOW_SAMPLES - 1))
-    bands = _bands()
+    spacing = SPEECH_RATE / FFT_POINTS
+    # The trainer rounds the corners of the filters to bins of the Fourier transform, and gives all
+    # filters one area.
+    edges = np.floor(mel_edges(LOWEST, HIGHEST, BANDS) / spacing + 0.5) * spacing
+    bands = triangles(edges) * (2 / (edges[2:] - edges[:-2]))
     spectra = np.empty((len(frames), BANDS))
     for start in range(0, len(frames), 1000):  # in blocks, to bound memory
         block = slice(start, start + 1000)
@@ -78,20 +87,19 @@ def _spectra(samples: Floats) -> Floats:
     return spectra
 
 
-def _bands() -> Floats:
-    """Return triangular filters of equal area, evenly spaced in mel: (257, `BANDS`)."""
-    low, high = (2595 * np.log10(1 + hertz / 700) for hertz in (LOWEST, HIGHEST))
-    edges = 700 * (10 ** (np.linspace(low, high, BANDS + 2) / 2595) - 1)
-    spacing = SPEECH_RATE / FFT_POINTS
-    # The trainer rounds the corners of the filters to bins of the Fourier transform.
-    edges = np.floor(edges / spacing + 0.5) * spacing
-    hertz = np.arange(FFT_POINTS // 2 + 1)[:, None] * spacing
+def mel_edges(lowest: float, highest: float, bands: int) -> Floats:
+    """Return the corners of bands that are evenly spaced in mel, in hertz: (bands + 2,)."""
+    low, high = (2595 * np.log10(1 + hertz / 700) for hertz in (lowest, highest))
+    edges: Floats = 700 * (10 ** (np.linspace(low, high, bands + 2) / 2595) - 1)
+    return edges
+
+
+def triangles(edges: Floats) -> Floats:
+    """Return triangular filters between corners in hertz: (257, bands)."""
+    hertz = np.arange(FFT_POINTS // 2 + 1)[:, None] * SPEECH_RATE / FFT_POINTS
     left, middle, right = edges[:-2], edges[1:-1], edges[2:]
-    rising = (hertz - left) / (middle - left)
-    falling = (right - hertz) / (right - middle)
-    height = 2 / (right - left)
-    shape: Floats = np.clip(np.minimum(rising, falling), 0, None) * height
-    return shape
+    rising, falling = (hertz - left) / (middle - left), (right - hertz) / (right - middle)
+    return np.maximum(0, np.minimum(rising, falling))
 
 
 def _quieted(spectra: Floats) -> Floats:
@@ -127,14 +135,3 @@ def _envelope(values: Floats, below: Floats) -> Floats:
     """Track the lower envelope of values: slow rise, fast fall."""
     slow = np.where(values >= below, 0.995, 0.5)
     return slow * below + (1 - slow) * values
-
-
-def _cepstra(spectra: Floats) -> Floats:
-    """Return the cepstra of spectra: (T, `CEPSTRA`)."""
-    order = np.arange(CEPSTRA)[:, None]
-    waves = np.cos(np.pi * order * (np.arange(BANDS) + 0.5) / BANDS) * np.sqrt(2 / BANDS)
-    # The unitary cosine transform has another factor for the constant.
-    waves[0] = np.sqrt(1 / BANDS)
-    lifter = 1 + LIFTER / 2 * np.sin(np.pi * np.arange(CEPSTRA) / LIFTER)
-    cepstra: Floats = (np.log(spectra + 1e-4) @ waves.T) * lifter
-    return cepstra
