@@ -15,7 +15,6 @@ from lipsync_lang.speech.sound_forms import PLACEHOLDER_BYTES, surplus_seconds, 
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import ModuleType
 
 SPEECH_RATE = 16_000
 """Samples per second at which models and aligners hear speech."""
@@ -86,7 +85,10 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
     >>> ll.read_audio("map.wav").rate
     22050
     """
-    soundfile = _soundfile()
+    try:
+        import soundfile
+    except (ImportError, OSError):  # OSError: the shared library of the package is missing
+        raise SpeechError(_missing("soundfile")) from None
     try:
         # libsndfile seeks in the file itself, without a buffer of ours: through a Python stream, a
         # header that points before the start of the file prints a traceback.
@@ -140,7 +142,20 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
         raise SpeechError(
             f"{path}: has no channel {channel}; its channels are numbered 1 to {sound.channels}"
         )
-    blocks = _mixed(path, sound) if channel is None else _taken(path, sound, channel - 1)
+    blocks: list[npt.NDArray[np.int16]] = []
+    if channel is None:
+        powers, left = np.zeros(sound.channels), 0.0
+        for block in _blocks(path, sound):
+            mean = block.mean(axis=1)
+            # In float64: the sum of an hour of squares has more digits than a float32 keeps.
+            powers += np.square(block, dtype=np.float64).sum(axis=0)
+            left += float(np.square(mean, dtype=np.float64).sum())
+            blocks.append(_whole(mean * INT16_FULL_SCALE))
+        if left < MIN_MIX_POWER * powers.mean():  # the channels cancel each other out
+            sound.seek(0)
+            channel = int(powers.argmax()) + 1
+    if channel is not None:
+        blocks = [_whole(b[:, channel - 1] * INT16_FULL_SCALE) for b in _blocks(path, sound)]
     count = sum(map(len, blocks))
     if count == 0:
         raise SpeechError(f"{path}: has no sound; record it again")
@@ -163,27 +178,6 @@ def _blocks(path: str | Path, sound: Any) -> "Iterator[npt.NDArray[np.float32]]"
         if count > MAX_SAMPLES:
             raise SpeechError(f"{path}: has more than {MAX_SAMPLES:,} samples; cut it into lines")
         yield np.clip(np.nan_to_num(block), -MAX_AMPLITUDE, MAX_AMPLITUDE)
-
-
-def _taken(path: str | Path, sound: Any, channel: int) -> "list[npt.NDArray[np.int16]]":
-    """Read one channel."""
-    return [_whole(block[:, channel] * INT16_FULL_SCALE) for block in _blocks(path, sound)]
-
-
-def _mixed(path: str | Path, sound: Any) -> "list[npt.NDArray[np.int16]]":
-    """Mix the channels down, or take the loudest of channels that cancel each other out."""
-    blocks: list[npt.NDArray[np.int16]] = []
-    powers, left = np.zeros(sound.channels), 0.0
-    for block in _blocks(path, sound):
-        mean = block.mean(axis=1)
-        # In float64: the sum of an hour of squares has more digits than a float32 keeps.
-        powers += np.square(block, dtype=np.float64).sum(axis=0)
-        left += float(np.square(mean, dtype=np.float64).sum())
-        blocks.append(_whole(mean * INT16_FULL_SCALE))
-    if left >= MIN_MIX_POWER * powers.mean():
-        return blocks
-    sound.seek(0)
-    return _taken(path, sound, int(powers.argmax()))
 
 
 def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
@@ -224,15 +218,6 @@ def resampled(audio: Audio, rate: int) -> Audio:
     common = gcd(audio.rate, rate)
     samples = resample_poly(audio.samples.astype(np.float32), rate // common, audio.rate // common)
     return Audio(_whole(samples), rate)
-
-
-def _soundfile() -> "ModuleType":
-    try:
-        import soundfile
-    except (ImportError, OSError):  # OSError: the shared library of the package is missing
-        raise SpeechError(_missing("soundfile")) from None
-    module: ModuleType = soundfile
-    return module
 
 
 def _missing(name: str) -> str:

@@ -55,10 +55,22 @@ def read_events(
             names.append(value.encode("latin-1"))
             # The library reports some events out of order, and some after the end of its sound.
             times.append(min(max(sample, times[-1] if times else 0), end))
-    spans = pairwise([*times, end])
+    # The library cuts names; those are completed from the full spelling, in order.
+    whole: dict[bytes, list[str]] = {}
+    for name in {name for name in names if len(name) == _NAME_BYTES}:
+        found = [s for s in spelled if s.encode().startswith(name)]
+        count = names.count(name)
+        if len(set(found)) == 1:
+            whole[name] = found[:1] * count
+        elif len(found) == count:
+            # Taken by `pop` from the end, in the order of the text.
+            whole[name] = found[::-1]
+    completed = [
+        whole[name].pop() if name in whole else name.decode("utf-8", "ignore") for name in names
+    ]
     sounds = [
         SpokenSound(label_of(name) or SILENCE, *span, stress_of(name))
-        for name, span in zip(_completed(names, spelled), spans, strict=True)
+        for name, span in zip(completed, pairwise([*times, end]), strict=True)
     ]
     lead = times[0] if times else end
     # The silence before the first sound moves all numbers by one.
@@ -86,22 +98,6 @@ def intervals(
     bounds = [sound.start for sound in kept] + [kept[-1].end] if kept else [0]
     labels, stress = [sound.label for sound in kept], [sound.stress for sound in kept]
     return labels, bounds, [second[n] for n in first], stress
-
-
-def _completed(names: Sequence[bytes], spelled: Sequence[str]) -> list[str]:
-    """Decode event names and complete truncated ones, in order, from the full spelling."""
-    whole: dict[bytes, list[str]] = {}
-    for name in {name for name in names if len(name) == _NAME_BYTES}:
-        found = [s for s in spelled if s.encode().startswith(name)]
-        count = names.count(name)
-        if len(set(found)) == 1:
-            whole[name] = found[:1] * count
-        elif len(found) == count:
-            # Taken by `pop` from the end, in the order of the text.
-            whole[name] = found[::-1]
-    return [
-        whole[name].pop() if name in whole else name.decode("utf-8", "ignore") for name in names
-    ]
 
 
 def _joined(sounds: Iterable[SpokenSound]) -> tuple[list[SpokenSound], list[int]]:

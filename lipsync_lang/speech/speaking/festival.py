@@ -99,6 +99,8 @@ class Festival:
         SpeechError
             The text is empty, the voice is unknown, the program is missing, or it failed.
         """
+        import wave
+
         written = unicodedata.normalize("NFC", text)
         spoken = _plain(written)
         stretch = 1.0
@@ -110,7 +112,12 @@ class Festival:
             if not answer.sounds:
                 hint = did_you_mean(voice, answer.voices)
                 raise SpeechError(f"Festival has no voice '{voice}'; {hint}")
-            audio = _sound(Path(folder) / "sound.wav")
+            try:
+                with wave.open(str(Path(folder) / "sound.wav")) as sound:
+                    samples = np.frombuffer(sound.readframes(sound.getnframes()), np.int16)
+                    audio = Audio(samples, sound.getframerate())
+            except (OSError, EOFError, wave.Error):
+                raise SpeechError("Festival wrote no readable sound; try again") from None
         return _schedule(answer, audio, written, voice)
 
     def voices(self) -> dict[str, str]:
@@ -189,18 +196,6 @@ def _read(answer: str) -> Answer:
             case ["voice", name]:
                 voices.append(name)
     return Answer(phones, tuple(tokens), tuple(sounds), tuple(voices))
-
-
-def _sound(path: Path) -> Audio:
-    """Read the sound file written by Festival."""
-    import wave
-
-    try:
-        with wave.open(str(path)) as sound:
-            samples = np.frombuffer(sound.readframes(sound.getnframes()), np.int16)
-            return Audio(samples, sound.getframerate())
-    except (OSError, EOFError, wave.Error):
-        raise SpeechError("Festival wrote no readable sound; try again") from None
 
 
 def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:

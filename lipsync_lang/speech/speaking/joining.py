@@ -106,8 +106,15 @@ def join(
     )
     heard_of, heard = _units(spoken.labels, notations[spoken.notation or transcript.notation])
     found = align(said, heard, manner.kinds, SILENCE)
-    # A diphthong or an affricate is one label and several common phonemes: only units align.
-    starts = _starts(heard_of, spoken)
+    # A diphthong or an affricate is one label and several common phonemes: only units align. Those
+    # of one label divide its time evenly.
+    starts: list[float] = []
+    count = np.bincount(np.array(heard_of, np.intp), minlength=len(spoken))
+    place = 0
+    for number, unit in enumerate(heard_of):
+        place = place + 1 if number and heard_of[number - 1] == unit else 0
+        low, high = spoken.times[unit], spoken.times[unit + 1]
+        starts.append(float(low + (high - low) * place / count[unit]))
     rows = _rows(label_of, heard, found, starts, float(spoken.end))
     return _scheduled(transcript, spoken, rows)
 
@@ -122,18 +129,6 @@ def _units(labels: Sequence[str], notation: Notation) -> tuple[list[int], list[s
             owner.append(number)
             names.append(name)
     return owner, names
-
-
-def _starts(owner: Sequence[int], spoken: Schedule) -> list[float]:
-    """Return start times of a schedule's units; units of one label divide its time evenly."""
-    starts: list[float] = []
-    count = np.bincount(np.array(owner, np.intp), minlength=len(spoken))
-    place = 0
-    for number, unit in enumerate(owner):
-        place = place + 1 if number and owner[number - 1] == unit else 0
-        low, high = spoken.times[unit], spoken.times[unit + 1]
-        starts.append(float(low + (high - low) * place / count[unit]))
-    return starts
 
 
 def _rows(

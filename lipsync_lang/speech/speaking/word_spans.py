@@ -61,14 +61,17 @@ def _tokens(text: str) -> list[tuple[int, int]]:
     return [match.span() for match in _WORD_TOKEN.finditer(text)]
 
 
-def _says(text: str) -> bool:
-    """Return True for tokens with a letter, a digit or a named symbol."""
-    return any(c.isalnum() or c in _SPOKEN_MARKS or unicodedata.category(c)[0] == "S" for c in text)
-
-
 def _starts(text: str, positions: Sequence[int]) -> list[int]:
     """Return the word start of each mark, in non-decreasing order."""
     tokens = _tokens(text)
+    # Tokens with a letter, a digit or a named symbol are said.
+    said = [
+        any(
+            c.isalnum() or c in _SPOKEN_MARKS or unicodedata.category(c)[0] == "S"
+            for c in text[slice(*token)]
+        )
+        for token in tokens
+    ]
     inside = [-1] * (len(text) + 1)
     following = [len(tokens)] * (len(text) + 1)
     for number, (start, end) in enumerate(tokens):
@@ -83,7 +86,7 @@ def _starts(text: str, positions: Sequence[int]) -> list[int]:
     starts: list[int] = []
     for position in positions:
         token = inside[position]
-        if token < 0 or not _says(text[slice(*tokens[token])]):
+        if token < 0 or not said[token]:
             ahead = following[min(position + 1, at_most)] if token >= 0 else following[position]
             if ahead < len(tokens) and ahead not in claimed:
                 token = ahead
@@ -92,19 +95,12 @@ def _starts(text: str, positions: Sequence[int]) -> list[int]:
                 starts.append(starts[-1])
                 continue
         start = tokens[token][0] if token >= 0 else position
-        if token >= 0 and _begins_word(text, start, position):
+        # A mark inside a token starts a word in scripts without spaces, whose letters have no case.
+        around = text[position - 1 : position + 1] if position > start else ""
+        if around and {unicodedata.category(c) for c in around} <= _UNSPACED_CATEGORIES:
             start = position
         starts.append(max([start, *starts[-1:]]))
     return starts
-
-
-def _begins_word(text: str, start: int, position: int) -> bool:
-    """Return True if a mark inside a token starts a word, in scripts without spaces.
-
-    Restricted to caseless letters: scripts with case separate words by spaces.
-    """
-    around = text[position - 1 : position + 1] if position > start else ""
-    return bool(around) and all(unicodedata.category(c) in _UNSPACED_CATEGORIES for c in around)
 
 
 def _spelling(text: str, tokens: Sequence[tuple[int, int]], start: int, until: int) -> str:
@@ -114,18 +110,7 @@ def _spelling(text: str, tokens: Sequence[tuple[int, int]], start: int, until: i
         return "".join(text[start:until].split(maxsplit=1)[:1]) or text.strip()
     rest = [span for span in inside[1:] if any(c.isalnum() for c in text[slice(*span)])]
     spans = inside[:1] + (rest if len(rest) <= _MOST_SKIPPED else [])
-    return " ".join(filter(None, (_bare(text[a:b]) for a, b in spans)))
-
-
-def _bare(token: str) -> str:
-    """Strip surrounding punctuation; a token of only punctuation is unchanged."""
-    first, stop = 0, len(token)
-    while first < stop and _strips(token[first]):
-        first += 1
-    while stop > first and _strips(token[stop - 1]):
-        stop -= 1
-    return token[first:stop] or token
-
-
-def _strips(character: str) -> bool:
-    return unicodedata.category(character)[0] == "P" and character not in _SPOKEN_MARKS
+    # Without the punctuation around each; a token of only punctuation is unchanged.
+    silent = {c for c in text if unicodedata.category(c)[0] == "P"} - set(_SPOKEN_MARKS)
+    bare = (text[a:b].strip("".join(silent)) or text[a:b] for a, b in spans)
+    return " ".join(filter(None, bare))

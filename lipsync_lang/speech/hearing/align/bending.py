@@ -56,7 +56,6 @@ class SpokenVoice(NamedTuple):
     samples: Singles
     rests: Ints
     """Numbers of the phonemes before which the voice pauses."""
-    schedule: Schedule
 
     @classmethod
     def of(cls, said: Schedule) -> Self:
@@ -80,7 +79,6 @@ class SpokenVoice(NamedTuple):
             said.times[1:][kept],
             samples_of(said.audio),
             np.flatnonzero(said.times[kept][1:] - said.times[1:][kept][:-1] >= REST_SECONDS) + 1,
-            said,
         )
 
     def frames(self, hop: float, count: int) -> tuple[Bools, Ints]:
@@ -125,17 +123,6 @@ def fitted(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
     a, b, starts = _pair(heard, kept, voice, hop, tract)
     # Reversed in time, slopes change their sign; the cepstra before them do not.
     backwards = b[::-1] * np.repeat([1, -1], b.shape[1] // 2)
-    return Fit(
-        _edges(a, b, path)[starts],
-        cost,
-        _phoneme_costs(a, b, path, starts),
-        float((np.diff(path, axis=0) == 0).any(axis=1).sum() / len(path)),
-        _coarse(a, backwards)[1],
-    )
-
-
-def _phoneme_costs(a: Floats, b: Floats, path: Ints, starts: Ints) -> Floats:
-    """Return the mean frame distance of each phoneme along a path of `_coarse`: (n,)."""
     step = _step(a, b)
     apart = np.linalg.norm(pooled(a, step)[path[:, 0]] - pooled(b, step)[path[:, 1]], axis=1)
     # Running sums by frame of the voice: the sum of a phoneme is the difference at its ends.
@@ -143,7 +130,13 @@ def _phoneme_costs(a: Floats, b: Floats, path: Ints, starts: Ints) -> Floats:
     count = np.append(0, np.bincount(path[:, 1]).cumsum())
     first, last = starts // step, np.append(starts[1:], len(b)) // step
     last = np.minimum(np.maximum(last, first + 1), len(total) - 1)
-    return np.asarray((total[last] - total[first]) / (count[last] - count[first]))
+    return Fit(
+        _edges(a, b, path)[starts],
+        cost,
+        np.asarray((total[last] - total[first]) / (count[last] - count[first])),
+        float((np.diff(path, axis=0) == 0).any(axis=1).sum() / len(path)),
+        _coarse(a, backwards)[1],
+    )
 
 
 def _pair(

@@ -16,7 +16,6 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.speech.hearing.align.bending import TRACTS, SpokenVoice
 from lipsync_lang.speech.hearing.align.spectrum import (
     HOP,
-    SpeechSpectrum,
     alike,
     heard_in,
     mel_power,
@@ -105,7 +104,14 @@ def _searched(power: Floats, voice: SpokenVoice, tempo: float) -> list[LikelySpa
     size = int(sounding.sum())
     step = max(COARSE, -(-size // MAX_SEARCH_FRAMES))
     tries: list[tuple[int, Ints, Floats]] = []
-    for first, last in _stretches(len(power), size):
+    stretches = {(0, len(power))}
+    for width in STRETCH_WIDTHS:
+        length = max(int(width * size), SHORTEST_STRETCH) + REFINE_FRAMES // 2
+        if length < len(power):
+            spare = len(power) - length
+            starts = np.linspace(0, spare, -(-3 * spare // length) + 1)
+            stretches |= {(int(start), int(start) + length) for start in starts}
+    for first, last in sorted(stretches):
         try:
             heard = heard_in(power[first:last])
         except SpeechError:
@@ -123,17 +129,6 @@ def _searched(power: Floats, voice: SpokenVoice, tempo: float) -> list[LikelySpa
             low, high = kept[begin * step], kept[min((end + 1) * step, len(kept)) - 1]
             found.append(LikelySpan(cost, first + int(low), first + int(high), tempo))
     return found
-
-
-def _stretches(count: int, size: int) -> list[tuple[int, int]]:
-    """Return overlapping stretches of a recording, for a voice of `size` frames."""
-    found = {(0, count)}
-    for width in STRETCH_WIDTHS:
-        length = max(int(width * size), SHORTEST_STRETCH) + REFINE_FRAMES // 2
-        if length < count:
-            starts = np.linspace(0, count - length, -(-3 * (count - length) // length) + 1)
-            found |= {(int(start), int(start) + length) for start in starts}
-    return sorted(found)
 
 
 def relative_costs(a: Floats, b: Floats) -> Floats:
@@ -201,31 +196,24 @@ def _bounded(power: Floats, voice: SpokenVoice, span: LikelySpan) -> tuple[int, 
     except SpeechError:
         return span.first, span.last
     kept = speech_frames(heard.spoken)
-    low, high = _refined(heard, kept, voice, span.tempo) or (
-        span.first - first,
-        span.last - first,
+    # The vocal tract that fits best decides.
+    hop = HOP * span.tempo
+    powers = mel_power(voice.samples, hop, TRACTS)
+    sounding, _ = voice.frames(hop, powers.shape[1])
+    step = max(FINE, -(-int(sounding.sum()) // (2 * MAX_SEARCH_FRAMES)))
+    matched = (alike(heard, one, sounding) for one in powers)
+    cost, low, high = min(
+        subsequences(
+            [relative_costs(pooled(a[kept], step), pooled(b[sounding], step)) for a, b in matched]
+        )
     )
+    if cost > _FAR / 2:
+        low, high = span.first - first, span.last - first
+    else:
+        low, high = int(kept[low * step]), int(kept[min((high + 1) * step, len(kept)) - 1])
     parts = runs(kept)
     begins, ends = (np.array([part[at] for part in parts]) for at in (0, -1))
     begin, end = begins[np.abs(begins - low).argmin()], ends[np.abs(ends - high).argmin()]
     low = begin - PAUSE_MARGIN_FRAMES if abs(begin - low) < SNAP_FRAMES else low
     high = end + PAUSE_MARGIN_FRAMES if abs(end - high) < SNAP_FRAMES else high
     return max(0, first + int(low)), min(len(power), first + int(high) + 1)
-
-
-def _refined(
-    heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice, tempo: float
-) -> tuple[int, int] | None:
-    """Return first and last frame of the voice in a stretch, with the best vocal tract."""
-    hop = HOP * tempo
-    powers = mel_power(voice.samples, hop, TRACTS)
-    sounding, _ = voice.frames(hop, powers.shape[1])
-    step = max(FINE, -(-int(sounding.sum()) // (2 * MAX_SEARCH_FRAMES)))
-    matched = (alike(heard, power, sounding) for power in powers)
-    found = subsequences(
-        [relative_costs(pooled(a[kept], step), pooled(b[sounding], step)) for a, b in matched]
-    )
-    cost, begin, end = min(found)
-    if cost > _FAR / 2:
-        return None
-    return int(kept[begin * step]), int(kept[min((end + 1) * step, len(kept)) - 1])

@@ -98,15 +98,28 @@ def _warped(audio: Audio, said: Schedule) -> Schedule:
     voice = SpokenVoice.of(said)
     (power,) = mel_power(samples_of(audio))
     best = _surest(power, voice, audio.seconds)
+    # The labels differ from the voice's in their pauses alone.
+    pairs = zip(said.labels, said.stress, strict=False)
+    marks = iter([mark for label, mark in pairs if label != SILENCE])
+    stress = tuple(None if label == SILENCE else next(marks, None) for label in best.labels)
+    others = []
+    for first, last in ((0, best.span[0]), (best.span[1], len(power))):
+        try:
+            sounding = np.flatnonzero(heard_in(power).spoken[first:last])
+        except SpeechError:
+            continue
+        if len(sounding) * HOP >= OTHER_SOUND_SECONDS:
+            begin, end = (first + sounding[[0, -1]]) * HOP
+            others.append(f"{begin:.1f} to {end:.1f} s")
     return replace(
-        voice.schedule,
+        said,
         labels=best.labels,
         times=best.times,
         words=best.words,
-        stress=_stress(best.labels, voice.schedule),
+        stress=stress if said.stress else (),
         audio=audio,
         source="recording",
-        remarks=_other_sound(best, power),
+        remarks=(f"sound without text: {', '.join(others)}",) if others else (),
         confidence=best.confidence,
     )
 
@@ -123,9 +136,12 @@ def _surest(power: Floats, voice: SpokenVoice, seconds: float) -> "WarpedVoice":
         return whole
     best = whole
     for first, last in spans(power, voice):
-        part = _part(power, first, last, voice, seconds)
+        try:
+            part = _warped_part(power[first:last], first, voice, seconds)
+        except SpeechError:
+            continue
         least = max(MIN_PART_CONFIDENCE, best.confidence + MIN_GAIN if best else 0)
-        if part and part.confidence > least:
+        if part.confidence > least:
             best = part
             if best.confidence >= SURE_CONFIDENCE:
                 break
@@ -170,30 +186,6 @@ def _warped_part(power: Floats, first: int, voice: SpokenVoice, seconds: float) 
     return WarpedVoice(labels, times, sure_words, surely, (first, first + len(power)))
 
 
-def _part(
-    power: Floats, first: int, last: int, voice: SpokenVoice, seconds: float
-) -> WarpedVoice | None:
-    """Warp the voice to one part of a recording; None if it does not fit."""
-    try:
-        return _warped_part(power[first:last], first, voice, seconds)
-    except SpeechError:
-        return None
-
-
-def _other_sound(bent: WarpedVoice, power: Floats) -> tuple[str, ...]:
-    """Describe sound before and after the text in a remark."""
-    places = []
-    for first, last in ((0, bent.span[0]), (bent.span[1], len(power))):
-        try:
-            sounding = np.flatnonzero(heard_in(power).spoken[first:last])
-        except SpeechError:
-            continue
-        if len(sounding) * HOP >= OTHER_SOUND_SECONDS:
-            begin, end = (first + sounding[[0, -1]]) * HOP
-            places.append(f"{begin:.1f} to {end:.1f} s")
-    return (f"sound without text: {', '.join(places)}",) if places else ()
-
-
 def _laid(
     edges: Floats, kept: Ints, voice: SpokenVoice, seconds: float
 ) -> tuple[tuple[str, ...], Floats, tuple[Word, ...]]:
@@ -227,14 +219,6 @@ def _laid(
         Word(word.text, place[word.first], place[word.stop - 1] + 1) for word in voice.words
     )
     return tuple(labels), _spaced(np.array(times), seconds), words
-
-
-def _stress(labels: tuple[str, ...], spoken: Schedule) -> tuple[int | None, ...]:
-    """Return the stress of labels that differ from a schedule's in their pauses alone."""
-    pairs = zip(spoken.labels, spoken.stress, strict=False)
-    marks = iter([mark for label, mark in pairs if label != SILENCE])
-    stress = tuple(None if label == SILENCE else next(marks, None) for label in labels)
-    return stress if spoken.stress else ()
 
 
 def _pauses(edges: Floats, kept: Ints, voice: SpokenVoice) -> dict[int, tuple[float, float]]:

@@ -43,7 +43,13 @@ def whisper_model(folder: str | None) -> Any:
     >>> whisper_model("models/whisper-small").supported_languages  # doctest: +SKIP
     ['af', 'am', ...]
     """
-    faster_whisper = _faster_whisper()
+    try:
+        import faster_whisper
+    except (ImportError, OSError):  # OSError: a shared library of the package is missing
+        raise SpeechError(
+            "Whisper needs faster-whisper, which is not installed; "
+            f"get it with: {install_line('whisper')}"
+        ) from None
     place = shipped_model() if folder is None else Path(folder).expanduser()
     check_folder(place)
     with lock:
@@ -131,15 +137,3 @@ def shipped_model() -> Path:
         "no Whisper model is installed: name the folder of one (`whisper:FOLDER`), or install a "
         f"small English one; get it with: {install_line('whisper')}"
     )
-
-
-def _faster_whisper() -> "ModuleType":
-    try:
-        import faster_whisper
-    except (ImportError, OSError):  # OSError: a shared library of the package is missing
-        raise SpeechError(
-            "Whisper needs faster-whisper, which is not installed; "
-            f"get it with: {install_line('whisper')}"
-        ) from None
-    module: ModuleType = faster_whisper
-    return module

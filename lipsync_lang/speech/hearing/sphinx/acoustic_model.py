@@ -101,17 +101,11 @@ class AcousticModel:
         # most of them, so it comes before a phoneme without any context.
         for beside in ((left, right), (self.silence, right), (left, self.silence)):
             for where in dict.fromkeys((place, *WordPosition)):
-                found = self._find(here, *beside, where)
-                if found is not None:
-                    return found
+                key = _key(here, *beside, where)
+                at = int(self.keys.searchsorted(key))
+                if at < len(self.keys) and self.keys[at] == key:
+                    return Phone(here, tuple(self.states[self.rows[at]].tolist()))
         return self.alone[here]
-
-    def _find(self, here: int, left: int, right: int, place: WordPosition) -> Phone | None:
-        key = _key(here, left, right, place)
-        at = int(self.keys.searchsorted(key))
-        if at == len(self.keys) or self.keys[at] != key:
-            return None
-        return Phone(here, tuple(self.states[self.rows[at]].tolist()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,29 +216,27 @@ def _read(folder: Path) -> AcousticModel:
     constant = (np.log(precision / (2 * np.pi)) - precision * means**2).sum(axis=-1) / 2
     factors = [-precision / 2, precision * means, constant[..., None]]
     gaussians = np.concatenate(factors, axis=-1).swapaxes(-1, -2)
-    found = _definitions(folder / "mdef")
-    weights = _weights(folder / "sendump", means.shape[2], int(found.states.max()) + 1)
-    moves = _table(folder / "transition_matrices").reshape(-1, STATES, STATES + 1)
+    names, silence, fillers, alone, keys, rows, states = _definitions(folder / "mdef")
+    weights = _weights(folder / "sendump", means.shape[2], int(states.max()) + 1)
+    content, at = _body(folder / "transition_matrices")
+    # The length of the table is the last of the four header numbers.
+    (size,) = struct.unpack_from("<i", content, at + 12)
+    moves = np.frombuffer(content, "<f4", size, at + 16).astype(np.float64)
+    moves = moves.reshape(-1, STATES, STATES + 1)
     # The diagonal has the moves from a state to itself; rows of some models do not sum to 1.
     staying = np.einsum("pss->ps", moves[:, :, :STATES]) / moves.sum(axis=-1)
-    if not len(found.names) == len(means) == len(staying):
+    if not len(names) == len(means) == len(staying):
         raise ValueError("not one codebook per phoneme")
-    return AcousticModel(*found, np.log(staying), gaussians.astype(np.float32), weights)
+    return AcousticModel(
+        names, silence, fillers, alone, keys, rows, states,
+        np.log(staying), gaussians.astype(np.float32), weights,
+    )  # fmt: skip
 
 
-class _Definitions(NamedTuple):
-    """States of each phoneme in context, as in `AcousticModel`."""
-
-    names: tuple[str, ...]
-    silence: int
-    fillers: frozenset[int]
-    alone: tuple[Phone, ...]
-    keys: Ints
-    rows: Ints
-    states: Ints
-
-
-def _definitions(path: Path) -> _Definitions:
+def _definitions(
+    path: Path,
+) -> tuple[tuple[str, ...], int, frozenset[int], tuple[Phone, ...], Ints, Ints, Ints]:
+    """Read the states of each phoneme in context: the first seven fields of `AcousticModel`."""
     content = path.read_bytes()
     if content[:4] != b"BMDF":
         raise ValueError(f"{path.name} has another form")
@@ -266,7 +258,7 @@ def _definitions(path: Path) -> _Definitions:
     states = table.reshape(rows, STATES).astype(np.int64)
     # The first entries have no context. The others are sorted for a search by halves.
     order = simple + np.argsort(keys[simple:])
-    return _Definitions(
+    return (
         tuple(name.decode() for name in names),
         silence,
         frozenset(np.flatnonzero(where[:simple, 0]).tolist()),
@@ -291,13 +283,6 @@ def _gaussians(path: Path) -> Floats:
     return values.reshape(books, streams, count, lengths[0]).astype(np.float64)
 
 
-def _table(path: Path) -> Floats:
-    """Read a flat table; its length is the last of the four header numbers."""
-    content, at = _body(path)
-    (size,) = struct.unpack_from("<i", content, at + 12)
-    return np.frombuffer(content, "<f4", size, at + 16).astype(np.float64)
-
-
 def _body(path: Path) -> tuple[bytes, int]:
     """Return a file's content and the offset of its numbers."""
     content = path.read_bytes()
@@ -311,8 +296,14 @@ def _body(path: Path) -> tuple[bytes, int]:
 def _weights(path: Path, count: int, states: int) -> Singles:
     """Read quantised weights: (streams, Gaussians, states)."""
     content = path.read_bytes()
-    at, said = _strings(content)
-    if "cluster_count 0" not in said:
+    at = 0
+    strings: list[str] = []
+    # Strings with their lengths come first. The list has no count: a length of 0 ends it.
+    while (size := struct.unpack_from("<i", content, at)[0]) > 0:
+        strings.append(content[at + 4 : at + 4 + size].rstrip(b"\0").decode())
+        at += 4 + size
+    at += 4
+    if "cluster_count 0" not in strings:
         raise ValueError(f"{path.name} is clustered")
     rows, columns = struct.unpack_from("<2i", content, at)
     if rows != count or columns < states:
@@ -322,17 +313,3 @@ def _weights(path: Path, count: int, states: int) -> Singles:
     weights = np.exp(-WEIGHT_STEP * np.arange(256)).astype(np.float32)
     found: Singles = weights[steps.reshape(STREAMS, rows, columns)]
     return found
-
-
-def _strings(content: bytes) -> tuple[int, list[str]]:
-    """Return the end offset of the strings at the start of a file, and the strings."""
-    at = 0
-    strings: list[str] = []
-    while True:
-        (size,) = struct.unpack_from("<i", content, at)
-        at += 4
-        # The list has no count: a length of 0 ends it.
-        if size <= 0:
-            return at, strings
-        strings.append(content[at : at + size].rstrip(b"\0").decode())
-        at += size

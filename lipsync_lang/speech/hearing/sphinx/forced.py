@@ -204,7 +204,10 @@ def _window(
     sound = Listening(model, features)
     graph = _Graph(model)
     ends = _spell(graph, words, done, stop)
-    loop = _loop(sound)
+    fillers = model.fillers
+    speech = [phone for phone in model.alone if phone.book not in fillers]
+    quiet = [phone for phone in model.alone if phone.book in fillers]
+    loop = _Loop(*(sound.scores(phones).max(axis=(1, 2)) for phones in (speech, quiet)))
     scores = sound.scores(model.phones(graph.contexts))
     way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends if last else None)
     if way is None:
@@ -235,13 +238,6 @@ class _Loop(NamedTuple):
     speech: Singles
     quiet: Singles
     """Silence and noises instead of phonemes of speech."""
-
-
-def _loop(sound: Listening) -> _Loop:
-    fillers = sound.model.fillers
-    speech = [phone for phone in sound.model.alone if phone.book not in fillers]
-    quiet = [phone for phone in sound.model.alone if phone.book in fillers]
-    return _Loop(*(sound.scores(phones).max(axis=(1, 2)) for phones in (speech, quiet)))
 
 
 def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options

@@ -45,24 +45,11 @@ MAX_SHOWN_PLACES = 5
 """Maximum number of places in one remark."""
 
 
-class LineWeights(NamedTuple):
-    """Weights of the evidence in the logit of a line's confidence."""
+LINE_FIT_WEIGHTS = (1.75, 14.2, -5.5)
+"""Weights in the logit of a line's confidence: of the fit, of the share of speech, and of 1."""
 
-    fit: float
-    covered: float
-    base: float
-
-
-class WordWeights(NamedTuple):
-    """Weights of the evidence in the logit of a word's confidence."""
-
-    fit: float
-    hurried: float
-    base: float
-
-
-LINE_FIT_WEIGHTS = LineWeights(1.75, 14.2, -5.5)
-WORD_FIT_WEIGHTS = WordWeights(0.45, -1.4, 3.0)
+WORD_FIT_WEIGHTS = (0.45, -1.4, 3.0)
+"""Weights in the logit of a word's confidence: of the fit, of the hurried share, and of 1."""
 
 SPEECH_NOISE_FIT = -3.0
 """Fit of silence and noises below which a sound is speech; that of speech is -5 to -10, and
@@ -215,12 +202,8 @@ def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
     fit = float(np.mean([one.fit for one in said]))
     noise = sum(one.noise * _frames(one) for one in said) / spoken
     din = DIN_WEIGHT * max(0.0, noise - SPEECH_NOISE_FIT)
-    return _logistic(
-        LINE_FIT_WEIGHTS.fit * fit
-        + LINE_FIT_WEIGHTS.covered * spoken / (spoken + other)
-        + LINE_FIT_WEIGHTS.base
-        - din
-    )
+    of_fit, of_share, constant = LINE_FIT_WEIGHTS
+    return _logistic(of_fit * fit + of_share * spoken / (spoken + other) + constant - din)
 
 
 def word_confidence(phonemes: Sequence[HeardPhoneme]) -> float:
@@ -230,9 +213,8 @@ def word_confidence(phonemes: Sequence[HeardPhoneme]) -> float:
     """
     fit = float(np.mean([one.fit for one in phonemes]))
     hurried = float(np.mean([_frames(one) <= HURRIED_FRAMES for one in phonemes]))
-    return _logistic(
-        WORD_FIT_WEIGHTS.fit * fit + WORD_FIT_WEIGHTS.hurried * hurried + WORD_FIT_WEIGHTS.base
-    )
+    of_fit, of_hurried, constant = WORD_FIT_WEIGHTS
+    return _logistic(of_fit * fit + of_hurried * hurried + constant)
 
 
 def _frames(one: HeardPhoneme) -> int:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.arrays import Floats, Ints, Singles
+from lipsync_lang.arrays import Floats, Singles
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import STATES
 
 SOUND_START = -1
@@ -50,7 +50,11 @@ def likeliest_way(
     left = np.log(-np.expm1(stay)).astype(np.float32)
     entered = np.zeros(phones, np.float32) if turns is None else turns.astype(np.float32)
     starts = [number for number, others in enumerate(before) if SOUND_START in others]
-    follows = _predecessors(before)
+    # Rows of predecessors, filled up with the number of phonemes.
+    follows = np.full((phones, max(map(len, before))), phones)
+    for number, others in enumerate(before):
+        real = [other for other in others if other != SOUND_START]
+        follows[number, : len(real)] = real
     now = np.full((phones, STATES), NEVER, np.float32)
     now[starts, 0] = scores[0, starts, 0] + entered[starts]
     # One place more: phonemes with few predecessors are filled up with a number that never wins.
@@ -79,16 +83,6 @@ def likeliest_way(
     if now[phone, state] <= NEVER / 2:
         return None
     return _traced(moved, came, phone, state)
-
-
-def _predecessors(before: Sequence[Sequence[int]]) -> Ints:
-    """Return the predecessors of each phoneme as rows, filled up with the number of phonemes."""
-    phones = len(before)
-    rows = np.full((phones, max(map(len, before))), phones)
-    for number, others in enumerate(before):
-        real = [other for other in others if other != SOUND_START]
-        rows[number, : len(real)] = real
-    return rows
 
 
 def _traced(
