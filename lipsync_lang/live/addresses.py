@@ -42,20 +42,15 @@ def parse_address(text: str) -> LiveAddress:
             f"--to {text}: '{kind}' is not a kind of receiver; {did_you_mean(kind, USUAL_PORTS)}. "
             "Write KIND:HOST:PORT, or - for standard output"
         )
-    host, port = _parted(rest)
+    if rest.startswith("["):
+        host, _, port = rest[1:].partition("]")
+        port = port.removeprefix(":")
+    else:
+        host, colon, port = rest.rpartition(":")
+        if not colon and not rest.isdecimal():  # a number without a host is a port
+            host, port = rest, ""
     if port and not (port.isascii() and port.isdecimal() and 0 < int(port) <= MAX_PORT):
         raise LipsyncError(
             f"--to {text}: '{port}' is not a port; give a number from 1 to {MAX_PORT}"
         )
     return LiveAddress(kind, host or LOCAL, int(port) if port else USUAL_PORTS[kind])
-
-
-def _parted(rest: str) -> tuple[str, str]:
-    """Split a host from a port; a number without a host is a port."""
-    if rest.startswith("["):
-        host, _, after = rest[1:].partition("]")
-        return host, after.removeprefix(":")
-    host, colon, port = rest.rpartition(":")
-    if not colon:
-        return ("", rest) if rest.isdecimal() else (rest, "")
-    return host, port

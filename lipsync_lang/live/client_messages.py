@@ -50,7 +50,13 @@ class Client:
     def answer(self, message: str | bytes) -> dict[str, Any]:
         """Carry out the request of a message, and return the answer."""
         try:
-            return self._answer(_read(message))
+            asked = json.loads(message)
+        except (ValueError, RecursionError):
+            return {"error": 'the message is not JSON; send an object such as {"text": "Hello"}'}
+        if not isinstance(asked, dict):
+            return {"error": 'the message is not a JSON object; send one such as {"text": "Hello"}'}
+        try:
+            return self._answer(asked)
         except LipsyncError as error:
             return {"error": str(error)}
 
@@ -80,48 +86,32 @@ class Client:
     def _feed(self, stream: Stream, asked: dict[str, Any]) -> dict[str, Any]:
         if "revise" in asked:
             stream.revise(asked["revise"])
-        for row in _rows(asked.get("phonemes", [])):
-            _refuse_long(stream, row[2] if row[2] is not None else row[1])
-            stream.feed(*row)
+        # All rows are checked for their form before the first is fed; the stream checks times.
+        rows = asked.get("phonemes", [])
+        if not isinstance(rows, list) or len(rows) > MAX_PHONEME_ROWS:
+            raise LipsyncError(
+                f"`phonemes` must be a list of at most {MAX_PHONEME_ROWS} rows of label, start "
+                "and end"
+            )
+        if any(not isinstance(row, list) or len(row) != ROW for row in rows):
+            raise LipsyncError(
+                "each row of `phonemes` must be a label, a start and an end, "
+                'such as ["LABEL", 0.1, 0.25]'
+            )
+        for label, start, end in rows:
+            _refuse_long(stream, start if end is None else end)
+            stream.feed(label, start, end)
         if "known_until" in asked:
             _refuse_long(stream, asked["known_until"])
             stream.known_until(asked["known_until"])
         if asked.get("finish"):
             stream.finish()
         final = stream.frames()
-        rows = map(LiveFrame, final.times.tolist(), final.weights)
-        answer = {"frames": [as_row(row) for row in rows], "known": stream.known}
+        frames = map(as_row, map(LiveFrame, final.times.tolist(), final.weights))
+        answer = {"frames": [*frames], "known": stream.known}
         if stream.finished:
             self.stream = None
         return answer
-
-
-def _read(message: str | bytes) -> dict[str, Any]:
-    """Read a message as JSON."""
-    try:
-        asked = json.loads(message)
-    except (ValueError, RecursionError):
-        raise LipsyncError(
-            'the message is not JSON; send an object such as {"text": "Hello"}'
-        ) from None
-    if not isinstance(asked, dict):
-        raise LipsyncError('the message is not a JSON object; send one such as {"text": "Hello"}')
-    return asked
-
-
-def _rows(rows: object) -> list[tuple[Any, Any, Any]]:
-    """Check the form of rows of phonemes; the stream checks their times."""
-    if not isinstance(rows, list) or len(rows) > MAX_PHONEME_ROWS:
-        raise LipsyncError(
-            f"`phonemes` must be a list of at most {MAX_PHONEME_ROWS} rows of label, start and end"
-        )
-    for row in rows:
-        if not isinstance(row, list) or len(row) != ROW:
-            raise LipsyncError(
-                "each row of `phonemes` must be a label, a start and an end, "
-                'such as ["LABEL", 0.1, 0.25]'
-            )
-    return [(row[0], row[1], row[2]) for row in rows]
 
 
 def _refuse_long(stream: Stream, seconds: object) -> None:

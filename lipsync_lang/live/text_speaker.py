@@ -74,14 +74,11 @@ class TextSpeaker:
             text = self.texts.get()
             try:
                 for sentence in SENTENCE_END.split(text):
-                    if sentence.strip():
-                        self._one(sentence)
+                    try:
+                        if sentence.strip():
+                            self.perform(self.speak(sentence))
+                    except LipsyncError as error:
+                        self.complain(str(error))
             finally:
                 with self.lock:
                     self.pending -= 1
-
-    def _one(self, sentence: str) -> None:
-        try:
-            self.perform(self.speak(sentence))
-        except LipsyncError as error:
-            self.complain(str(error))

@@ -71,9 +71,17 @@ class WebSocketOutlet:
             raise LipsyncError(
                 f"a WebSocket server needs the package websockets: {install_line('live')}"
             ) from None
+        family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
+        try:
+            self.socket = socket.create_server((address.host, address.port), family=family)
+        except OSError as error:
+            raise LipsyncError(
+                f"ws: cannot listen at {address.host}:{address.port} ({error.strerror or error}); "
+                f"choose another port (--to ws:{LOCAL}:{address.port + 1}), or stop the program "
+                "that uses it"
+            ) from None
         self.session = session
         self.clients: set[ServerConnection] = set()
-        self.socket = _listening(address)
         self.serve = websockets.asyncio.server.serve
         self.loop = asyncio.new_event_loop()
         self.ended, ready = asyncio.Event(), Event()
@@ -108,10 +116,13 @@ class WebSocketOutlet:
         self.loop.close()
 
     async def _serve(self, ready: Event) -> None:
+        # Failed handshakes of other programs stay out of the terminal.
+        quiet = logging.getLogger(f"{__name__}.server")
+        quiet.setLevel(logging.CRITICAL)
         server = self.serve(
             self._meet, sock=self.socket, origins=[None, OWN_ORIGIN], max_size=MAX_MESSAGE_BYTES,
             compression=None, server_header=None, close_timeout=CLOSING_SECONDS,
-            logger=_quiet(),
+            logger=quiet,
         )  # fmt: skip
         async with server:
             ready.set()
@@ -148,23 +159,3 @@ class WebSocketOutlet:
             _log.exception("the connection of a client failed")
         finally:
             self.clients.discard(connection)
-
-
-def _quiet() -> logging.Logger:
-    """Return a logger that hides the failed handshakes of other programs from the terminal."""
-    logger = logging.getLogger(f"{__name__}.server")
-    logger.setLevel(logging.CRITICAL)
-    return logger
-
-
-def _listening(address: LiveAddress) -> socket.socket:
-    """Return a listening socket."""
-    family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
-    try:
-        return socket.create_server((address.host, address.port), family=family)
-    except OSError as error:
-        raise LipsyncError(
-            f"ws: cannot listen at {address.host}:{address.port} ({error.strerror or error}); "
-            f"choose another port (--to ws:{LOCAL}:{address.port + 1}), or stop the program that "
-            "uses it"
-        ) from None

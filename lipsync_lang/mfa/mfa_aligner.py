@@ -52,14 +52,11 @@ class MfaAligner(BatchAligner):
         engines = [engine_and_model(None, one) for one in audio.align]
         notation = audio.notation if engines and engines[0][0] == NAME else ""
         stated = {own for name, own in engines if name == NAME} | {audio.model}
-
-        def named(model: str | None) -> MfaModels:
+        try:
             # MFA runs code of the model files that it is given: those are the user's to name.
-            return MfaModels.of(model, files=model not in stated)
-
-        models = tried(named)(model)
-        if isinstance(models, SpeechError):
-            yield from (models for _ in recordings)
+            models = MfaModels.of(model, files=model not in stated)
+        except SpeechError as error:
+            yield from (error for _ in recordings)
             return
 
         def whole(found: Schedule) -> Schedule:
@@ -129,8 +126,16 @@ def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> S
         raise SpeechError(_unfit(text))
     audio = sound()
     whole = _to_the_end(read, audio.seconds)
-    whole = replace(whole, words=tuple(_as_written(whole.words, text)))
-    return replace(whole, audio=audio, source="recording")
+    # MFA writes small letters; the words get the capitals of the text.
+    small = text.lower()
+    small = small if len(small) == len(text) else text
+    words: list[Word] = []
+    at = 0
+    for word in whole.words:
+        start = small.find(word.text.lower(), at)
+        at = start + len(word.text) if start >= 0 else at
+        words.append(replace(word, text=text[start:at]) if start >= 0 else word)
+    return replace(whole, words=tuple(words), audio=audio, source="recording")
 
 
 def _unfit(text: str) -> str:
@@ -154,15 +159,3 @@ def _to_the_end(schedule: Schedule, seconds: float) -> Schedule:
     return replace(
         schedule, labels=tuple(labels), times=np.array(times), words=tuple(words), lines=()
     )
-
-
-def _as_written(words: Iterable[Word], text: str) -> Iterator[Word]:
-    """Give words the capitals of the text; MFA writes small letters."""
-    small = text.lower()
-    small = small if len(small) == len(text) else text
-    at = 0
-    for word in words:
-        start = small.find(word.text.lower(), at)
-        if start >= 0:
-            at = start + len(word.text)
-        yield replace(word, text=text[start:at]) if start >= 0 else word
