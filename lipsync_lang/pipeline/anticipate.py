@@ -17,12 +17,17 @@ import numpy as np
 from lipsync_lang.arrays import Floats, Ints
 
 
-def falling(frames: float) -> Floats:
-    """Return the share of a weight that reaches 0, 1, 2, ... frames back: (n,), all above 0."""
+def falling(frames: Floats) -> Floats:
+    """Return the shares of a weight that reach 0, 1, 2, ... frames back: (R, n), 0 past their end.
+
+    Parameters
+    ----------
+    frames : (R,) look-ahead of each pose
+    """
     # 1e-9: a look-ahead of whole frames must not gain one by rounding
-    ahead = np.arange(max(1, int(np.ceil(frames - 1e-9))))
-    out: Floats = 1 - ahead / max(frames, 1.0)
-    return out
+    counts = np.maximum(np.ceil(frames - 1e-9), 1)[:, None]
+    ahead = np.arange(int(counts.max(initial=1)))
+    return np.where(ahead < counts, 1 - ahead / np.maximum(frames, 1.0)[:, None], 0.0)
 
 
 def anticipate(curves: Floats, poses: Ints, left: Floats, room: Floats) -> Floats:
@@ -36,7 +41,7 @@ def anticipate(curves: Floats, poses: Ints, left: Floats, room: Floats) -> Float
     ----------
     curves : (P, T)
     poses : (R,) poses that look ahead
-    left : (R, n) share that reaches s frames back, as from `falling`; 0 past its end
+    left : (R, n) share that reaches s frames back, as from `falling`
     room : (R, T) in [0, 1]
 
     Returns

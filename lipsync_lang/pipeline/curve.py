@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints
+from lipsync_lang.arrays import Floats
 
 STEPS = 40
 """Maximum number of iterations to invert t(w); bracketed Newton steps converge in about six."""
@@ -82,11 +82,16 @@ def bspline(points: Floats, at: Floats) -> Floats:
     # curves of one bigram share their control times: t(w) = x is solved once for all of them
     times, own = np.unique(points[..., 0], axis=0, return_inverse=True)
     own = own.reshape(-1)  # numpy 2.0 gives it another shape
-    blocks = range(0, len(times), BLOCK_CURVES)
-    solved = [_solve(times[first : first + BLOCK_CURVES], at) for first in blocks]
     out = np.empty((len(points), len(at)))
-    if not solved:
+    if not len(times):
         return out
+    solved = []
+    for first in range(0, len(times), BLOCK_CURVES):
+        power = _powers(times[first : first + BLOCK_CURVES])
+        # span s begins at the value of its polynomial at w = 0
+        span = (power[:, 1:, 0][:, None, :] <= at[None, :, None]).sum(-1)
+        local = power[np.arange(len(power))[:, None], span]
+        solved.append((span, _invert(local, np.broadcast_to(at, span.shape))))
     span, w = (np.concatenate(parts) for parts in zip(*solved, strict=True))
     for first in range(0, len(points), BLOCK_CURVES):
         some = slice(first, first + BLOCK_CURVES)
@@ -96,14 +101,6 @@ def bspline(points: Floats, at: Floats) -> Floats:
         out[some] = _horner(local, w[number])
     inside = (at >= points[:, :1, 0]) & (at <= points[:, -1:, 0])
     return np.where(inside, out, 0.0)
-
-
-def _solve(times: Floats, at: Floats) -> tuple[Ints, Floats]:
-    """Return span and local w of every time in curves with control times (C, n): (C, K) each."""
-    power = _powers(times)
-    span = (power[:, 1:, 0][:, None, :] <= at[None, :, None]).sum(-1)
-    local = power[np.arange(len(times))[:, None], span]
-    return span, _invert(local, np.broadcast_to(at, span.shape))
 
 
 def _powers(values: Floats) -> Floats:

@@ -125,8 +125,11 @@ def drive(weights: Floats, rig: Rig, step: float, kernel: Floats | None = None) 
         curves[fast] = np.clip(slow, low[fast], high[fast])  # for rounding's sake
     _yield(curves, rig, rig.at_most, step)
     if kernel is not None:
+        # edge values go on outside, and part the rows for one convolution
+        longer = np.pad(curves, ((0, 0), (late, late)), mode="edge")
+        mean = np.convolve(longer.ravel(), kernel)[late : late + longer.size]
         # the clip is for rounding alone: a mean stays in bounds
-        curves = np.clip(_rounded(curves, kernel), low, high)
+        curves = mean.reshape(longer.shape)[:, late : late + curves.shape[1]].clip(low, high)
         deep = [(one, other) for one, other in rig.at_most if rig.low[other] < rig.low[one]]
         _yield(curves, rig, deep, step)
     return np.ascontiguousarray(curves.T)
@@ -139,15 +142,6 @@ def _yield(curves: Floats, rig: Rig, pairs: Iterable[tuple[int, int]], step: flo
         np.maximum(own, rig.low[channel], out=own)
         if rig.span[other] > rig.span[channel]:
             own[:] = lower_envelope(own[None], step * rig.span[channel])[0]
-
-
-def _rounded(curves: Floats, kernel: Floats) -> Floats:
-    """Smooth (C, T) curves; their first and last values continue outside."""
-    late = len(kernel) // 2
-    longer = np.pad(curves, ((0, 0), (late, late)), mode="edge")
-    mean: Floats = np.convolve(longer.ravel(), kernel)[late : late + longer.size]
-    out: Floats = mean.reshape(longer.shape)[:, late : late + curves.shape[1]]
-    return out
 
 
 def _slowed(curves: Floats, rig: Rig, which: Bools, step: float, ends: tuple[bool, bool]) -> Floats:

@@ -40,19 +40,6 @@ def serves(motion: Motion) -> bool:
     return kernel.compiled is not None and motion.smooth == "none" and not motion.hold
 
 
-def _bank(tables: Tables) -> Any:
-    """Return the kernel's copy of the curves of the neutral bank, which the tables cache."""
-    known = vars(tables)
-    if "_bank" not in known:
-        rows, _, poses = tables.curves.shape
-        curves = np.ascontiguousarray(tables.curves, np.float32)
-        known["_bank"] = kernel.compiled.bank(
-            rows, poses, len(tables.pairs), tables.silence,
-            curves, _floats(tables.boundary), _bools(tables.free), _ints(tables.pairs),
-        )  # fmt: skip
-    return known["_bank"]
-
-
 class KernelCopy(NamedTuple):
     """The compiled kernel's copy of tables and settings, and its calls."""
 
@@ -92,10 +79,18 @@ def keep(tables: Tables, motion: Motion, prepared: StageValues, fps: float) -> K
     tables : with the thresholds that the motion asks for
     prepared : of these tables, this motion and this frame rate
     """
-    known = vars(prepared)
-    if "_plan" not in known:
-        known["_plan"] = _plan(tables, motion, prepared, fps)
-    return KernelCopy(_bank(tables), known["_plan"])
+    banks, plans = vars(tables), vars(prepared)
+    # a copy of the neutral curves takes megabytes, and all motions share it
+    if "_bank" not in banks:
+        rows, _, poses = tables.curves.shape
+        banks["_bank"] = kernel.compiled.bank(
+            rows, poses, len(tables.pairs), tables.silence,
+            np.ascontiguousarray(tables.curves, np.float32),
+            _floats(tables.boundary), _bools(tables.free), _ints(tables.pairs),
+        )  # fmt: skip
+    if "_plan" not in plans:
+        plans["_plan"] = _plan(tables, motion, prepared, fps)
+    return KernelCopy(banks["_bank"], plans["_plan"])
 
 
 def block_of(halo: int) -> int:

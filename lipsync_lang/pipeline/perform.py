@@ -183,7 +183,11 @@ class Performance:
         if prepared.topped:
             curves = np.minimum(curves, prepared.tops[:, None])
         if self.motion.contacts == "hold":
-            curves = self._hold(curves, begin, stop)
+            for (_, frames), (least, most) in zip(self.held, prepared.levels, strict=True):
+                curves = hold(curves, least, most, frames[begin:stop])
+            # levels beyond the bounds serve a later speed limit alone
+            if prepared.longer and self.motion.limit == "after":
+                curves = np.clip(curves, 0, 1)
             yield Stage("hold", curves)
         # slowed first, the constraints come out exact; the paper constrains first
         order = ("limit", "constrain") if self.motion.limit == "before" else ("constrain", "limit")
@@ -220,14 +224,6 @@ class Performance:
             yield Stage("anticipate", curves)
         if prepared.wide:
             yield Stage("ease", soften(curves, prepared.wide))
-
-    def _hold(self, curves: Floats, begin: int, stop: int) -> Floats:
-        """Hold contacts; levels may exceed the bounds before a speed limit."""
-        for (_, frames), (least, most) in zip(self.held, self.prepared.levels, strict=True):
-            curves = hold(curves, least, most, frames[begin:stop])
-        if self.prepared.longer and self.motion.limit == "after":
-            curves = np.clip(curves, 0, 1)
-        return curves
 
     def _smooth(self, curves: Floats, place: FramePlace) -> Floats:
         frames = self.motion.window * self.frames.fps

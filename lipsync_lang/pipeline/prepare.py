@@ -132,14 +132,17 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
     ones = np.ones(len(half))
     under = [keeping.levels(1 - c.ceiling, _unimplied(tables, c), ones) for c in contacts]
     lowered = tuple(tuple(Plateau(p, 1 - weight) for p, weight in levels) for levels in under)
-    longer = _longer(raised, lowered, room) / step
+    # what a level wants beyond the range of its pose lengthens the plateau by so many frames
+    above = [weight - room[pose] for levels in raised for pose, weight in levels]
+    below = [-weight for levels in lowered for _, weight in levels]
+    longer = float(max((0.0, *above, *below))) / step
     late = np.array([reach_of(width, fps) for width in narrow.tolist()])
     channel = reach_of(RIGGED * motion.softness, fps) if soft else 0
     leads = (max(int(late[p]), channel) + ceil(w / step - 1e-9) for c in raised for p, w in c)
     frames = tables.anticipate * motion.anticipate * fps
     # within one frame there is no earlier frame to raise
     early = np.flatnonzero(frames > 1)
-    left = _left(frames[early])
+    left = falling(frames[early])
     tops = _tops(tables, raised, room, soft=soft)
     return StageValues(
         step=step,
@@ -182,15 +185,6 @@ def _blurs(half: Floats, fps: float) -> tuple[Blur, ...]:
     return tuple(Blur(np.flatnonzero(half == width), kernel(width, fps)) for width in widths)
 
 
-def _left(frames: Floats) -> Floats:
-    """Return the shares of `falling` for poses that look ahead by some frames: (R, n)."""
-    rows = [falling(far) for far in frames.tolist()]
-    out = np.zeros((len(rows), max((len(row) for row in rows), default=1)))
-    for row, values in zip(out, rows, strict=True):
-        row[: len(values)] = values
-    return out
-
-
 def _room(tables: Tables) -> tuple[Floats, bool]:
     """Return the limit for raising each floor, (P,), and True if all pairs can be convex."""
     floors, room, convex = tables.floors, np.ones(len(tables.floors)), True
@@ -231,15 +225,6 @@ def _tops(
         if soft and threshold < 1:
             tops[high] = min(tops[high], max(threshold, tables.floors[high]))
     return tops
-
-
-def _longer(
-    raised: Sequence[Sequence[Plateau]], lowered: Sequence[Sequence[Plateau]], room: Floats
-) -> float:
-    """Return the greatest excess of a level over the range of its pose."""
-    above = [weight - room[pose] for levels in raised for pose, weight in levels]
-    below = [-weight for levels in lowered for _, weight in levels]
-    return float(max(0.0, *above, *below)) if above or below else 0.0
 
 
 def _reaches(

@@ -11,7 +11,7 @@ change.
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats
 
 
 def closing(curves: Floats, frames: int) -> Floats:
@@ -62,17 +62,13 @@ def chord(curves: Floats, frames: float) -> Floats:
     """
     out = curves.copy()
     for row, curve in zip(out, curves, strict=True):
-        peaks = _peaks(curve)
+        first = np.concatenate(([0], np.flatnonzero(np.diff(curve)) + 1))
+        last = np.append(first[1:] - 1, len(curve) - 1)
+        # below any weight, so that a curve may have its maximum at an end
+        level = np.concatenate(([-1.0], curve[first], [-1.0]))
+        top = (level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])
+        peaks = np.union1d(first[top], last[top])
         near = np.diff(peaks) <= frames
         for a, b in zip(peaks[:-1][near], peaks[1:][near], strict=True):
             row[a : b + 1] = np.linspace(curve[a], curve[b], b - a + 1)
     return out
-
-
-def _peaks(curve: Floats) -> Ints:
-    """Return the frames of local maxima; for a flat maximum, its first and its last."""
-    first = np.concatenate(([0], np.flatnonzero(np.diff(curve)) + 1))
-    last = np.append(first[1:] - 1, len(curve) - 1)
-    level = np.concatenate(([-1.0], curve[first], [-1.0]))
-    top = (level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])
-    return np.union1d(first[top], last[top])

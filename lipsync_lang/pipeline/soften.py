@@ -56,7 +56,12 @@ def kernel(half: float, fps: float) -> Floats:
     [0.149, 0.703, 0.149]
     """
     reach = reach_of(half, fps)
-    twice = _second_integral(np.arange(-reach - 1, reach + 2) / fps, half)
+    x = np.arange(-reach - 1, reach + 2) / fps
+    twice = np.maximum(x, 0)
+    if half > 0:
+        inside = x.clip(-half, half)
+        wave = half * (1 + np.cos(np.pi * inside / half)) / (2 * np.pi**2)
+        twice = np.where(x > half, x, (inside + half) ** 2 / (4 * half) - wave)
     weights = np.maximum(fps * np.diff(twice, 2), 0)
     out: Floats = weights * (SURE / weights.sum())
     return out
@@ -65,14 +70,6 @@ def kernel(half: float, fps: float) -> Floats:
 def reach_of(half: float, fps: float) -> int:
     """Return the number of frames on each side in a kernel of some half-width."""
     return math.ceil(half * fps - 1e-9)
-
-
-def _second_integral(x: Floats, half: float) -> Floats:
-    if half <= 0:
-        return np.maximum(x, 0)
-    inside = x.clip(-half, half)
-    wave = half * (1 + np.cos(np.pi * inside / half)) / (2 * np.pi**2)
-    return np.where(x > half, x, (inside + half) ** 2 / (4 * half) - wave)
 
 
 def soften(curves: Floats, blurs: tuple[Blur, ...]) -> Floats:

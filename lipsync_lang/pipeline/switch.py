@@ -117,7 +117,10 @@ def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
         # entries of runs that grew since are outdated; each growth pushed a new entry
         if run.gone or run.held or length != run.frames or length >= frames:
             continue
-        if _between(run, held, frames):
+        # only this run parts two equal contacts, as a vowel does
+        alike = run.before and run.after and run.before.pose == run.after.pose
+        early, late = held[max(0, run.start - frames) : run.start], held[run.stop :][:frames]
+        if alike and early.any() and late.any():
             continue
         for other in _let_go(run, shown):
             heappush(waiting, (other.frames, other.number))
@@ -128,31 +131,19 @@ def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
     return out
 
 
-def _between(run: _PoseRun, held: Bools, frames: int) -> bool:
-    """Return True if only this run separates two equal contacts, like a vowel between them."""
-    alike = run.before and run.after and run.before.pose == run.after.pose
-    early, late = held[max(0, run.start - frames) : run.start], held[run.stop : run.stop + frames]
-    return bool(alike and early.any() and late.any())
-
-
 def _let_go(run: _PoseRun, shown: Floats) -> list[_PoseRun]:
     """Give a run's frames to its neighbours; return the lengthened runs."""
     before, after = run.before, run.after
     if before is None or after is None:  # at the ends the face is at rest
         return []
-    cut = _cut(shown, run.start, run.stop, before.pose, after.pose)
+    one, other = (
+        shown[pose, run.start : run.stop] if pose != NONE else np.full(run.frames, REST)
+        for pose in (before.pose, after.pose)
+    )
+    # the cut keeps most weight: up to it the lead of the pose before adds up to the most
+    cut = run.start + int(np.argmax(np.concatenate(([0.0], np.cumsum(one - other)))))
     before.stop, after.start = cut, cut
     before.after, after.before, run.gone = after, before, True
     if before.pose == after.pose:
         before.take(after)
     return [other for other in (before, after) if not other.gone]
-
-
-def _cut(shown: Floats, start: int, stop: int, before: int, after: int) -> int:
-    """Return the frame from which the pose after is stronger than the pose before."""
-    one, other = (
-        shown[pose, start:stop] if pose != NONE else np.full(stop - start, REST)
-        for pose in (before, after)
-    )
-    lead = np.concatenate(([0.0], np.cumsum(one - other)))
-    return start + int(np.argmax(lead))

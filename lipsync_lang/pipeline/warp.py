@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints, Singles
+from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank
 from lipsync_lang.pipeline.track import Track
 
@@ -64,8 +64,18 @@ def warp(bank: Bank, track: Track, place: FramePlace) -> tuple[Floats, Floats]:
     if not len(track.rows):  # nothing but silence
         still = np.zeros((len(place.phoneme), bank.curves.shape[-1]))
         return still, still
-    ending, beginning = _read(bank.curves, *positions(bank, track, place))
-    return ending, beginning
+    rows, position = positions(bank, track, place)
+    steps = np.minimum(np.maximum(position * RESOLUTION, 0), RESOLUTION - 1e-9)
+    low = steps.astype(np.intp)
+    # `take` on flat rows is faster than an index of two arrays
+    flat = bank.curves.reshape(-1, bank.curves.shape[-1])
+    index = rows * (RESOLUTION + 1) + low
+    under, over = flat.take(index, axis=0), flat.take(index + 1, axis=0)
+    over -= under
+    out = over.astype(np.float64)  # in place from here: half the time of new arrays
+    out *= (steps - low)[..., None]
+    out += under
+    return out[0], out[1]
 
 
 def positions(bank: Bank, track: Track, place: FramePlace) -> tuple[Ints, Floats]:
@@ -86,19 +96,3 @@ def positions(bank: Bank, track: Track, place: FramePlace) -> tuple[Ints, Floats
     position[0] += (1 - position[0]) * place.coming
     position[1] *= place.going
     return row, position
-
-
-def _read(curves: Singles, rows: Ints, position: Floats) -> Floats:
-    """Interpolate table rows at normalised positions: (2, T), (2, T) -> (2, T, P)."""
-    steps = np.minimum(np.maximum(position * RESOLUTION, 0), RESOLUTION - 1e-9)
-    low = steps.astype(np.intp)
-    part = (steps - low)[..., None]
-    flat = curves.reshape(-1, curves.shape[-1])
-    index = rows * (RESOLUTION + 1) + low
-    under = flat.take(index, axis=0)
-    over = flat.take(index + 1, axis=0)
-    over -= under
-    out = over.astype(np.float64)  # in place from here: half the time of new arrays
-    out *= part
-    out += under
-    return out
