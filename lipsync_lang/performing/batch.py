@@ -11,7 +11,6 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
-from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.edits import overlays
@@ -110,7 +109,7 @@ def animate(
             f"{len(names)} lines for {len(schedules)} schedules; give one line per schedule"
         )
     read = performer.labels.read(schedules) if schedules else []
-    kept = _kept(performer, fps)
+    kept = _neutral_copy(performer, fps)
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
@@ -119,11 +118,23 @@ def animate(
         else:
             made = said.performance(performer.motion, sounds, fps)
             times, weights = made.frames.times(), made.weights()
-        out.append(_animation(performer, schedule, times, weights, fps, {"line": line, **asked}))
+        animation = Animation(
+            times,
+            performer.poses,
+            weights,
+            fps,
+            schedule,
+            PerformedLine(performer, {"line": line, **asked}),
+            channels=performer.channels,
+            model=performer.model,
+            neutral=performer.compiled.neutral,
+            contacts=dict(performer.contact_floors),
+        )
+        out.append(animation)
     return out
 
 
-def _kept(performer: "Performer", fps: float) -> "KernelCopy | None":
+def _neutral_copy(performer: "Performer", fps: float) -> "KernelCopy | None":
     """Return the neutral bank as the compiled kernel keeps it; None if the kernel cannot play it.
 
     `lay_track` lays the tracks of a bank with trigrams.
@@ -133,25 +144,3 @@ def _kept(performer: "Performer", fps: float) -> "KernelCopy | None":
         return None
     shown = tables.papers if motion.thresholds == "paper" else tables
     return keep(shown, motion, prepare(shown, motion, fps), fps)
-
-
-def _animation(  # noqa: PLR0913, PLR0917 the fields of an animation
-    performer: "Performer",
-    schedule: "Schedule",
-    times: Floats,
-    weights: Floats,
-    fps: float,
-    asked: dict[str, Any],
-) -> Animation:
-    return Animation(
-        times,
-        performer.poses,
-        weights,
-        fps,
-        schedule,
-        PerformedLine(performer, asked),
-        channels=performer.channels,
-        model=performer.model,
-        neutral=performer.compiled.neutral,
-        contacts=dict(performer.contact_floors),
-    )

@@ -76,7 +76,11 @@ def _levels(
     for stated in own:
         for name, points in stated.get(f"{what}s", {}).items():
             if name in known:  # unknown names already caused a warning while reading the packs
-                found[name] = _spoken(name, points, schedule)
+                # a single point is a constant, at whatever word of whatever line
+                single = len(points) == 1
+                at = [0.0] if single else [_second(name, at, schedule) for at, _ in points]
+                values = np.array([value for _, value in points], np.float64)
+                found[name] = Level(np.array(at), values)
     for stated_name, level in asked.items():
         name = spelled(stated_name, known)
         if name not in known:
@@ -103,14 +107,6 @@ def timed(what: str, name: str, level: "float | Points") -> Level:
             f"{what} {name}: its points are not in order of time; sort them by their seconds"
         )
     return Level(np.array(times), np.array([value for _, value in points], np.float64))
-
-
-def _spoken(name: str, points: Points, schedule: "Schedule") -> Level:
-    """Convert a level from a pack from words of a line to seconds."""
-    values = np.array([value for _, value in points], np.float64)
-    if len(points) == 1:
-        return Level(np.zeros(1), values)
-    return Level(np.array([_second(name, at, schedule) for at, _ in points]), values)
 
 
 def _second(name: str, at: float, schedule: "Schedule") -> float:

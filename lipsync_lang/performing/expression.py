@@ -22,7 +22,7 @@ from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, spelled
 from lipsync_lang.performing.delivery import timed
 from lipsync_lang.pipeline.prepare import GIVEN
-from lipsync_lang.pipeline.tables import Contact, Tables
+from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.rigs.channel import Channel
 
 if TYPE_CHECKING:
@@ -47,7 +47,12 @@ def with_expression(animation: Animation, tables: Tables, expression: "DialLevel
         for name, level in expression.items()
     }
     weights = np.ascontiguousarray(animation.weights.T)
-    closed = [_closed(contact, weights) for contact in tables.contacts]
+    # (T,) degree of each contact, 1 if it raises no pose. It may lose GIVEN to the softening,
+    # and is closed all the same
+    closed = [
+        (weights[one.raised].T / (one.floor[one.raised] - GIVEN)).clip(0, 1).min(1, initial=1.0)
+        for one in tables.contacts
+    ]
     # a list, since the loop takes names out of `wanted`
     for name in [name for name in wanted if name in animation.poses]:
         pose = animation.poses.index(name)
@@ -60,16 +65,6 @@ def with_expression(animation: Animation, tables: Tables, expression: "DialLevel
         weights=np.ascontiguousarray(rows.T),
         channels=channels,
     )
-
-
-def _closed(contact: Contact, weights: Floats) -> Floats:
-    """Return the degree of a contact: (T,), 1 if its floors are met or it has none."""
-    raised = contact.raised
-    if not raised:
-        return np.ones(weights.shape[1])
-    # a contact may lose GIVEN to the softening, and is closed all the same
-    met: Floats = (weights[raised].T / (contact.floor[raised] - GIVEN)).clip(0, 1).min(axis=1)
-    return met
 
 
 def _added(

@@ -176,18 +176,14 @@ class HeardLabels:
                     self.opening = self.starts[-1] - self.start
             at += share * (length or 0.0)
         self.until = label.start if label.end is None else label.end
-        self._stress(label, number)
-
-    def _stress(self, label: HeardLabel, number: int) -> None:
         before, marked = self.stress
         reading = StressMarks(before)
         stress = reading.of(label.mark, label.kind)
         marked = marked or label.mark is not None
         self.stress = reading.before, marked
-        if stress is None or label.end is None or self.levels is None:
-            return
-        level = self.levels[stress] if marked else 1.0
-        self.vowels.append(Vowel(number, (label.start + label.end) / 2, level))
+        if stress is not None and label.end is not None and self.levels is not None:
+            level = self.levels[stress] if marked else 1.0
+            self.vowels.append(Vowel(number, (label.start + label.end) / 2, level))
 
     def take_back(self, seconds: float) -> None:
         """Remove all labels from a time on, and cut the label that lasts at that time."""
@@ -242,7 +238,13 @@ class HeardLabels:
         """
         time = self._bigrams(silence_reach, linear=linear)
         if self.levels is not None:
-            time = min(time, self._stressed())
+            # until then no vowel to come changes the level of stress
+            last = self.labels[-1]
+            unknown = self.until if last.end is not None else last.start
+            sure = unknown - STRESS_REACH_SECONDS
+            if self.vowels and unknown < self.vowels[-1].middle + 2 * STRESS_REACH_SECONDS:
+                sure = self.vowels[-1].middle
+            time = min(time, sure)
         return min(time, self.until - RAMP_SECONDS) if emphasis else time
 
     def _bigrams(self, silence_reach: float, *, linear: bool) -> float:
@@ -260,16 +262,6 @@ class HeardLabels:
             return self.starts[-2]
         first = count == len(("silence", "sound")) and not self.forgotten
         return early if first else max(self.starts[-2], early)
-
-    def _stressed(self) -> float:
-        """Return the time before which no future vowel changes the level of stress."""
-        last = self.labels[-1]
-        unknown = self.until if last.end is not None else last.start
-        if self.vowels:
-            middle = self.vowels[-1].middle
-            if unknown < middle + 2 * STRESS_REACH_SECONDS:
-                return middle
-        return unknown - STRESS_REACH_SECONDS
 
     def held(self, margin: float, widened: float) -> float:
         """Return the time before which held contacts are known.

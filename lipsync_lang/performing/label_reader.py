@@ -96,17 +96,15 @@ class LabelReader:
             values, marks = self._table(notations[0]).read(labels)
             if values.min() >= 0:
                 return values, marks
-        each = [self._read(*pair) for pair in zip(schedules, notations, strict=True)]
+        each = []
+        for schedule, notation in zip(schedules, notations, strict=True):
+            values, marks = self._table(notation).read(schedule.labels)
+            if values.min() < 0 or self._has_own_words(schedule):
+                values = np.array([self._sounds.number(value) for value in self.values(schedule)])
+            if schedule.stress:
+                marks = np.array([UNMARKED if one is None else one for one in schedule.stress])
+            each.append((values, marks))
         values, marks = (np.concatenate(column) for column in zip(*each, strict=True))
-        return values, marks
-
-    def _read(self, schedule: Schedule, notation: Notation) -> tuple[Ints, Ints]:
-        """Return numbers of the value and the mark of each label of a schedule: (n,) each."""
-        values, marks = self._table(notation).read(schedule.labels)
-        if values.min() < 0 or self._has_own_words(schedule):
-            values = np.array([self._sounds.number(value) for value in self.values(schedule)])
-        if schedule.stress:
-            marks = np.array([UNMARKED if one is None else one for one in schedule.stress])
         return values, marks
 
     def _table(self, notation: Notation) -> LabelTable:
@@ -227,7 +225,17 @@ class LabelReader:
         if name is None:
             own = self.own_notations
             name = recognise(schedule.labels, own)
-            if self._all_sounds(schedule, own.get(name), own.get(IPA)):
+            labels, known, ipa = dict.fromkeys(schedule.labels), own.get(name), own.get(IPA)
+            # sounds of the IPA that no notation lists still tell that the labels are IPA
+            lacking = known is not None and any(known.find(one) is None for one in labels)
+            if (
+                lacking
+                and ipa is not None
+                and all(
+                    ipa.find(one) is not None or self.unlisted(ipa, one) is not None
+                    for one in labels
+                )
+            ):
                 name = IPA
             self._recognised[schedule] = name
         if name not in self.notations:
@@ -236,15 +244,6 @@ class LabelReader:
                 f"{did_you_mean(name, self.notations)}"
             )
         return self.notations[name]
-
-    def _all_sounds(self, schedule: Schedule, known: Notation | None, ipa: Notation | None) -> bool:
-        """Return True if a notation lacks some labels and these are all sounds of the IPA."""
-        labels = dict.fromkeys(schedule.labels)
-        if known is None or ipa is None or all(known.find(one) is not None for one in labels):
-            return False
-        return all(
-            ipa.find(one) is not None or self.unlisted(ipa, one) is not None for one in labels
-        )
 
     @cached_property
     def own_notations(self) -> dict[str, Notation]:

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.arrays import Bools
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.schedules.schedule import Audio, Schedule
+    from lipsync_lang.schedules.schedule import Schedule
 
 MOST = 2.0
 """Maximum intensity; 1 is the setting of the pose set."""
@@ -106,8 +106,20 @@ def levels(
     """
     if schedule.audio is None or not any(classes):
         return Level(np.zeros(1), np.ones(1))
-    powers, counts = _powers(schedule.audio, schedule.times)
-    above = _smooth(_above(list(map(_decibels, powers, counts)), classes), classes)
+    audio, times = schedule.audio, schedule.times
+    cuts = np.clip(np.rint(times * audio.rate), 0, len(audio.samples)).astype(np.intp)
+    # float32 squares int16 without overflow, in half the memory of float64
+    samples = audio.samples.astype(np.float32)
+    spans = [samples[low:high] for low, high in pairwise(cuts.tolist())]
+    powers, counts = [float(span @ span) for span in spans], [len(span) for span in spans]
+    decibels = list(map(_decibels, powers, counts))
+    alike: dict[str, list[float]] = {}
+    for level, one in zip(decibels, classes, strict=True):
+        alike.setdefault(one, []).append(level)
+    # the median is robust against a few stressed sounds
+    usual = {one: median(values) for one, values in alike.items()}
+    relative = [d - usual[one] if one else 0.0 for d, one in zip(decibels, classes, strict=True)]
+    above = _smooth(relative, classes)
     sounding = [number for number, one in enumerate(classes) if one]
     active = _decibels(sum(powers[n] for n in sounding), sum(counts[n] for n in sounding))
     far = active - reference
@@ -117,32 +129,13 @@ def levels(
     # a louder sound moves towards the upper limit, a softer one towards the lower, so the
     # two limits need not lie equally far from 1
     values = 1 + intensity * share * np.where(share > 0, most - 1, 1 - least)
-    middles = (schedule.times[:-1] + schedule.times[1:]) / 2
+    middles = (times[:-1] + times[1:]) / 2
     return Level(middles[sounding], np.maximum(values, 0.0))
-
-
-def _powers(audio: "Audio", times: Floats) -> tuple[list[float], list[int]]:
-    """Return the sum of squares of each scheduled span, and its number of samples: n each."""
-    at = np.clip(np.rint(times * audio.rate), 0, len(audio.samples)).astype(np.intp)
-    # float32 squares int16 without overflow, in half the memory of float64
-    samples = audio.samples.astype(np.float32)
-    spans = [samples[low:high] for low, high in pairwise(at.tolist())]
-    return [float(span @ span) for span in spans], [len(span) for span in spans]
 
 
 def _decibels(power: float, count: int) -> float:
     """Return the level of a sum of squares over some samples in dBFS."""
     return 10 * log10(max(power / max(count, 1), FLOOR**2) / FULL_SCALE**2)
-
-
-def _above(decibels: Sequence[float], classes: Sequence[str]) -> list[float]:
-    """Return each loudness relative to the median of its class: n decibels; 0 in silence."""
-    alike: dict[str, list[float]] = {}
-    for level, one in zip(decibels, classes, strict=True):
-        alike.setdefault(one, []).append(level)
-    # The median is robust against a few stressed sounds.
-    usual = {one: median(values) for one, values in alike.items()}
-    return [d - usual[one] if one else 0.0 for d, one in zip(decibels, classes, strict=True)]
 
 
 def _smooth(values: Sequence[float], classes: Sequence[str]) -> list[float]:

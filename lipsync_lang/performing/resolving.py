@@ -66,7 +66,15 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     refuse_other("gaps", gaps, Gaps)
     refuse_other("unknown", unknown, Unknown)
     if is_model(character):
-        compiled, folders = _on_model(language, Path(character), paths, cache=cache)
+        from lipsync_lang.packs.library import Library
+        from lipsync_lang.resolver.rigging import best_match, on_model
+
+        model = Path(character)
+        (language,), folders = located(paths, language=language)
+        library = Library(folders)
+        match = best_match(library, model)
+        pair = _pair(language, match.poseset, folders, cache=cache)
+        compiled = on_model(library, pair, match, model)
     else:
         (language, character), folders = located(paths, language=language, character=character)
         compiled = _pair(language, character, folders, cache=cache)
@@ -94,17 +102,3 @@ def _pair(language: str, character: str, folders: Sequence[Path], *, cache: bool
         if cache:
             store.save(compiled, language, character, library)
     return compiled
-
-
-def _on_model(
-    language: str | Path, model: Path, paths: Paths, *, cache: bool
-) -> tuple[CompiledPair, tuple[Path, ...]]:
-    """Return the pair of a language and a model, and the folders to search."""
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.resolver.rigging import best_match, on_model
-
-    (name,), folders = located(paths, language=language)
-    library = Library(folders)
-    match = best_match(library, model)
-    pair = _pair(name, match.poseset, folders, cache=cache)
-    return on_model(library, pair, match, model), folders

@@ -17,11 +17,14 @@ from lipsync_lang.pipeline.hold import MARGIN
 from lipsync_lang.pipeline.levels import Blend, Dial
 from lipsync_lang.pipeline.look_ahead import LookAhead, widened
 from lipsync_lang.pipeline.perform import Frames, perform
-from lipsync_lang.pipeline.prepare import StageValues, prepare
+from lipsync_lang.pipeline.prepare import prepare
 from lipsync_lang.pipeline.track import lay_track
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
+
+ENDLESS = {"smooth": ("smooth", "smooth=none"), "switch": ("hold", "hold=0")}
+"""The setting of each stage with an unlimited look-ahead, and the value that limits it."""
 
 
 class StreamFrames:
@@ -46,7 +49,15 @@ class StreamFrames:
         self.blends, self.dials, self.emphasis = blends, dials, emphasis
         self.tables = performer.tables(blends)
         shown = self.tables.papers if self.motion.thresholds == "paper" else self.tables
-        self.ahead = LookAhead.of(_bounded(prepare(shown, self.motion, fps)), self.motion, fps)
+        prepared = prepare(shown, self.motion, fps)
+        for stage, look in prepared.reach.items():
+            if isinf(look.ahead):
+                setting, cure = ENDLESS[stage]
+                raise LipsyncError(
+                    f"the motion's `{setting}` needs the whole line, so no frame of a stream is "
+                    f"ever final; perform whole lines, or set motion.{cure}"
+                )
+        self.ahead = LookAhead.of(prepared, self.motion, fps)
         self.lead: int | None = None
         """Number of frames before the schedule starts; None until it is known."""
         self.count: int | None = None
@@ -146,19 +157,3 @@ class StreamFrames:
     def seconds(self, heard: HeardLabels, frame: int) -> float:
         """Return the time of a frame."""
         return heard.start + (frame - (self.lead or 0)) / self.fps
-
-
-ENDLESS = {"smooth": "smooth=none", "switch": "hold=0"}
-"""Settings that limit the stages with an unlimited look-ahead."""
-
-
-def _bounded(prepared: StageValues) -> StageValues:
-    """Refuse settings with which a stage needs the whole line."""
-    endless = [ENDLESS[name] for name, look in prepared.reach.items() if isinf(look.ahead)]
-    if endless:
-        name = endless[0].partition("=")[0]
-        raise LipsyncError(
-            f"the motion's `{name}` needs the whole line, so no frame of a stream is ever final; "
-            f"perform whole lines, or set motion.{endless[0]}"
-        )
-    return prepared

@@ -5,12 +5,12 @@ A bank is as large as the neutral one, so it is made for the first use of a styl
 
 from collections.abc import Collection
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats
-from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
+from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 
 if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import CompiledPair
@@ -25,22 +25,20 @@ def with_drafts(compiled: "CompiledPair", heard: Collection[str]) -> Tables:
     """
     tables = compiled.tables
     sounding = _sounding(compiled)
-    banks = (
-        _drafted(tables.neutral, draft, sounding) if name in heard else tables.neutral
-        for name, draft in compiled.style_drafts.items()
-    )
+    banks = []
+    for name, draft in compiled.style_drafts.items():
+        bank = tables.neutral
+        if name in heard:
+            scale, offset = (np.array(draft[part], np.float32) for part in ("scale", "offset"))
+            curves = bank.curves * scale
+            for pose in np.flatnonzero(offset):
+                # in place: the curves of a pair take some megabytes
+                curves[:, :, pose] += offset[pose] * sounding
+            np.clip(curves, 0, 1, out=curves)
+            curves.setflags(write=False)
+            bank = bank._replace(curves=curves)
+        banks.append(bank)
     return replace(tables, styles=(*tables.styles, *banks))
-
-
-def _drafted(neutral: Bank, draft: dict[str, Any], sounding: Floats) -> Bank:
-    scale, offset = (np.array(draft[name], np.float32) for name in ("scale", "offset"))
-    curves = neutral.curves * scale
-    for pose in np.flatnonzero(offset):
-        # in place: the curves of a pair take some megabytes
-        curves[:, :, pose] += offset[pose] * sounding
-    np.clip(curves, 0, 1, out=curves)
-    curves.setflags(write=False)
-    return neutral._replace(curves=curves)
 
 
 def _sounding(compiled: "CompiledPair") -> Floats:

@@ -14,7 +14,6 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.pipeline.levels import shares
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
-from lipsync_lang.resolver.compiled import Origin
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -147,13 +146,14 @@ def _bigram(
         first, count = number - (number not in track.trigrams), 3
         position = _in_trigram(compiled, track, first, position, later=first < number)
     names = tuple(compiled.phonemes[int(i)] for i in track.ids[first : first + count])
-    own = (
-        (style, share, _style_origin(compiled, style, int(track.rows[number])))
-        for style, share in heard.items()
-    )
-    styles = tuple(
-        StyleAt(style, share, o.layer, o.status, o.places) for style, share, o in own if o
-    )
+    styles = []
+    for style, share in heard.items():
+        draft = compiled.style_drafts.get(style)
+        if draft is not None:
+            styles.append(StyleAt(style, share, "draft", "drafted", (draft["place"],)))
+        # without an origin, the style plays the neutral row
+        elif (own := compiled.style_origins[style].get(str(track.rows[number]))) is not None:
+            styles.append(StyleAt(style, share, own.layer, own.status, own.places))
     drawn = origin.triple or origin.pair
     finer = drawn != names and origin.layer != "gap"
     return BigramAt(
@@ -163,7 +163,7 @@ def _bigram(
         origin.status,
         origin.places,
         origin.word,
-        styles,
+        tuple(styles),
         drawn if finer else None,
     )
 
@@ -178,14 +178,6 @@ def _in_trigram(
     end = after / (1 - before + before * after)  # of its second phoneme
     start = before * end
     return start + (1 - start) * position if later else end * position
-
-
-def _style_origin(compiled: "CompiledPair", style: str, row: int) -> Origin | None:
-    """Return the origin of a row in a style; None if the neutral row replaces it."""
-    draft = compiled.style_drafts.get(style)
-    if draft is not None:
-        return Origin(compiled.origins[row].pair, "draft", "drafted", (draft["place"],))
-    return compiled.style_origins[style].get(str(row))
 
 
 def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
