@@ -290,15 +290,14 @@ def _trigram_side(
 def _change(before: Side, after: Side, poses: Sequence[str]) -> BigramChange:
     gained = after.curves - before.curves
     differs = np.flatnonzero(np.abs(gained).max(axis=0) > SLACK).tolist()
-    changes = [_pose(poses[pose], gained[:, pose]) for pose in differs]
+    changes = []
+    for pose in differs:
+        own = gained[:, pose]
+        peak = int(np.abs(own).argmax())
+        rms, area = float(np.sqrt(_mean(own**2))), _mean(np.abs(own))
+        changes.append(PoseChange(poses[pose], float(own[peak]), float(TIMES[peak]), rms, area))
     changes.sort(key=lambda change: -abs(change.largest))
     return BigramChange(before, after, tuple(changes))
-
-
-def _pose(pose: str, gained: Floats) -> PoseChange:
-    peak = int(np.abs(gained).argmax())
-    rms, area = np.sqrt(_mean(gained**2)), _mean(np.abs(gained))
-    return PoseChange(pose, float(gained[peak]), float(TIMES[peak]), float(rms), float(area))
 
 
 def _mean(values: Floats) -> float:

@@ -9,7 +9,7 @@ Loading executes nothing from a file.
 import json
 import logging
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
 from hashlib import blake2b, sha256
@@ -40,11 +40,31 @@ ALIGNMENT = 64
 COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
 """Folders of the compiling code. A change below them invalidates every file."""
 
-ARRAYS = (
-    "curves", "boundary", "free", "pairs", "thresholds", "paper", "priority", "softness",
-    "anticipate", "highest", "opposed", "trigrams", "trigram_rows",
-)  # fmt: skip
+BANK_ARRAYS = {
+    "curves": (np.float32, "BKP"),
+    "boundary": (np.float64, "B"),
+    "free": (np.bool_, "B"),
+}
+"""Arrays of a style by name, with their types and dimensions.
+
+B rows, K normalised times, P poses, N phonemes, T trigrams, and the 2 rows of a trigram.
+"""
+
+CONTACT_ARRAYS = {
+    "phonemes": (np.bool_, "N"), "floor": (np.float64, "P"), "ceiling": (np.float64, "P"),
+}  # fmt: skip
+"""Arrays of a contact."""
+
+ARRAYS = {
+    **BANK_ARRAYS, "pairs": (np.intp, "NN"), "thresholds": (np.float64, "PP"),
+    "paper": (np.float64, "PP"), "priority": (np.float64, "P"), "softness": (np.float64, "P"),
+    "anticipate": (np.float64, "P"), "highest": (np.float64, "P"), "opposed": (np.bool_, "NP"),
+    "trigrams": (np.intp, "T"), "trigram_rows": (np.intp, "T2"),
+}  # fmt: skip
 """Arrays of the tables."""
+
+SIZES = {"B": "origins", "P": "poses", "N": "phonemes"}
+"""The plain field that has an entry for each element of a dimension."""
 
 MAX_CACHE_BYTES = 2 * 2**30
 """Maximum bytes of all pairs; the oldest are deleted first. A built-in pair has 1 to 9 MB."""
@@ -175,7 +195,7 @@ def _arrays(tables: Tables) -> dict[str, np.ndarray[Any, Any]]:
     for number, bank in enumerate(tables.styles):
         arrays |= {f"style.{number}.{part}": array for part, array in bank._asdict().items()}
     for number, contact in enumerate(tables.contacts):
-        for part in ("phonemes", "floor", "ceiling"):
+        for part in CONTACT_ARRAYS:
             arrays[f"contact.{number}.{part}"] = getattr(contact, part)
     return arrays
 
@@ -254,55 +274,27 @@ def _tuples(plain: dict[str, Any]) -> dict[str, Any]:
 
 def _tables(head: dict[str, Any], body: memoryview) -> Tables:
     """Return the tables of a file; raise an error for an array of another type or shape."""
-    plain = head["plain"]
-    rows, poses, phonemes = (len(plain[name]) for name in ("origins", "poses", "phonemes"))
-    array = _reader(head["arrays"], body)
-    (trigrams,) = head["arrays"]["trigrams"][1]
+    plain, places = head["plain"], head["arrays"]
+    sizes = {letter: len(plain[name]) for letter, name in SIZES.items()}
+    sizes |= {"K": RESOLUTION + 1, "T": places["trigrams"][1][0], "2": 2}
+
+    def arrays(parts: Mapping[str, tuple[type, str]], prefix: str = "") -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for name, (kind, letters) in parts.items():
+            (dtype, stated, offset), shape = places[prefix + name], [sizes[one] for one in letters]
+            if dtype != np.dtype(kind).str or stated != shape:
+                raise ValueError(f"array {prefix + name} is {dtype} {stated}, not {kind} {shape}")
+            found[name] = np.frombuffer(body, kind, prod(shape), offset).reshape(shape)
+        return found
+
+    contacts, styles = len(plain["contact_names"]), len(plain["style_origins"])
     return Tables(
-        curves=array("curves", np.float32, rows, RESOLUTION + 1, poses),
-        boundary=array("boundary", np.float64, rows),
-        free=array("free", np.bool_, rows),
-        pairs=array("pairs", np.intp, phonemes, phonemes),
-        thresholds=array("thresholds", np.float64, poses, poses),
-        paper=array("paper", np.float64, poses, poses),
-        softness=array("softness", np.float64, poses),
-        anticipate=array("anticipate", np.float64, poses),
-        highest=array("highest", np.float64, poses),
-        opposed=array("opposed", np.bool_, phonemes, poses),
-        priority=array("priority", np.float64, poses),
-        trigrams=array("trigrams", np.intp, trigrams),
-        trigram_rows=array("trigram_rows", np.intp, trigrams, 2),
+        **arrays(ARRAYS),
         silence=head["silence"],
-        contacts=tuple(
-            Contact(
-                array(f"contact.{n}.phonemes", np.bool_, phonemes),
-                array(f"contact.{n}.floor", np.float64, poses),
-                array(f"contact.{n}.ceiling", np.float64, poses),
-            )
-            for n in range(len(plain["contact_names"]))
-        ),
-        styles=tuple(
-            Bank(
-                array(f"style.{n}.curves", np.float32, rows, RESOLUTION + 1, poses),
-                array(f"style.{n}.boundary", np.float64, rows),
-                array(f"style.{n}.free", np.bool_, rows),
-            )
-            for n in range(len(plain["style_origins"]))
-        ),
+        contacts=tuple(Contact(**arrays(CONTACT_ARRAYS, f"contact.{n}.")) for n in range(contacts)),
+        styles=tuple(Bank(**arrays(BANK_ARRAYS, f"style.{n}.")) for n in range(styles)),
         at_most=tuple((pose, other) for pose, other in head["at_most"]),
     )
-
-
-def _reader(places: dict[str, Any], body: memoryview) -> Callable[..., np.ndarray[Any, Any]]:
-    """Return a function that reads an array and checks its type and shape."""
-
-    def array(name: str, kind: type, *shape: int) -> np.ndarray[Any, Any]:
-        dtype, stated, offset = places[name]
-        if dtype != np.dtype(kind).str or tuple(stated) != shape:
-            raise ValueError(f"array {name} is {dtype} {stated}, not {np.dtype(kind).str} {shape}")
-        return np.frombuffer(body, kind, prod(shape), offset).reshape(shape)
-
-    return array
 
 
 def _check_indices(tables: Tables) -> None:

@@ -59,10 +59,12 @@ class PairRows:
         played = played_trigrams(shelf, drawn)
         halves = {triple: drawn[triple] for triple in sorted(set(played.values()))}
         made = cls(shelf.rows(), shelf.shade_rows(), {}, halves, played)
-        styles = {
-            style: made.with_halves([_styled(shelf, row, style) for row in made.bigrams])
-            for style in shelf.styles
-        }
+        styles = {}
+        for style in shelf.styles:
+            own = ((row, shelf.authored(row.origin.pair, style)) for row in made.bigrams)
+            # the very row of neutral where no bank changes it: `_bank` looks for others
+            rows = [one if one is not None and one.style == style else row for row, one in own]
+            styles[style] = made.with_halves(rows)
         return replace(made, styles=styles)
 
     @cached_property
@@ -111,6 +113,9 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
     model, library = spoken.model, shelf.library
     manner = manner_of(spoken, common.model, who.model)
     tables = _tables(shelf, rows)
+    motion = Motion()
+    for layer in (poseset.model, who.model):  # the character has the last word
+        motion = motion_with(motion, layer.motion.model_dump(exclude_none=True))
     return CompiledPair(
         language=model.name,
         character=who.model.name,
@@ -135,7 +140,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         delivery=_delivery(who.model),
         line_deliveries={name: _delivery(line) for name, line in who.model.lines.items()},
         tables=tables,
-        motion=_motion(poseset.model.motion, who.model.motion),
+        motion=motion,
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
         checks=_checks(poseset.model.checks, who.model.checks),
         nearest=plain_among(library, spoken) if model.automatic else None,
@@ -163,35 +168,28 @@ def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
     trigrams, trigram_rows = trigram_arrays(index, rows.played, rows.triple_rows)
     curves = _tabulated(rows.every, len(shelf.poses))
     boundary, free = _marks(rows.every)
-    return _frozen(
-        Tables(
-            curves=curves,
-            boundary=boundary,
-            free=free,
-            pairs=pairs,
-            trigrams=trigrams,
-            trigram_rows=trigram_rows,
-            silence=0,
-            contacts=tuple(shelf.contacts()),
-            thresholds=pose_arrays.thresholds(poseset),
-            paper=pose_arrays.thresholds(poseset, paper=True),
-            priority=pose_arrays.priority(poseset),
-            softness=pose_arrays.softness(poseset),
-            anticipate=pose_arrays.anticipate(poseset),
-            highest=shelf.highest(),
-            opposed=shelf.opposed(),
-            at_most=tuple(pose_arrays.at_most(poseset)),
-            styles=tuple(_bank(changed, rows.every, curves) for changed in rows.styles.values()),
-        )
+    tables = Tables(
+        curves=curves,
+        boundary=boundary,
+        free=free,
+        pairs=pairs,
+        trigrams=trigrams,
+        trigram_rows=trigram_rows,
+        silence=0,
+        contacts=tuple(shelf.contacts()),
+        thresholds=pose_arrays.thresholds(poseset),
+        paper=pose_arrays.thresholds(poseset, paper=True),
+        priority=pose_arrays.priority(poseset),
+        softness=pose_arrays.softness(poseset),
+        anticipate=pose_arrays.anticipate(poseset),
+        highest=shelf.highest(),
+        opposed=shelf.opposed(),
+        at_most=tuple(pose_arrays.at_most(poseset)),
+        styles=tuple(_bank(changed, rows.every, curves) for changed in rows.styles.values()),
     )
-
-
-def _frozen(tables: Tables) -> Tables:
-    """Make every array read-only, like arrays from the cache, and return the tables."""
-    stored = (tables, *tables.contacts)
-    arrays = [value for one in stored for value in vars(one).values()]
-    arrays += [value for bank in tables.styles for value in bank]
-    for array in arrays:
+    # read-only, like arrays from the cache
+    arrays = [value for one in (tables, *tables.contacts) for value in vars(one).values()]
+    for array in chain(arrays, *tables.styles):
         if isinstance(array, np.ndarray):
             array.setflags(write=False)
     return tables
@@ -202,13 +200,6 @@ def _plain(data: Any) -> Any:
     if isinstance(data, Mapping):
         return {key: _plain(value) for key, value in data.items()}
     return [_plain(value) for value in data] if isinstance(data, (list, tuple)) else data
-
-
-def _motion(*layers: "models.MotionFields") -> Motion:
-    motion = Motion()
-    for layer in layers:
-        motion = motion_with(motion, layer.model_dump(exclude_none=True))
-    return motion
 
 
 def _checks(*layers: "models.Checks") -> dict[str, Any]:
@@ -265,12 +256,6 @@ def _put(out: Singles, curves: list[tuple[int, int, Floats]], sampled: Floats) -
     out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = sampled.clip(0, 1)
 
 
-def _styled(shelf: PairPacks, row: BigramRow, style: str) -> BigramRow:
-    """Return the row of a style; the neutral row if no bank changes it."""
-    found = shelf.authored(row.origin.pair, style)
-    return found if found is not None and found.style == style else row
-
-
 def _bank(rows: list[BigramRow], plain: list[BigramRow], neutral: Singles) -> Bank:
     """Return a style's bank: the neutral samples, with the different rows replaced."""
     both = enumerate(zip(rows, plain, strict=True), 1)
@@ -278,11 +263,6 @@ def _bank(rows: list[BigramRow], plain: list[BigramRow], neutral: Singles) -> Ba
     curves = neutral.copy()
     curves[own] = _tabulated([rows[number - 1] for number in own], neutral.shape[2])[1:]
     return Bank(curves, *_marks(rows))
-
-
-def _statuses(rows: list[BigramRow]) -> dict[str, int]:
-    """Count the bigrams of a style's banks by status."""
-    return dict(sorted(Counter(r.origin.status for r in rows if r.style != NEUTRAL).items()))
 
 
 def _marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
@@ -349,9 +329,14 @@ def _shorts(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> Iterator
         # otherwise the phoneme in the middle of a trigram would have two warnings
         if side == 0 and rows[asked[row] - 1].span[0] > 0:
             continue  # the first half of a trigram has told of its middle
-        top, floor = float(tops[side, row, pose]), float(tables.contacts[number].floor[pose])
-        one = rows[asked[row] - 1]
-        yield _short(one, one.origin.pair[side], names[number], shelf.poses[pose], top, floor)
+        floor, one = float(tables.contacts[number].floor[pose]), rows[asked[row] - 1]
+        what = (
+            f"{one.origin.name} brings {shelf.poses[pose]} to {tops[side, row, pose]:.2f} at "
+            f"{one.origin.pair[side]}, but contact '{names[number]}' requires {floor:g}"
+        )
+        hint = "the contact holds it up anyway; raise the curve, or write `contact: free`"
+        file, line, column = one.place or ("", 0, 0)
+        yield Fault(shown(Path(file)), line, column, "W306", what, hint, "warning")
 
 
 def _tops(tables: Tables, rows: list[int]) -> Floats:
@@ -372,24 +357,16 @@ def _tops(tables: Tables, rows: list[int]) -> Floats:
     return tops
 
 
-def _short(  # noqa: PLR0913, PLR0917 the parts of one message
-    row: BigramRow, phoneme: str, contact: str, pose: str, top: float, floor: float
-) -> Fault:
-    file, line, column = row.place or ("", 0, 0)
-    what = (
-        f"{row.origin.name} brings {pose} to {top:.2f} at {phoneme}, but contact "
-        f"'{contact}' requires {floor:g}"
-    )
-    hint = "the contact holds it up anyway; raise the curve, or write `contact: free`"
-    return Fault(shown(Path(file)), line, column, "W306", what, hint, "warning")
-
-
 def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report:
     warnings = [*(f for f in shelf.library.faults if f.severity == "warning"), *shorts]
     origins = [row.origin for row in rows.counted]
     silence = shelf.common.model.silence
     base = set(shelf.common.model.base)
     spoken = [o for o in origins if silence not in o.pair]
+    drawn = {
+        style: Counter(r.origin.status for r in some[: len(origins)] if r.style != NEUTRAL)
+        for style, some in rows.styles.items()
+    }
 
     def by_layer(some: list[Origin]) -> dict[str, dict[str, int]]:
         counts = Counter((o.layer, o.status) for o in some)
@@ -413,6 +390,6 @@ def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report
         gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
         automatic=shelf.language.model.automatic,
         warnings=tuple(str(fault) for fault in warnings),
-        styles={style: _statuses(some[: len(origins)]) for style, some in rows.styles.items()},
+        styles={style: dict(sorted(count.items())) for style, count in drawn.items()},
         trigrams={"-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()},
     )

@@ -57,22 +57,20 @@ def _hearing(language: "Pack[models.Language]") -> Hearing:
     model, stated = language.model, language.model.audio
     if stated is None:
         return Hearing(code=model.tag)
+    # `NAME:FOLDER`: a relative folder lies beside the pack
+    recogniser = stated.recognise
+    name, _, folder = (recogniser or "").partition(":")
+    if "/" in folder and not folder.startswith("~") and not Path(folder).is_absolute():
+        pack = language.where(("audio", "recognise")).file
+        recogniser = f"{name}:{pack.parent / folder}"
     return Hearing(
         stated.align or Hearing.align,
-        _beside(language.where(("audio", "recognise")).file, stated.recognise),
+        recogniser,
         stated.model,
         stated.notation or "",
         dict(stated.phones),
         stated.code or model.tag,
     )
-
-
-def _beside(pack: Path, spelling: str | None) -> str | None:
-    """Return `NAME:FOLDER` with a relative folder resolved beside the pack."""
-    name, _, folder = (spelling or "").partition(":")
-    if "/" not in folder or folder.startswith("~") or Path(folder).is_absolute():
-        return spelling
-    return f"{name}:{pack.parent / folder}"
 
 
 def _settings(language: "Pack[models.Language]") -> Settings:

@@ -1,6 +1,6 @@
 """The packs of one pair, and the bigrams of each of their layers."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -112,7 +112,12 @@ class PairPacks:
                 library,
             )
         except PackFaults as error:
-            raise _all_faults(library, error) from None
+            # each file once: a file of a thousand faults would be checked a thousand times
+            named = dict.fromkeys(Path(fault.file) for fault in error.faults)
+            # a comparison with other files may find more
+            more = validate(library, [file for file in named if file.is_file()])
+            faults = {*error.faults, *more}
+            raise PackFaults(sorted(f for f in faults if f.severity == "fault")) from None
         shelf.refuse_faults()
         return shelf
 
@@ -241,7 +246,15 @@ class PairPacks:
         for key, trigram in pack.model.trigrams.items():
             one, two, three = key.split("-")
             row = self._drawn_row(layer, pack, ("trigrams", key), (one, two))
-            halves[one, two, three] = _halves(row, (one, two, three), trigram.boundaries or THIRDS)
+            first, second = trigram.boundaries or THIRDS
+            origin = row.origin._replace(triple=(one, two, three))
+            later = origin._replace(pair=(two, three))
+            # each boundary as a share of its half: up to the second, and from the first on
+            near, far = first / second, (second - first) / (1 - first)
+            halves[one, two, three] = (
+                replace(row, origin=origin, boundary=near, span=(0.0, second)),
+                replace(row, origin=later, boundary=far, span=(first, 1.0)),
+            )
         return DrawnBigrams(pack.path, layer, style, self.drawn_rows(layer, pack), halves)
 
     @cached_property
@@ -250,15 +263,15 @@ class PairPacks:
         return _layered(self.drawn)
 
     @cached_property
-    def _unfitted(self) -> Layers:
-        """The layers without fitted bigrams."""
-        return _layered(_only(self.drawn, lambda row: row.origin.status != FITTED))
-
-    @cached_property
-    def _fitted(self) -> Layers:
-        """The layers of fitted bigrams; empty if there are none."""
-        fitted = _only(self.drawn, lambda row: row.origin.status == FITTED)
-        return _layered(fitted) if any(file.rows for file in fitted) else {}
+    def _by_origin(self) -> tuple[Layers, Layers]:
+        """The layers without fitted bigrams, and those of fitted ones, empty if there are none."""
+        parts: list[list[DrawnBigrams]] = [[], []]
+        for file in self.drawn:
+            for part, fitted in zip(parts, (False, True), strict=True):
+                rows = {p: r for p, r in file.rows.items() if (r.origin.status == FITTED) == fitted}
+                part.append(file._replace(rows=rows))
+        drawn, fits = parts
+        return _layered(drawn), _layered(fits) if any(file.rows for file in fits) else {}
 
     def redrawn(self, drawn: "tuple[DrawnBigrams, ...]") -> Self:
         """Return these packs with other bigrams in their files."""
@@ -361,9 +374,10 @@ class PairPacks:
         drawn parent comes before a drafted shade. Within a layer the style comes first, then
         neutral. A fitted row comes after all that a person drew, and before drafts.
         """
-        row = self._found(pair, style, self._unfitted)
-        if self._fitted and (row is None or row.origin.status == DRAFTED):
-            return self._found(pair, style, self._fitted) or row
+        unfitted, fitted = self._by_origin
+        row = self._found(pair, style, unfitted)
+        if fitted and (row is None or row.origin.status == DRAFTED):
+            return self._found(pair, style, fitted) or row
         return row
 
     def _found(self, pair: Pair, style: str, layers: Layers) -> BigramRow | None:
@@ -510,37 +524,9 @@ def _layered(files: Iterable[DrawnBigrams]) -> Layers:
     return layers
 
 
-def _only(files: Iterable[DrawnBigrams], kept: Callable[[BigramRow], bool]) -> list[DrawnBigrams]:
-    """Return files with some of their bigrams."""
-    return [
-        file._replace(rows={pair: row for pair, row in file.rows.items() if kept(row)})
-        for file in files
-    ]
-
-
 def _stated(layers: Layers, pair: Pair, style: str) -> BigramRow | None:
     for layer in layers.values():
         for manner in dict.fromkeys((style, NEUTRAL)):
             if pair in layer.get(manner, ()):
                 return layer[manner][pair]
     return None
-
-
-def _halves(row: BigramRow, triple: Triple, boundaries: tuple[float, float]) -> Halves:
-    """Return the two rows of a trigram: up to its second boundary, and from its first on."""
-    first, second = boundaries
-    origin = row.origin._replace(triple=triple)
-    later = origin._replace(pair=triple[1:])
-    return (
-        replace(row, origin=origin, boundary=first / second, span=(0.0, second)),
-        replace(row, origin=later, boundary=(second - first) / (1 - first), span=(first, 1.0)),
-    )
-
-
-def _all_faults(library: "Library", error: PackFaults) -> PackFaults:
-    """Return the faults of a file, and those of its comparison with other files."""
-    # each file once: a file of a thousand faults would be checked a thousand times
-    named = dict.fromkeys(Path(fault.file) for fault in error.faults)
-    files = [file for file in named if file.is_file()]
-    found = {*error.faults, *validate(library, files)}
-    return PackFaults(sorted(fault for fault in found if fault.severity == "fault"))

@@ -17,8 +17,8 @@ from lipsync_lang.packs.splicing import INDEPENDENT, SplicedText, pack_name
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import Data, YamlSource, scan
 from lipsync_lang.resolver.compile import PairRows, compile_packs
-from lipsync_lang.resolver.compiled import CompiledPair, Pair
-from lipsync_lang.resolver.layers import BigramRow, DrawnBigrams, PairPacks
+from lipsync_lang.resolver.compiled import CompiledPair
+from lipsync_lang.resolver.layers import DrawnBigrams, PairPacks
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -100,20 +100,18 @@ class OpenPair:
         if file.path != text.path:
             return file
         made = self.shelf.drawn_rows(file.layer, _sound(self.shelf, text, keys))
-        made = {pair: _placed(row, text) for pair, row in made.items()}
-        rows = dict(file.rows)
-        for pair in map(_pair, keys):
-            rows.pop(pair, None)
-        return file._replace(rows=rows | made)
+        gone = {tuple(key.split("-")) for key in keys}
+        rows = {pair: row for pair, row in file.rows.items() if pair not in gone}
+        for pair, row in made.items():
+            # the place in the whole text: the one of `made` is in a part of it
+            place = FilePlace(text.path, *text.place((INDEPENDENT, "-".join(pair))))
+            origin = row.origin._replace(places=(str(place),))
+            rows[pair] = replace(row, place=place, origin=origin)
+        return file._replace(rows=rows)
 
 
 def _without_bigrams(data: Data) -> Data:
     return {key: value for key, value in data.items() if key != INDEPENDENT}
-
-
-def _pair(key: str) -> Pair:
-    first, _, second = key.partition("-")
-    return first, second
 
 
 def _sound(shelf: PairPacks, text: SplicedText, keys: Collection[str]) -> Pack[Any]:
@@ -133,11 +131,3 @@ def _sound(shelf: PairPacks, text: SplicedText, keys: Collection[str]) -> Pack[A
             raise PackFaults(sorted(faults))
         source = scan(text.path, text.content)
     return pack
-
-
-def _placed(row: BigramRow, text: SplicedText) -> BigramRow:
-    """Return a row with its place in a text."""
-    key = "-".join(row.origin.pair)
-    line, column = text.place((INDEPENDENT, key))
-    place = FilePlace(text.path, line, column)
-    return replace(row, place=place, origin=row.origin._replace(places=(str(place),)))

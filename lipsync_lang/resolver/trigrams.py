@@ -36,21 +36,15 @@ def played_trigrams(shelf: "PairPacks", drawn: "Mapping[Triple, Halves]") -> dic
     for name in shelf.numbered:
         for one in {name, shelf.parents.get(name, name)}:
             kin.setdefault(one, []).append(name)
-    played = {
-        (one, two, three)
-        for triple in drawn
-        for one, two, three in product(*(kin.get(phoneme, ()) for phoneme in triple))
-    }
-    return {triple: _finest(shelf, drawn, triple) for triple in sorted(played)}
-
-
-def _finest(shelf: "PairPacks", drawn: "Mapping[Triple, Halves]", triple: Triple) -> Triple:
-    """Return the drawn trigram with the fewest parents in place of shades."""
-    names = [(phoneme, shelf.parents.get(phoneme, phoneme)) for phoneme in triple]
     # by the number of parents; `sorted` is stable, so ties prefer the finer first phoneme
-    coarser = sorted(product((0, 1), repeat=len(names)), key=sum)
-    found = ((names[0][a], names[1][b], names[2][c]) for a, b, c in coarser)
-    return next(one for one in found if one in drawn)
+    coarser = sorted(product((0, 1), repeat=3), key=sum)
+    names = {name: (name, shelf.parents.get(name, name)) for name in shelf.numbered}
+    played = {}
+    for triple in drawn:
+        for one, two, three in product(*(kin.get(phoneme, ()) for phoneme in triple)):
+            found = ((names[one][a], names[two][b], names[three][c]) for a, b, c in coarser)
+            played[one, two, three] = next(finest for finest in found if finest in drawn)
+    return dict(sorted(played.items()))
 
 
 def trigram_arrays(
