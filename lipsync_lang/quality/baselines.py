@@ -47,9 +47,7 @@ def keyframes(
     ids, bounds, _ = performer.common_phonemes(schedule)
     times, keys = [], []
     for number, start, end in zip(ids, bounds, bounds[1:], strict=False):
-        steps = targets.get(performer.compiled.phonemes[number], ())
-        rows = [[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps]
-        rows = rows or [[0.0] * len(performer.poses)]
+        rows = _weights(targets.get(performer.compiled.phonemes[number], ()), performer)
         for step, row in enumerate(rows):
             times.append(start + (end - start) * (step + 0.5) / len(rows))
             keys.append(row)
@@ -115,15 +113,21 @@ def _targets(
     return {shade: targets.get(parent, ()) for shade, parent in parents} | targets
 
 
+def _weights(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> Floats:
+    """Return the poses at each step of a phoneme, or a single row of rest: (m, P)."""
+    rows = [[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps]
+    return np.array(rows or [[0.0] * len(performer.poses)])
+
+
 def _dominances(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tuple[Floats, Floats]:
     """Return the poses at each step of a phoneme, (m, P), and the dominance of each pose, (P,).
 
     As in drafts, poses without a target are passive, unless a constraint opposes them to one with a
     target.
     """
+    rows = _weights(steps, performer)
     if not steps:
-        return np.zeros((1, len(performer.poses))), np.ones(len(performer.poses))
-    rows = np.array([[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps])
+        return rows, np.ones(len(performer.poses))
     named = [any(pose in step.weights for step in steps) for pose in performer.poses]
     against = (performer.compiled.tables.thresholds < FREE) @ rows.any(axis=0)
     usual = np.where(np.array(named) | against, 1.0, PASSIVE)
@@ -171,8 +175,7 @@ def held(
 
 def _strongest(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> Floats:
     """Return the targets with only their strongest pose: (m, P)."""
-    rows = [[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps]
-    weights = np.array(rows or [[0.0] * len(performer.poses)])
+    weights = _weights(steps, performer)
     most = weights.argmax(axis=1)
     alone = np.zeros_like(weights)
     alone[np.arange(len(weights)), most] = weights[np.arange(len(weights)), most]

@@ -1,18 +1,21 @@
 """Judgement of a finished animation: every measure, compared with the limits of its face."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.performing.performed_line import performer_of
 from lipsync_lang.quality.figures import Figure, Quality
-from lipsync_lang.quality.measured_scene import MeasuredScene, scene_of
-from lipsync_lang.quality.measures import Measure, load_measures
+from lipsync_lang.quality.measured_scene import scene_of
+from lipsync_lang.quality.measures import load_measures
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
+
+MAX_SUBJECT_CHARS = 60
+"""Characters of the text of a line in the subject of its quality."""
 
 Limits = Mapping[str, float]
 """Highest acceptable values by the name of the measure."""
@@ -62,28 +65,21 @@ def check(
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
         asked[name] = value
     figures = [
-        figure for one in measures.values() for figure in _figures(one, scene, asked[one.name])
-    ]
-    return Quality(_subject(animation, performer), tuple(figures), remarks)
-
-
-def _figures(measure: Measure, scene: MeasuredScene, limit: float | None) -> Iterator[Figure]:
-    for found in measure.find(scene):
-        yield Figure(
-            f"{measure.name} {found.of}".rstrip(),
+        Figure(
+            f"{name} {found.of}".rstrip(),
             found.value,
-            measure.unit,
-            limit if found.limit is None else found.limit,
+            one.unit,
+            asked[name] if found.limit is None else found.limit,
             found.parts,
             found.findings,
             found.why,
         )
-
-
-def _subject(animation: "Animation", performer: "Performer") -> str:
+        for name, one in measures.items()
+        for found in one.find(scene)
+    ]
     words = " ".join(word.text for word in animation.schedule.words)
     said = repr(words) if words else animation.schedule.source
-    return (
-        f"{performer.language} on {performer.character}, {animation.fps:g} fps: "
-        f"{said if len(said) <= 60 else said[:57] + '...'}"  # noqa: PLR2004 a line's worth
-    )
+    if len(said) > MAX_SUBJECT_CHARS:
+        said = f"{said[: MAX_SUBJECT_CHARS - 3]}..."
+    subject = f"{performer.language} on {performer.character}, {animation.fps:g} fps: {said}"
+    return Quality(subject, tuple(figures), remarks)

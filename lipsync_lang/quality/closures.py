@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from statistics import median
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -62,21 +62,22 @@ def contacts(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 def _missed(scene: MeasuredScene, contact: int, missed: Ints) -> Iterator[Finding]:
     """Yield a finding for each sound without its contact: the pose that prevents it."""
-    least = scene.margin[contact]
+    touch, least, names = scene.face.touches[contact], scene.margin[contact], scene.face.names
+    part = scene.face.bounded.part(contact)
     descriptions = {}
     for number, (a, b) in zip(missed.tolist(), scene.cuts[missed].tolist(), strict=True):
-        frame = a + int(least[a:b].argmax()) if a < b else None
-        descriptions[number] = "has no frame" if frame is None else _short(scene, contact, frame)
+        if a >= b:
+            descriptions[number] = "has no frame"
+            continue
+        # the frame that comes nearest to the contact, and the pose that is farthest off there
+        frame = a + int(least[a:b].argmax())
+        pose = int(scene.face.bounded.columns[part][scene.margins[part, frame].argmin()])
+        value, low, high = scene.curves[pose, frame], touch.low[pose], touch.high[pose]
+        asked = f"{low:g} or more" if value < low else f"{high:g} or less"
+        descriptions[number] = (
+            f"brings {names[pose]} to {value:.2f}, but '{touch.name}' requires {asked}"
+        )
     return places(scene, descriptions)
-
-
-def _short(scene: MeasuredScene, contact: int, frame: int) -> str:
-    """Describe the pose that prevents a contact at a frame."""
-    touch, part = scene.face.touches[contact], scene.face.bounded.part(contact)
-    pose = int(scene.face.bounded.columns[part][scene.margins[part, frame].argmin()])
-    value, low, high = scene.curves[pose, frame], touch.low[pose], touch.high[pose]
-    wanted = f"{low:g} or more" if value < low else f"{high:g} or less"
-    return f"brings {scene.face.names[pose]} to {value:.2f}, but '{touch.name}' requires {wanted}"
 
 
 @measure("false_contacts", "of sounds", limit=0)
@@ -240,25 +241,25 @@ def rules(scene: MeasuredScene) -> Iterable[MeasureResult]:
     if not scene.rules:
         yield from unjudged("the pose set has no rules")
     for name, rule in scene.rules.items():
-        yield from _rule(scene, name, rule)
-
-
-def _rule(scene: MeasuredScene, name: str, rule: dict[str, Any]) -> Iterable[MeasureResult]:
-    gains = scene.face.measures.get(rule["measure"])
-    which = np.flatnonzero(scene.face.meant[name][scene.track.ids])
-    if gains is None:
-        return unjudged("channels of a rig have no measures", of=name)
-    if not which.size:
-        return unjudged("no sound of the line has this rule", of=name)
-    shown = gains @ scene.curves
-    room = np.minimum(shown - rule.get("at_least", -np.inf), rule.get("at_most", np.inf) - shown)
-    best = scene.highest(room)[which]
-    missed = ~(best >= -RULE_TOLERANCE)
-    count = int(np.count_nonzero(missed))
-    descriptions = {
-        int(number): f"misses the rule by {-short:.2f} of {rule['measure']}"
-        for number, short in zip(which[missed], best[missed], strict=True)
-    }
-    parts = {"kept": len(which) - count, "missed": count}
-    found = tuple(places(scene, descriptions))
-    return [MeasureResult(count / len(which), parts, found, of=name, limit=rule["missed"])]
+        gains = scene.face.measures.get(rule["measure"])
+        which = np.flatnonzero(scene.face.meant[name][scene.track.ids])
+        if gains is None or not which.size:
+            rigged, unsaid = (
+                "channels of a rig have no measures",
+                "no sound of the line has this rule",
+            )
+            yield from unjudged(rigged if gains is None else unsaid, of=name)
+            continue
+        shown = gains @ scene.curves
+        least, most = rule.get("at_least", -np.inf), rule.get("at_most", np.inf)
+        best = scene.highest(np.minimum(shown - least, most - shown))[which]
+        # turned round, so that a phoneme without frames, whose best is NaN, is missed
+        missed = ~(best >= -RULE_TOLERANCE)
+        count = int(np.count_nonzero(missed))
+        descriptions = {
+            int(number): f"misses the rule by {-short:.2f} of {rule['measure']}"
+            for number, short in zip(which[missed], best[missed], strict=True)
+        }
+        parts = {"kept": len(which) - count, "missed": count}
+        found = tuple(places(scene, descriptions))
+        yield MeasureResult(count / len(which), parts, found, of=name, limit=rule["missed"])

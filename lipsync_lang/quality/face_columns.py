@@ -136,26 +136,24 @@ def face_of(animation: "Animation", performer: "Performer") -> Face:
         The columns are neither.
     """
     known = _FACES.setdefault(performer, {})
-    columns = animation.poses
-    if columns not in known:
-        known[columns] = _seen(columns, performer)
+    columns, rig = animation.poses, performer.compiled.rig
+    if columns in known:
+        return known[columns]
+    if columns == performer.poses:
+        known[columns] = _posed(performer)
+    elif rig is not None and columns == tuple(one["name"] for one in rig["channels"]):
+        known[columns] = _rigged(performer, columns)
+    else:
+        raise LipsyncError(
+            f"the columns of the animation are not the poses of {performer.character}; read its "
+            "file for this character (quality.fitting.read_for), or name the character of the "
+            "animation"
+        )
     return known[columns]
 
 
 _FACES: "WeakKeyDictionary[Performer, dict[tuple[str, ...], Face]]" = WeakKeyDictionary()
 """Cache of faces by their columns, for all animations of a performer."""
-
-
-def _seen(columns: tuple[str, ...], performer: "Performer") -> Face:
-    if columns == performer.poses:
-        return _posed(performer)
-    rig = performer.compiled.rig
-    if rig is not None and columns == tuple(one["name"] for one in rig["channels"]):
-        return _rigged(performer, columns)
-    raise LipsyncError(
-        f"the columns of the animation are not the poses of {performer.character}; read its file "
-        "for this character (quality.fitting.read_for), or name the character of the animation"
-    )
 
 
 def _posed(performer: "Performer") -> Face:

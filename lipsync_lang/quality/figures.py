@@ -1,6 +1,6 @@
 """Results of the judgement of an animation: figures with findings, and a verdict."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
@@ -98,22 +98,18 @@ class Quality:
         return known[name]
 
     def __str__(self) -> str:
-        return "\n".join(self._lines())
-
-    def _lines(self) -> Iterator[str]:
-        yield self.subject
-        yield from (f"  {remark}" for remark in self.remarks)
+        lines = [self.subject, *(f"  {remark}" for remark in self.remarks)]
         width = max((len(figure.name) for figure in self.figures), default=0)
         for figure in self.figures:
-            yield f"  {figure.verdict:<6}{figure.name:<{width}}  {describe(figure)}".rstrip()
-            if not figure.passed:
-                yield from (
-                    f"{' ' * 10}{f.at:.3f} s: {f.what}" for f in figure.findings[:MAX_FINDINGS]
-                )
-                if len(figure.findings) > MAX_FINDINGS:
-                    yield f"{' ' * 10}and {len(figure.findings) - MAX_FINDINGS} more"
+            told = f"  {figure.verdict:<6}{figure.name:<{width}}  {describe(figure)}"
+            lines.append(told.rstrip())
+            shown = () if figure.passed else figure.findings[:MAX_FINDINGS]
+            lines += [f"{' ' * 10}{one.at:.3f} s: {one.what}" for one in shown]
+            if shown and len(figure.findings) > MAX_FINDINGS:
+                lines.append(f"{' ' * 10}and {len(figure.findings) - MAX_FINDINGS} more")
         judged = [figure for figure in self.figures if figure.limit is not None]
-        yield f"{len(judged) - len(self.failed)} of {len(judged)} limits met"
+        lines.append(f"{len(judged) - len(self.failed)} of {len(judged)} limits met")
+        return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain JSON data."""

@@ -132,7 +132,11 @@ def placed_columns(
     AnimationError
         No column belongs to the face, or the frames are too uneven.
     """
-    faces = _faces(performer)
+    compiled = performer.compiled
+    faces = [(performer.channels, np.eye(len(performer.poses)))]
+    if compiled.rig is not None:
+        driver = Driver.from_plain(compiled.rig, performer.poses, compiled.tables.floors)
+        faces.append((driver.channels, driver.rig.gains))
     if channels:
         faces = faces[1:]
     if not faces:
@@ -167,16 +171,6 @@ def on_model(animation: "Animation", performer: "Performer") -> "Animation":
         return replace(animation, model=performer.model)
     placed = replace(animation, channels=performer.channels, model=performer.model)
     return performer.rigged(placed)
-
-
-def _faces(performer: "Performer") -> "list[tuple[tuple[Channel, ...], Floats]]":
-    """Return the poses of a performer, and the channels of its rig if it has one, with gains."""
-    compiled = performer.compiled
-    faces = [(performer.channels, np.eye(len(performer.poses)))]
-    if compiled.rig is not None:
-        driver = Driver.from_plain(compiled.rig, performer.poses, compiled.tables.floors)
-        faces.append((driver.channels, driver.rig.gains))
-    return faces
 
 
 def even_times(source: str, times: Floats) -> tuple[Floats, float]:

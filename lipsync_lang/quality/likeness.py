@@ -8,13 +8,13 @@ The figures of the captures are over many lines of one face. Lines of a few seco
 vary widely around them, so each limit has a margin, which its measure states.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.quality import curve_statistics as statistics
 from lipsync_lang.quality.face_columns import Roles
 from lipsync_lang.quality.figures import Finding
@@ -114,13 +114,6 @@ def _jaws(scene: MeasuredScene) -> list[Jaw] | str:
     return [Jaw(times, np.interp(times, scene.times, curve)) for times in grids]
 
 
-def _judged(
-    scene: MeasuredScene, figure: Callable[[list[Jaw]], Iterable[MeasureResult]]
-) -> Iterable[MeasureResult]:
-    jaws = _jaws(scene)
-    return unjudged(jaws) if isinstance(jaws, str) else figure(jaws)
-
-
 @measure("jerk", "peaks per s^3", limit=2.2e4)
 def jerk(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """Jerk of the jaw: the 95th percentile of its third derivative.
@@ -130,16 +123,14 @@ def jerk(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
         value = 95th percentile over frames of |jaw'''(t)|,   jaw in shares of its peak
     """
-
-    def figure(jaws: list[Jaw]) -> list[MeasureResult]:
-        size = np.concatenate([statistics.derivative(j.curve, CAPTURE_FPS, 3) for j in jaws])
-        times = np.concatenate([j.times[1:-2] for j in jaws])
-        at = round(float(times[size.argmax()]), 4)
-        return one(
-            statistics.percentile(size, 95), {}, [Finding(at, "the highest jerk of the jaw")]
-        )
-
-    return _judged(scene, figure)
+    jaws = _jaws(scene)
+    if isinstance(jaws, str):
+        return unjudged(jaws)
+    size = np.concatenate([statistics.derivative(j.curve, CAPTURE_FPS, 3) for j in jaws])
+    # a third difference spans four frames: it counts at the second of them
+    times = np.concatenate([j.times[1:-2] for j in jaws])
+    at = round(float(times[size.argmax()]), 4)
+    return one(statistics.percentile(size, 95), {}, [Finding(at, "the highest jerk of the jaw")])
 
 
 @measure("high_power", "of power", limit=0.055)
@@ -152,12 +143,10 @@ def high_power(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
         value = power above 8 Hz / power,   Hann window, mean removed
     """
-
-    def figure(jaws: list[Jaw]) -> list[MeasureResult]:
-        shares = [statistics.high_share(jaw.curve, CAPTURE_FPS) for jaw in jaws]
-        return one(float(np.mean(shares)))
-
-    return _judged(scene, figure)
+    jaws = _jaws(scene)
+    if isinstance(jaws, str):
+        return unjudged(jaws)
+    return one(float(np.mean([statistics.high_share(j.curve, CAPTURE_FPS) for j in jaws])))
 
 
 @measure("shelves", "of open frames", limit=0.1)
@@ -171,35 +160,25 @@ def shelves(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
         value = still frames / frames with the jaw above 0.1 of its peak
     """
-
-    def figure(jaws: list[Jaw]) -> list[MeasureResult]:
-        found: dict[int, float] = {}
-        standing = counted = 0
-        lasting = scene.sounds & (scene.lengths > HELD_SECONDS)
-        for jaw in jaws:
-            opened, still, owner = _still(scene, jaw, lasting)
-            standing += int(still.sum())
-            counted += int(opened.sum())
-            found |= dict(zip(owner[still].tolist(), jaw.times[still].tolist(), strict=True))
-        shown = [
-            Finding(round(at, 4), f"the jaw stands still in {scene.labels[number]}")
-            for number, at in found.items()
-        ]
-        return one(standing / max(1, counted), {}, shown)
-
-    return _judged(scene, figure)
-
-
-def _still(scene: MeasuredScene, jaw: Jaw, lasting: Bools) -> tuple[Bools, Bools, Ints]:
-    """Return the frames with an open jaw, the still ones among them, and their sounds.
-
-    Long sounds are left out. The shapes are (F,).
-    """
-    opened, still = statistics.open_frames(jaw.curve)
-    owner = scene.track.bounds.searchsorted(jaw.times, side="right") - 1
-    owner = np.minimum(np.maximum(owner, 0), len(scene.track.ids) - 1)
-    short = ~lasting[owner]
-    return opened & short, still & short, owner
+    jaws = _jaws(scene)
+    if isinstance(jaws, str):
+        return unjudged(jaws)
+    found: dict[int, float] = {}
+    standing = counted = 0
+    lasting = scene.sounds & (scene.lengths > HELD_SECONDS)
+    for jaw in jaws:
+        opened, still = statistics.open_frames(jaw.curve)
+        owner = scene.track.bounds.searchsorted(jaw.times, side="right") - 1
+        owner = np.minimum(np.maximum(owner, 0), len(scene.track.ids) - 1)
+        opened, still = opened & ~lasting[owner], still & ~lasting[owner]
+        standing += int(still.sum())
+        counted += int(opened.sum())
+        found |= dict(zip(owner[still].tolist(), jaw.times[still].tolist(), strict=True))
+    shown = [
+        Finding(round(at, 4), f"the jaw stands still in {scene.labels[number]}")
+        for number, at in found.items()
+    ]
+    return one(standing / max(1, counted), {}, shown)
 
 
 @measure("turns", "per second")
@@ -211,12 +190,11 @@ def turns(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
         value = turns / seconds
     """
-
-    def figure(jaws: list[Jaw]) -> list[MeasureResult]:
-        rates = [statistics.turns(jaw.curve) / len(jaw.curve) for jaw in jaws]
-        return one(CAPTURE_FPS * float(np.mean(rates)))
-
-    return _judged(scene, figure)
+    jaws = _jaws(scene)
+    if isinstance(jaws, str):
+        return unjudged(jaws)
+    rates = [statistics.turns(jaw.curve) / len(jaw.curve) for jaw in jaws]
+    return one(CAPTURE_FPS * float(np.mean(rates)))
 
 
 @measure("lead_missing", "s", limit=0.05)
@@ -304,8 +282,7 @@ def shut_vowels(scene: MeasuredScene) -> Iterable[MeasureResult]:
 @once
 def _touched(scene: MeasuredScene) -> Bools:
     """Return True for the sounds that demand any contact: (n,)."""
-    touched: Bools = np.asarray(scene.demanded.any(axis=0))
-    return touched
+    return np.asarray(scene.demanded.any(axis=0))
 
 
 def _opens(scene: MeasuredScene) -> Bools:

@@ -1,10 +1,10 @@
 """Measures of movement: constraints, speed, flicker, changes of shape, and stillness."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Ints
 from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.measured_scene import MeasuredScene
 from lipsync_lang.quality.measures import (
@@ -38,35 +38,24 @@ def constraints(scene: MeasuredScene) -> Iterable[MeasureResult]:
     """
     if not scene.face.caps and not scene.face.at_most:
         return unjudged("the pose set has no constraints")
-    over = _over(scene)
+    names, curves = scene.face.names, scene.curves
+    low, high, threshold = scene.face.capped
+    capped = curves[low] - np.maximum(0, threshold[:, None] - curves[high])
+    pose, other = np.array(scene.face.at_most, np.intp).reshape(-1, 2).T
+    over = np.concatenate((capped, curves[pose] - curves[other]))
     highest = over.max(axis=1)
     if highest.max() <= CONSTRAINT_TOLERANCE:
         return one(0.0)
     parts: dict[str, float] = {}
     findings: list[Finding] = []
-    names = tuple(_constrained(scene))
+    rules = [f"{names[a]} + {names[b]}" for a, b, _ in scene.face.caps]
+    rules += [f"{names[a]} above {names[b]}" for a, b in scene.face.at_most]
     for number in np.flatnonzero(highest > CONSTRAINT_TOLERANCE).tolist():
-        name, by = names[number], float(highest[number])
+        name, by = rules[number], float(highest[number])
         parts[name] = round(by, 6)
         at = round(float(scene.times[over[number].argmax()]), 4)
         findings.append(Finding(at, f"{name} by {by:.2f}"))
     return one(share(np.asarray((over > CONSTRAINT_TOLERANCE).any(axis=0))), parts, findings)
-
-
-def _over(scene: MeasuredScene) -> Floats:
-    """Return the excess over each constraint: (K, T)."""
-    curves = scene.curves
-    low, high, threshold = scene.face.capped
-    capped = curves[low] - np.maximum(0, threshold[:, None] - curves[high])
-    pose, other = np.array(scene.face.at_most, np.intp).reshape(-1, 2).T
-    return np.concatenate((capped, curves[pose] - curves[other]))
-
-
-def _constrained(scene: MeasuredScene) -> Iterator[str]:
-    """Yield the name of each constraint, in the order of `_over`."""
-    names = scene.face.names
-    yield from (f"{names[low]} + {names[high]}" for low, high, _ in scene.face.caps)
-    yield from (f"{names[pose]} above {names[other]}" for pose, other in scene.face.at_most)
 
 
 @measure("speed", "per second")
@@ -197,8 +186,11 @@ def silence(scene: MeasuredScene) -> Iterable[MeasureResult]:
         value = max over poses and pauses of (max w - min w)
     """
     room = scene.motion.silence_reach + 1 / scene.motion.speed_limit
-    quiet = _quiet(scene, room)
-    first, stop = runs(quiet)
+    bounds, sounds = scene.track.bounds, np.flatnonzero(scene.sounds)
+    # a frame is quiet if as many sounds, with their room, have ended before it as have begun
+    begun = np.searchsorted(bounds[sounds] - room, scene.times, side="right")
+    ended = np.searchsorted(bounds[sounds + 1] + room, scene.times, side="left")
+    first, stop = runs(begun == ended)
     if not first.size:
         return unjudged(f"no pause is longer than {2 * room:.2f} s")
     cuts = np.column_stack((first, stop)).ravel()
@@ -213,18 +205,6 @@ def silence(scene: MeasuredScene) -> Iterable[MeasureResult]:
         named(scene.face.names, moved.max(axis=1), VISIBLE_SHARE),
         [Finding(at, what)],
     )
-
-
-def _quiet(scene: MeasuredScene, room: float) -> Bools:
-    """Return True for silent frames, farther than `room` seconds from any sound: (T,)."""
-    bounds, sounds = scene.track.bounds, np.flatnonzero(scene.sounds)
-    if not sounds.size:
-        return np.ones(len(scene.times), bool)
-    start, end = bounds[sounds] - room, bounds[sounds + 1] + room
-    before = np.searchsorted(start, scene.times, side="right")
-    after = np.searchsorted(end, scene.times, side="left")
-    quiet: Bools = before == after
-    return quiet
 
 
 @measure("saturation", "of frames")

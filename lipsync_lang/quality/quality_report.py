@@ -15,17 +15,13 @@ def as_text(qualities: Qualities) -> str:
     first, *others = qualities.values()
     if not others:
         return str(first)
-    return f"{first}\n\n{_columns(qualities)}"
-
-
-def _columns(qualities: Qualities) -> str:
     names = list(dict.fromkeys(f.name for one in qualities.values() for f in one.figures))
     known = [{figure.name: figure for figure in one.figures} for one in qualities.values()]
     rows = [["", *qualities]]
     rows += [[name, *(_cell(one.get(name)) for one in known)] for name in names]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ("  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows)
-    return "\n".join(line.rstrip() for line in lines)
+    return "\n".join([str(first), "", *(line.rstrip() for line in lines)])
 
 
 def _cell(figure: Figure | None) -> str:
