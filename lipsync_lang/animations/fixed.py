@@ -74,9 +74,9 @@ def shapes_held(
     return found
 
 
-def doubts(animation: Animation, held: FormatNames, program: str) -> Iterator[str]:
-    """Yield warnings about omitted channels and a delayed sound."""
-    found = places(animation.columns, held.shapes)
+def doubts(animation: Animation, file: str, program: str) -> Iterator[str]:
+    """Yield warnings about omitted channels and a delayed sound, for a name list."""
+    found = places(animation.columns, names(file).shapes)
     yield from _lost(animation, [n for n in range(len(animation.poses)) if n not in found], program)
     yield from late(animation, program)
 

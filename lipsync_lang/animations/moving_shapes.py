@@ -1,13 +1,14 @@
 """Blend shapes moved by an animation, by mesh, with the names used in the model."""
 
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.fixed import shape_columns
+from lipsync_lang.animations.fixed import boneless, late, shape_columns
 from lipsync_lang.animations.keys import KeyedCurve
 from lipsync_lang.arrays import Floats
 
@@ -70,3 +71,12 @@ def on_model(animation: Animation) -> list[tuple[str, str, int]]:
         for column, names in on_mesh(animation.columns, mesh).shapes.items()
         for name in names
     ]
+
+
+def unshown(animation: Animation, program: str) -> Iterator[str]:
+    """Yield warnings about omitted channels and a delayed sound, for shapes of a model."""
+    from lipsync_lang.animations.writers.glb import unplaced
+
+    yield from unplaced(animation)
+    yield from boneless(animation, program)
+    yield from late(animation, program)

@@ -63,26 +63,24 @@ def parse_offset(text: str, fps: float) -> float:
     """Parse an offset in seconds or timecode, and return seconds."""
     found = TIMECODE.fullmatch(text)
     try:
-        seconds = _frame(text, found, round(fps)) / fps if found else float(text)
+        seconds = float(text) if found is None else 0.0
     except ValueError:
         raise LipsyncError(
             f"--offset {text}: write seconds (--offset 1.5) or a timecode (--offset 01:00:00:00)"
         ) from None
+    if found is not None:
+        rate = round(fps)
+        hours, minutes, whole, frames = (int(found[at]) for at in (1, 2, 3, 5))
+        if frames >= rate:
+            raise LipsyncError(f"--offset {text}: a second has frames 0 to {rate - 1} here")
+        if found[4] == ";":
+            raise LipsyncError(
+                f"--offset {text}: a semicolon means drop-frame, and every frame is counted here; "
+                "write the seconds"
+            )
+        seconds = (((hours * 60 + minutes) * 60 + whole) * rate + frames) / fps
     if not abs(seconds) <= DAY:
         raise LipsyncError(
             f"--offset {text}: a timeline lasts at most one day; give an earlier time"
         )
     return seconds
-
-
-def _frame(text: str, found: re.Match[str], rate: int) -> int:
-    """Return the frame number of a timecode."""
-    hours, minutes, seconds, frames = (int(found[at]) for at in (1, 2, 3, 5))
-    if frames >= rate:
-        raise LipsyncError(f"--offset {text}: a second has frames 0 to {rate - 1} here")
-    if found[4] == ";":
-        raise LipsyncError(
-            f"--offset {text}: a semicolon means drop-frame, and every frame is counted here; "
-            "write the seconds"
-        )
-    return ((hours * 60 + minutes) * 60 + seconds) * rate + frames

@@ -133,7 +133,7 @@ def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> C
         best.setdefault(other.poseset, other)
     others = [m for m in best.values() if m.poseset != match.poseset and m.enough]
     shown_others = tuple(others[:MAX_ALTERNATIVES])
-    return CharacterDraft(path, outputs | copies, match, shown_others, rig, model, summaries)
+    return CharacterDraft(path, {**outputs, **copies}, match, shown_others, rig, model, summaries)
 
 
 def _chosen(

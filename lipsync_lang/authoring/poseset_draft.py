@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.authoring.new_pack import (
     NewFiles,
@@ -222,7 +222,7 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
     rest = (PhonemeTarget(),)
     # The motion states what differs from the default preset, and always the speed limit.
     usual = {**asdict(PRESETS["default"]), "speed_limit": None}
-    motion = {"speed_limit": PRESETS["default"].speed_limit}
+    motion: dict[str, Any] = {"speed_limit": PRESETS["default"].speed_limit}
     motion |= known.motion.model_dump(exclude_none=True)
     unusual = {name: value for name, value in motion.items() if value != usual.get(name)}
     # The spellings of a pose in models go, because they are specific to its old name.

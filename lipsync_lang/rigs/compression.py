@@ -58,10 +58,11 @@ def meshopt_size(row: Json, compressed: int) -> int:
     ValueError
         The counts are absent, or larger than the data can hold.
     """
-    count, stride = row.get("count"), row.get("byteStride")
-    for value in (count, stride):
+    counts: list[Any] = [row.get("count"), row.get("byteStride")]
+    for value in counts:
         if not is_index(value, LARGEST + 1):
             raise ValueError(f"states {str(value)[:20]} for a count")
+    count, stride = map(int, counts)
     if not 0 < count * stride <= BYTES_PER_BYTE * compressed:
         raise ValueError(f"states {count} rows of {stride} bytes in {compressed} bytes")
     return count * stride

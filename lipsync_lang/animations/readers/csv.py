@@ -1,7 +1,6 @@
 """Comma-separated values: a time column, and one column per curve."""
 
 import csv
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -69,17 +68,11 @@ def _numbers(path: Path, line: int, row: list[str], count: int) -> list[float]:
     """Parse the numbers of a row."""
     if len(row) != count:
         fail(f"{path}:{line}", f"has {len(row)} values for {count} columns", "export it again")
+    numbers: list[float] = []
     try:
-        return [float(value) for value in row]
+        numbers.extend(map(float, row))
     except ValueError:
-        bad = next(value for value in islice(row, count) if not _is_number(value))
+        bad = row[len(numbers)]  # `extend` keeps the numbers before it
         mend = "write it with a point" if "," in bad else "remove the text"
         fail(f"{path}:{line}", f"'{bad[:20]}' is not a number", mend)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    return numbers

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from lipsync_lang.animations.animation_readers import Recording, fail, reader, text_of
-from lipsync_lang.arrays import Floats
 
 TIMECODE_CELL = re.compile(r"(\d{1,6}):(\d{1,6}):(\d{1,6})[:;](\d{1,6}(?:\.\d+)?)")
 
@@ -40,7 +39,10 @@ def read_live_link(path: Path, content: bytes) -> Recording:
     if not codes:
         fail(path, "has no frames", "export the whole take")
     seconds, frames = np.array(codes).T
-    rate = _rate(seconds, frames)
+    # Seconds are whole; a short take shows only its largest frame number.
+    most = int(frames.max()) + 1
+    least = max(most, DEFAULT_FPS) if seconds[-1] - seconds[0] < LEADING_COLUMNS else most
+    rate = next((rate for rate in RATES if rate >= least), most)
     times = seconds + frames / rate
     weights = []
     for line, row in enumerate(takes, 2):
@@ -72,11 +74,3 @@ def _code(path: Path, line: int, row: list[str], count: int) -> tuple[float, flo
         )
     hours, minutes, seconds, frames = map(float, found.groups())
     return hours * 3600 + minutes * 60 + seconds, frames
-
-
-def _rate(seconds: Floats, frames: Floats) -> int:
-    """Estimate the frame rate from whole seconds, or from the largest frame number."""
-    most = int(frames.max()) + 1
-    if seconds[-1] - seconds[0] < LEADING_COLUMNS:
-        return next((rate for rate in RATES if rate >= max(most, DEFAULT_FPS)), most)
-    return next((rate for rate in RATES if rate >= most), most)

@@ -7,7 +7,7 @@ weights are clipped to 0 to 1.
 """
 
 import json
-from collections.abc import Iterator
+from functools import partial
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
@@ -20,12 +20,7 @@ FPS = 60
 AZURE_NAMES = "azure.txt"
 
 
-def remarks(animation: Animation) -> Iterator[str]:
-    """Yield warnings about omitted channels and a delayed sound."""
-    return doubts(animation, names(AZURE_NAMES), AZURE)
-
-
-@writer("azure", suffix=".azure.json", remarks=remarks)
+@writer("azure", suffix=".azure.json", remarks=partial(doubts, file=AZURE_NAMES, program=AZURE))
 def write_azure(animation: Animation, out: TextIO) -> None:
     """Azure's blend shapes: 55 weights for each of 60 frames a second."""
     if animation.fps != FPS:

@@ -8,7 +8,7 @@ plus the offset; movement before the sound is at earlier frames.
 """
 
 import json
-from collections.abc import Iterator
+from functools import partial
 from math import ceil
 from pathlib import Path
 from typing import TextIO
@@ -27,12 +27,7 @@ FIRST = 1
 """First frame number of a Blender scene."""
 
 
-def remarks(animation: Animation) -> Iterator[str]:
-    """Yield warnings about channels that the script omits."""
-    return boneless(animation, "Blender")
-
-
-@writer("blender", suffix=".py", remarks=remarks)
+@writer("blender", suffix=".py", remarks=partial(boneless, program="Blender"))
 def write_blender(animation: Animation, out: TextIO) -> None:
     """A script for Blender's text editor: keyframes of shape keys."""
     curves, on_meshes = animation.keyframes(ERROR), on_model(animation)

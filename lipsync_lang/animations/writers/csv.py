@@ -14,14 +14,13 @@ ROWS_AT_ONCE = 1000
 @writer("csv", suffix=".csv")
 def write_csv(animation: Animation, out: TextIO) -> None:
     """A row per frame: time_s, then a column per pose."""
-    out.write(",".join(["time_s", *map(_quoted, animation.poses)]) + "\n")
+    quoted = (
+        '"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name
+        for name in animation.poses
+    )
+    out.write(",".join(["time_s", *quoted]) + "\n")
     row = ",".join(["%.6f", *["%.5f"] * len(animation.poses)]) + "\n"
     table = np.column_stack([animation.times + animation.offset, animation.weights])
     for first in range(0, len(table), ROWS_AT_ONCE):
         part = table[first : first + ROWS_AT_ONCE]
         out.write(row * len(part) % tuple(part.ravel().tolist()))
-
-
-def _quoted(name: str) -> str:
-    """Return a name as a CSV cell, quoted if needed."""
-    return '"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name

@@ -100,7 +100,15 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
             "(`lipsync-lang characters new` drafts one)"
         )
     take.finish(animation.title, {"audio_start": round(animation.begins, 6)})
-    _write(out, take)
+    text = take.text().encode("utf-8", "backslashreplace")
+    chunks: list[tuple[int, list[bytes]]] = [
+        (JSON_CHUNK, [text, b" " * (-len(text) % 4)]),
+        (BINARY_CHUNK, [take.binary, *take.data]),
+    ]
+    for chunk in model.chunks[has_binary(model.chunks) :]:
+        pieces = [read_chunk(model.path, chunk), b"\0" * (-chunk.length % 4)]
+        chunks.append((chunk.kind, pieces))
+    write_parts(out, chunks)
 
 
 class _NewAnimation:
@@ -206,9 +214,20 @@ def _move_shapes(
 
     The larger of two columns for one target is used.
     """
-    driven = {mesh.number: _columns(mesh, channels) for mesh in take.model.meshes}
+    meshes = {mesh.number: mesh for mesh in take.model.meshes}
+    driven: dict[int, dict[int, list[int]]] = {}
+    for mesh in take.model.meshes:
+        columns = driven.setdefault(mesh.number, defaultdict(list))
+        for column, shapes in _placing(channels, mesh).shapes.items():
+            for shape in shapes:
+                columns[mesh.shapes.index(shape)].append(column)
     samplers: dict[tuple[int, tuple[float, ...]], int] = {}
-    for number, mesh, rest in _shown(take.model):
+    for number, node in enumerate(take.model.document.get("nodes", ())):
+        if node.get("mesh", -1) not in meshes:
+            continue
+        mesh = meshes[node["mesh"]]
+        given, what = node.get("weights", [*mesh.rest]), f"weights of node {number}"
+        rest = numbers(take.model.path, what, given, len(mesh.rest))
         columns, key = driven[mesh.number], (mesh.number, rest)
         if columns and key not in samplers:
             levels = np.zeros(len(rest))
@@ -219,25 +238,6 @@ def _move_shapes(
             samplers[key] = take.sample("SCALAR", weights, floors=levels)
         if columns:
             take.drive(number, "weights", samplers[key])
-
-
-def _shown(model: Model) -> Iterator[tuple[int, Mesh, tuple[float, ...]]]:
-    """Yield the nodes with morph targets, and their weights at rest."""
-    meshes = {mesh.number: mesh for mesh in model.meshes}
-    for number, node in enumerate(model.document.get("nodes", ())):
-        mesh = meshes.get(node.get("mesh", -1))
-        if mesh is not None:
-            rest, what = node.get("weights", [*mesh.rest]), f"weights of node {number}"
-            yield number, mesh, numbers(model.path, what, rest, len(mesh.rest))
-
-
-def _columns(mesh: Mesh, channels: tuple[Channel, ...]) -> dict[int, list[int]]:
-    """Map each morph target of a mesh to its columns."""
-    columns: dict[int, list[int]] = defaultdict(list)
-    for column, shapes in _placing(channels, mesh).shapes.items():
-        for shape in shapes:
-            columns[mesh.shapes.index(shape)].append(column)
-    return columns
 
 
 # Nodes
@@ -259,7 +259,17 @@ def _move_node(take: _NewAnimation, number: int, moves: list[tuple[Channel, Floa
     what = f"node '{node['name']}'"
     node = _parted(path, what, node)
     take.replace_node(number, node)
-    rotations = [_turned(c, v) for c, v in moves if c.rotation is not None]
+    rotations = []
+    for channel, degrees in moves:
+        if channel.rotation is None:
+            continue
+        axis = np.array(channel.rotation, dtype=np.float64)
+        if not axis.any():
+            raise OutputError(
+                f"'{channel.name}': a rotation about (0, 0, 0) has no effect; give it an axis, "
+                "as (1, 0, 0)"
+            )
+        rotations.append(turns(axis, degrees))
     if rotations:
         rest = numbers(path, f"rotation of {what}", node.get("rotation", [*IDENTITY]), 4)
         length = float(np.linalg.norm(rest))
@@ -279,16 +289,6 @@ def _range(values: Floats) -> float:
     return float(np.ptp(values, axis=0).max()) or 1.0
 
 
-def _turned(channel: Channel, degrees: Floats) -> Floats:
-    axis = np.array(channel.rotation, dtype=np.float64)
-    if not axis.any():
-        raise OutputError(
-            f"'{channel.name}': a rotation about (0, 0, 0) has no effect; give it an axis, "
-            "as (1, 0, 0)"
-        )
-    return turns(axis, degrees)
-
-
 def _parted(path: Path, what: str, node: Json) -> Json:
     """Return a node with its matrix decomposed, because glTF cannot animate a matrix."""
     if "matrix" not in node:
@@ -299,21 +299,3 @@ def _parted(path: Path, what: str, node: Json) -> Json:
         fail(path, f"{what} is sheared or flat, so it cannot be animated", mend)
     own = {name: part.tolist() for name, part in found._asdict().items()}
     return {key: value for key, value in node.items() if key != "matrix"} | own
-
-
-# GLB file
-
-
-def _write(out: BinaryIO, take: _NewAnimation) -> None:
-    model = take.model
-    encoded = take.text().encode("utf-8", "backslashreplace")
-    others = model.chunks[has_binary(model.chunks) :]
-    chunks: list[tuple[int, list[bytes]]] = [
-        (JSON_CHUNK, [encoded, b" " * (-len(encoded) % 4)]),
-        (BINARY_CHUNK, [take.binary, *take.data]),
-        *(
-            (chunk.kind, [read_chunk(model.path, chunk), b"\0" * (-chunk.length % 4)])
-            for chunk in others
-        ),
-    ]
-    write_parts(out, chunks)

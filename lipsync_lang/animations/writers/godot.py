@@ -11,17 +11,16 @@ With `keys`, tracks are Bezier tracks instead. Handles a third of the way to the
 curves cubic in time.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from functools import partial
 from typing import TextIO
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
-from lipsync_lang.animations.fixed import boneless, late
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
-from lipsync_lang.animations.moving_shapes import keys, shapes
-from lipsync_lang.animations.writers.glb import unplaced
+from lipsync_lang.animations.moving_shapes import keys, shapes, unshown
 
 GODOT = "Godot"
 
@@ -32,14 +31,7 @@ IN_SHAPES = str.maketrans(":", "_")
 """Characters that Godot replaces in shape names."""
 
 
-def doubts(animation: Animation) -> Iterator[str]:
-    """Yield warnings about omitted channels and a delayed sound."""
-    yield from unplaced(animation)
-    yield from boneless(animation, GODOT)
-    yield from late(animation, GODOT)
-
-
-@writer("godot", suffix=".tres", remarks=doubts)
+@writer("godot", suffix=".tres", remarks=partial(unshown, program=GODOT))
 def write_godot(animation: Animation, out: TextIO) -> None:
     """An animation for Godot 3 and 4: a track of keyframes for each blend shape."""
     tracks = shapes(animation)
@@ -61,22 +53,19 @@ def write_godot(animation: Animation, out: TextIO) -> None:
             f"tracks/{number}/loop_wrap = true\n"
             f"tracks/{number}/imported = false\n"
             f"tracks/{number}/enabled = true\n"
-            f"tracks/{number}/keys = {{\n{_bezier(curve) if curve.cubic else _lines(curve)}}}\n"
+            f"tracks/{number}/keys = {{\n{_keys(curve)}}}\n"
         )
     out.write(f"metadata/audio_start = {_number(animation.begins)}\n")
 
 
-def _lines(curve: KeyedCurve) -> str:
-    """Return the keys of a value track."""
-    return (
-        f'"times": {_pool("Real", map(_number, curve.times))},\n'
-        f'"transitions": {_pool("Real", "1" * len(curve.times))},\n'
-        f'"update": 0,\n"values": [ {", ".join(map(_number, curve.values))} ]\n'
-    )
-
-
-def _bezier(curve: KeyedCurve) -> str:
-    """Return the keys of a Bezier track: a value and two handles each, relative to the key."""
+def _keys(curve: KeyedCurve) -> str:
+    """Format the keys of a track; those of Bezier curves have two handles, relative to the key."""
+    if not curve.cubic:
+        return (
+            f'"times": {_pool("Real", map(_number, curve.times))},\n'
+            f'"transitions": {_pool("Real", "1" * len(curve.times))},\n'
+            f'"update": 0,\n"values": [ {", ".join(map(_number, curve.values))} ]\n'
+        )
     thirds = np.diff(curve.times) / 3
     before, after = np.append(0, thirds), np.append(thirds, 0)
     handles = (-before, -before * curve.arriving, after, after * curve.leaving)

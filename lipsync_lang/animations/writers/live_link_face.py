@@ -5,7 +5,7 @@ a frame, the number of values, the 52 ARKit shapes, and the rotations of head an
 clipped to 0 to 1. Timecode counts whole frames, so one timecode second at 23.976 fps lasts 1.001 s.
 """
 
-from collections.abc import Iterator
+from functools import partial
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
@@ -18,12 +18,11 @@ LIVE_LINK_NAMES = "live-link-face.txt"
 THOUSAND = 1000
 
 
-def remarks(animation: Animation) -> Iterator[str]:
-    """Yield warnings about omitted channels and a delayed sound."""
-    return doubts(animation, names(LIVE_LINK_NAMES), LIVE_LINK_FACE)
-
-
-@writer("live-link-face", suffix=".live-link.csv", remarks=remarks)
+@writer(
+    "live-link-face",
+    suffix=".live-link.csv",
+    remarks=partial(doubts, file=LIVE_LINK_NAMES, program=LIVE_LINK_FACE),
+)
 def write_live_link_face(animation: Animation, out: TextIO) -> None:
     """A take of Live Link Face: a timecode and 61 values per frame."""
     held = names(LIVE_LINK_NAMES)

@@ -10,6 +10,7 @@ at earlier frames.
 
 import re
 from collections.abc import Iterator
+from functools import partial
 from itertools import count
 from typing import TextIO
 
@@ -60,12 +61,7 @@ animData {{
 """
 
 
-def remarks(animation: Animation) -> Iterator[str]:
-    """Yield warnings about channels that the file omits."""
-    return boneless(animation, MAYA)
-
-
-@writer("maya", suffix=".maya.anim", remarks=remarks)
+@writer("maya", suffix=".maya.anim", remarks=partial(boneless, program=MAYA))
 def write_maya(animation: Animation, out: TextIO) -> None:
     """Animation curves of Maya as ASCII, for its animImportExport plug-in."""
     rate = animation.fps

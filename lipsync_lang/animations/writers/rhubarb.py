@@ -31,6 +31,10 @@ def write_tsv(animation: Animation, out: TextIO) -> None:
 def write_xml(animation: Animation, out: TextIO) -> None:
     """Rhubarb's mouth shapes as XML: the start and end of each."""
     shapes = _shapes(animation)
+    # XML 1.0 cannot represent other characters.
+    file = "".join(
+        c if c in "\t\n\r" or c.isprintable() else "\ufffd" for c in animation.schedule.source
+    )
     cues = "".join(
         f'    <mouthCue start="{shape.start:.2f}" end="{shape.end:.2f}">{shape.name}</mouthCue>\n'
         for shape in shapes
@@ -39,7 +43,7 @@ def write_xml(animation: Animation, out: TextIO) -> None:
         '<?xml version="1.0" encoding="utf-8"?>\n'
         "<rhubarbResult>\n"
         "  <metadata>\n"
-        f"    <soundFile>{escape(_printable(animation.schedule.source), quote=False)}</soundFile>\n"
+        f"    <soundFile>{escape(file, quote=False)}</soundFile>\n"
         f"    <duration>{shapes[-1].end:.2f}</duration>\n"
         "  </metadata>\n"
         "  <mouthCues>\n"
@@ -87,8 +91,3 @@ def _shapes(animation: Animation) -> list[HeldShape]:
         )
     shapes = held(animation, _known()[-1])
     return [shape._replace(name=known[shape.name.casefold()]) for shape in shapes]
-
-
-def _printable(text: str) -> str:
-    """Remove the characters that XML 1.0 cannot represent."""
-    return "".join(c if c in "\t\n\r" or c.isprintable() else "\ufffd" for c in text)

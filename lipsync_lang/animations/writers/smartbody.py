@@ -8,7 +8,7 @@ curve mode. Interpolation is linear, unless the character requests splines; so k
 lines, with `keys` too.
 """
 
-from collections.abc import Iterator
+from functools import partial
 from html import escape
 from typing import TextIO
 
@@ -18,12 +18,7 @@ from lipsync_lang.animations.fixed import boneless, shape_columns
 from lipsync_lang.animations.keys import ERROR
 
 
-def remarks(animation: Animation) -> Iterator[str]:
-    """Yield warnings about channels that the file omits."""
-    return boneless(animation, "SmartBody")
-
-
-@writer("smartbody", suffix=".bml", remarks=remarks)
+@writer("smartbody", suffix=".bml", remarks=partial(boneless, program="SmartBody"))
 def write_smartbody(animation: Animation, out: TextIO) -> None:
     """SmartBody's curves of a line: keyframes of visemes, and when its words begin and end."""
     times = (animation.schedule.times + animation.offset).tolist()

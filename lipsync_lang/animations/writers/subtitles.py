@@ -6,7 +6,8 @@ escaped. Speech before time 0 is cut.
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple, TextIO
+from html import escape
+from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
@@ -16,32 +17,25 @@ ARROW = "-->"
 """Separator between the two times of a cue; not allowed within its text."""
 
 
-class _WordCue(NamedTuple):
-    start: int
-    """Milliseconds."""
-    end: int
-    text: str
-
-
 @writer("srt", suffix=".srt")
 def write_srt(animation: Animation, out: TextIO) -> None:
     """Subtitles for video players: each word while it is spoken."""
-    for number, cue in enumerate(_cues(animation), 1):
-        span = f"{_clock(cue.start, ',')} {ARROW} {_clock(cue.end, ',')}"
-        out.write(f"{number}\n{span}\n{cue.text.replace(ARROW, '→')}\n\n")
+    for number, (start, end, text) in enumerate(_cues(animation), 1):
+        span = f"{_clock(start, ',')} {ARROW} {_clock(end, ',')}"
+        out.write(f"{number}\n{span}\n{text.replace(ARROW, '→')}\n\n")
 
 
 @writer("vtt", suffix=".vtt")
 def write_vtt(animation: Animation, out: TextIO) -> None:
     """Subtitles for web pages: each word while it is spoken."""
     out.write("WEBVTT\n")
-    for cue in _cues(animation):
-        text = cue.text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-        out.write(f"\n{_clock(cue.start, '.')} {ARROW} {_clock(cue.end, '.')}\n{text}\n")
+    for start, end, text in _cues(animation):
+        span = f"{_clock(start, '.')} {ARROW} {_clock(end, '.')}"
+        out.write(f"\n{span}\n{escape(text, quote=False)}\n")
 
 
-def _cues(animation: Animation) -> Iterator[_WordCue]:
-    """Yield the cues of words on the timeline; the minimum duration is 1 ms."""
+def _cues(animation: Animation) -> Iterator[tuple[int, int, str]]:
+    """Yield start and end in milliseconds, at least 1 ms apart, and text of each word's cue."""
     schedule = animation.schedule
     if not schedule.words:
         raise OutputError(
@@ -53,7 +47,7 @@ def _cues(animation: Animation) -> Iterator[_WordCue]:
         start, end = (max(0, round(1000 * seconds)) for seconds in ends.tolist())
         text = " ".join(word.text.split())
         if end > 0 and text:
-            yield _WordCue(start, max(end, start + 1), text)
+            yield start, max(end, start + 1), text
 
 
 def _clock(milliseconds: int, point: str) -> str:

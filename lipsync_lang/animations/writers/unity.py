@@ -9,16 +9,14 @@ curves and bindings, is omitted because Unity rebuilds it. Clips have no negativ
 """
 
 import re
-from collections.abc import Iterator
+from functools import partial
 from itertools import pairwise
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
-from lipsync_lang.animations.fixed import boneless, late
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
-from lipsync_lang.animations.moving_shapes import keys, shapes
-from lipsync_lang.animations.writers.glb import unplaced
+from lipsync_lang.animations.moving_shapes import keys, shapes, unshown
 
 UNITY = "Unity"
 PERCENT_OF_WEIGHT = 100
@@ -115,14 +113,7 @@ TAIL = """\
 """
 
 
-def remarks(animation: Animation) -> Iterator[str]:
-    """Yield warnings about omitted channels and a delayed sound."""
-    yield from unplaced(animation)
-    yield from boneless(animation, UNITY)
-    yield from late(animation, UNITY)
-
-
-@writer("unity", suffix=".anim", remarks=remarks)
+@writer("unity", suffix=".anim", remarks=partial(unshown, program=UNITY))
 def write_unity(animation: Animation, out: TextIO) -> None:
     """A Unity animation clip: keyframes of blend shapes."""
     found = shapes(animation)
@@ -138,23 +129,9 @@ def write_unity(animation: Animation, out: TextIO) -> None:
 
 
 def _keys(curve: KeyedCurve) -> str:
+    """Format the keys, with the slopes on both sides in percent per second."""
     points = list(zip(curve.times.round(6).tolist(), curve.values.tolist(), strict=True))
     points = [(time, round(value * PERCENT_OF_WEIGHT, 4)) for time, value in points]
-    rows = zip(points, _slopes(curve, points), strict=True)
-    return "".join(
-        KEY.format(
-            time=_number(t),
-            value=_number(v),
-            before=_number(before),
-            after=_number(after),
-            mode=int(before != after) if curve.cubic else LINEAR,
-        )
-        for (t, v), (before, after) in rows
-    )
-
-
-def _slopes(curve: KeyedCurve, points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return the slopes on both sides of each key, in percent per second."""
     if curve.cubic:
         before, after = (
             (PERCENT_OF_WEIGHT * part).round(4).tolist() for part in (curve.arriving, curve.leaving)
@@ -162,7 +139,16 @@ def _slopes(curve: KeyedCurve, points: list[tuple[float, float]]) -> list[tuple[
     else:  # of the rounded points, so that the line is straight
         slopes = [(w - v) / (u - t) for (t, v), (u, w) in pairwise(points)]
         before, after = [0.0, *slopes], [*slopes, 0.0]
-    return list(zip(before, after, strict=True))
+    return "".join(
+        KEY.format(
+            time=_number(t),
+            value=_number(v),
+            before=_number(m),
+            after=_number(n),
+            mode=int(m != n) if curve.cubic else LINEAR,
+        )
+        for (t, v), m, n in zip(points, before, after, strict=True)
+    )
 
 
 def _number(value: float) -> str:

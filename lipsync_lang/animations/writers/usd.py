@@ -21,6 +21,9 @@ from lipsync_lang.animations.writers.glb import unplaced
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import OutputError
 
+ESCAPES = str.maketrans({"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\t": r"\t"})
+"""Characters of a name that a string of USD cannot hold."""
+
 PRIM_NAME = "Speech"
 """Name of the animation prim."""
 
@@ -37,9 +40,10 @@ def write_usd(animation: Animation, out: TextIO) -> None:
     animation = animation.thinned()
     columns = _columns(animation)
     frames = (animation.times + animation.offset) * animation.fps
-    codes = [_code(frame) for frame in frames.tolist()]
+    numbers = (f"{round(frame, 6) + 0.0:.6f}" for frame in frames.tolist())
+    codes = [number.rstrip("0").rstrip(".") for number in numbers]
     rate = repr(float(animation.fps)).removesuffix(".0")
-    tokens = ", ".join(map(_token, columns))
+    tokens = ", ".join(f'"{name.translate(ESCAPES)}"' for name in columns)
     out.write(
         f'#usda 1.0\n(\n    defaultPrim = "{PRIM_NAME}"\n'
         f"    endTimeCode = {codes[-1]}\n"
@@ -72,13 +76,3 @@ def _columns(animation: Animation) -> dict[str, Floats]:
             "shapes by name; rename it on one of the meshes"
         )
     return {name: found[0] for name, found in moves.items()}
-
-
-def _code(frame: float) -> str:
-    """Format a time code: a frame number, with a fraction if needed."""
-    return f"{round(frame, 6) + 0.0:.6f}".rstrip("0").rstrip(".")
-
-
-def _token(name: str) -> str:
-    escaped = name.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + escaped.replace("\n", "\\n").replace("\r", "\\r").replace("\t", "\\t") + '"'
