@@ -19,7 +19,7 @@ from lipsync_lang.phonology.g2p.g2p_engines import Settings
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.schedules.schedule import SILENCE
-from lipsync_lang.speech.speaking.espeak_events import intervals, read_events
+from lipsync_lang.speech.speaking.espeak import intervals, read_events
 from lipsync_lang.speech.speaking.joining import estimate, join, stress_read
 from lipsync_lang.speech.speaking.transcripts import Transcript
 

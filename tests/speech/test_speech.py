@@ -14,8 +14,13 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.espeak.process import WORKER
 from lipsync_lang.schedules import SILENCE, Schedule
 from lipsync_lang.speech import ENGINES, speak
-from lipsync_lang.speech.speaking.espeak import MAX_ESPEAK_CHARS, Espeak
-from lipsync_lang.speech.speaking.espeak_events import SpokenSound, intervals, read_events
+from lipsync_lang.speech.speaking.espeak import (
+    MAX_ESPEAK_CHARS,
+    Espeak,
+    SpokenSound,
+    intervals,
+    read_events,
+)
 from lipsync_lang.speech.speaking.speech_engines import MAX_WORDS_PER_MINUTE as FASTEST
 from lipsync_lang.speech.speaking.speech_engines import MIN_WORDS_PER_MINUTE as SLOWEST
 from lipsync_lang.speech.speaking.word_spans import find_words
