@@ -6,7 +6,7 @@ their proportions, estimated or found in a recording, and fill the word's time.
 """
 
 import unicodedata
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
 from pathlib import Path
@@ -79,8 +79,16 @@ def fill_words(
 def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = None) -> Schedule:
     """Fill timed words as `fill_words` does, with a prepared language."""
     sound = None if audio is None else sound_of(audio)
-    phrases = list(_phrases(timed.words))
-    texts = [_joined(phrase) for phrase in phrases]
+    phrases: list[list[TimedWord]] = []
+    texts: list[str] = []
+    for word in timed.words:
+        if not phrases or word.start - phrases[-1][-1].end >= PHRASE_PAUSE_SECONDS:
+            phrases.append([word])
+            texts.append(word.text)
+        else:
+            dense = _is_unspaced(texts[-1][-1]) and _is_unspaced(word.text[0])
+            phrases[-1].append(word)
+            texts[-1] += word.text if dense else f" {word.text}"
     whole: list[Schedule | SpeechError]
     whole = list(speaker.speak_many(texts, engine=NO_ENGINE))
     heard = [] if sound is None else _heard(speaker, phrases, texts, sound)
@@ -97,26 +105,6 @@ def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = N
         told += f" ({unfit} of {len(phrases)} phrases did not fit it and are estimated)"
     made = _filled_schedule(timed, found, told)
     return made if sound is None else with_sound(made, sound)
-
-
-def _phrases(words: Sequence[TimedWord]) -> Iterator[list[TimedWord]]:
-    """Yield the words between pauses."""
-    phrase: list[TimedWord] = []
-    for word in words:
-        if phrase and word.start - phrase[-1].end >= PHRASE_PAUSE_SECONDS:
-            yield phrase
-            phrase = []
-        phrase.append(word)
-    yield phrase
-
-
-def _joined(words: Sequence[TimedWord]) -> str:
-    """Return the text of a phrase, with spaces unless the script has none."""
-    text = words[0].text
-    for word in words[1:]:
-        dense = _is_unspaced(text[-1]) and _is_unspaced(word.text[0])
-        text += word.text if dense else f" {word.text}"
-    return text
 
 
 def _is_unspaced(character: str) -> bool:

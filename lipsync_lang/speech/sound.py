@@ -1,5 +1,6 @@
 """Audio input: decoding of common file formats, and resampling."""
 
+import re
 from dataclasses import replace
 from math import gcd
 from pathlib import Path
@@ -51,6 +52,10 @@ MAX_AMPLITUDE = 2.0**16
 
 INT16_FULL_SCALE = 32_768
 """Magnitude of int16 full scale."""
+
+_CORRECTED_SIZE = re.compile(
+    r"^\s*(?:data|SSND)\s*:\s*(\d+)\s*\(should be\s*(\d+)\s*\)", re.MULTILINE
+)
 
 LATE_SECONDS = 0.1
 """Tolerated excess of a schedule over its sound, without a remark."""
@@ -160,7 +165,11 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
     if count == 0:
         raise SpeechError(f"{path}: has no sound; record it again")
     slack = MP3_SLACK if sound.format == MP3 else 0
-    if count < stated - slack or _cut_short(sound):
+    # libsndfile corrects the length silently and reports the mismatch in its log only. Placeholders
+    # in place of a size are not an error.
+    corrected = _CORRECTED_SIZE.search(sound.extra_info)
+    size, there = map(int, corrected.groups()) if corrected else (0, 0)
+    if count < stated - slack or there < size < PLACEHOLDER_BYTES:
         raise SpeechError(
             f"{path}: ends after {count / rate:.2f} s, before the end that its header states; "
             "copy or save it again"
@@ -186,19 +195,6 @@ def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
         np.rint(samples), -INT16_FULL_SCALE, INT16_FULL_SCALE - 1
     ).astype(np.int16)
     return whole
-
-
-def _cut_short(sound: Any) -> bool:
-    """Detect a file shorter than its header states; placeholder sizes are not an error.
-
-    libsndfile corrects the length silently and reports the mismatch in its log only.
-    """
-    for line in sound.extra_info.splitlines():
-        chunk, _, sizes = line.partition(":")
-        stated, corrected, there = sizes.partition("(should be")
-        if chunk.strip() in ("data", "SSND") and corrected:
-            return int(there.strip(" )")) < int(stated) < PLACEHOLDER_BYTES
-    return False
 
 
 def resampled(audio: Audio, rate: int) -> Audio:

@@ -1,6 +1,7 @@
 """Sound files that libsndfile does not read, or whose header states too little."""
 
 import struct
+from contextlib import suppress
 from io import RawIOBase
 from pathlib import Path
 
@@ -49,19 +50,13 @@ def unread(path: Path, reason: str) -> str:
         return f"it is {title}); convert it: {command}"
     if not head:
         return "the file is empty); copy or record it again"
-    if _is_text(head):
-        return "the file contains text); give the recording itself"
-    return f"{reason}); save it as WAV, FLAC, OGG or MP3"
-
-
-def _is_text(head: bytes) -> bool:
-    try:
+    with suppress(UnicodeDecodeError):
         text = head[: SOUND_HEAD_BYTES - 4].decode(
             "utf-8", "strict" if len(head) < SOUND_HEAD_BYTES else "ignore"
         )
-    except UnicodeDecodeError:
-        return False
-    return "\ufffd" not in text and all(c.isprintable() or c in "\t\r\n\ufeff" for c in text)
+        if "\ufffd" not in text and all(c.isprintable() or c in "\t\r\n\ufeff" for c in text):
+            return "the file contains text); give the recording itself"
+    return f"{reason}); save it as WAV, FLAC, OGG or MP3"
 
 
 def surplus_seconds(stream: RawIOBase) -> float:

@@ -54,25 +54,14 @@ GET_IT = (
 )
 
 
-class FestivalSound(NamedTuple):
-    """A phone of an answer."""
-
-    phone: str
-    end: float
-    """Seconds."""
-    token: int
-    """Token number from 1; 0 for none."""
-    stress: int | None
-    """Stress of a vowel's syllable; None for other phones."""
-
-
 class Answer(NamedTuple):
     """Parsed output of Festival for one text."""
 
     phones: str
     """Phone set of the voice."""
     tokens: tuple[str, ...]
-    sounds: tuple["FestivalSound", ...]
+    sounds: tuple[tuple[str, float, int, int | None], ...]
+    """Phone, end in seconds, token number from 1 (0 for none), and stress of a vowel's syllable."""
     voices: tuple[str, ...]
     """Available voices, if the requested voice is unknown."""
 
@@ -182,7 +171,7 @@ def _read(answer: str) -> Answer:
     """Parse the lines of an answer; unknown lines are ignored."""
     phones = ""
     tokens: list[str] = []
-    sounds: list[FestivalSound] = []
+    sounds: list[tuple[str, float, int, int | None]] = []
     voices: list[str] = []
     for line in answer.splitlines():
         match line.split():
@@ -192,7 +181,7 @@ def _read(answer: str) -> Answer:
                 tokens.append(name)
             case ["sound", name, end, token, stress]:
                 mark = int(stress) if stress in STRESS_DIGITS else None
-                sounds.append(FestivalSound(name, float(end), int(token), mark))
+                sounds.append((name, float(end), int(token), mark))
             case ["voice", name]:
                 voices.append(name)
     return Answer(phones, tuple(tokens), tuple(sounds), tuple(voices))

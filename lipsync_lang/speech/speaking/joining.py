@@ -38,7 +38,15 @@ def estimate(transcript: "Transcript", manner: Manner, notation: Notation) -> Sc
         if word.labels:
             words.append(Word(word.text, len(labels), len(labels) + len(word.labels)))
             labels += word.labels
-            lengths += [_length(label, manner, notation) for label in word.labels]
+            for label in word.labels:
+                value = notation.find(label) or ()
+                kinds = [manner.kinds.get(name, "") for name, _ in value]
+                middling = manner.durations["stop"]
+                length = sum(manner.durations.get(kind, middling) for kind in kinds) or middling
+                if len(kinds) > 1 and not {"vowel", "glide"} & set(kinds):
+                    length = manner.durations["affricate"]  # or a cluster of consonants
+                long = normalise(label).endswith(tuple(LENGTH_MARKS))
+                lengths.append(length * LONG if long else length)
         elif labels and labels[-1] != SILENCE and not word.unread:
             labels.append(SILENCE)
             lengths.append(manner.durations["silence"])
@@ -69,17 +77,6 @@ def _refuse_nothing(labels: Sequence[str], transcript: "Transcript") -> None:
             f"{transcript.language} says nothing for {quoted(transcript.text)}{unread}; "
             "check that the text is in its script"
         )
-
-
-def _length(label: str, manner: Manner, notation: Notation) -> float:
-    """Return a label's duration in seconds; a consonant cluster counts as an affricate."""
-    value = notation.find(label) or ()
-    kinds = [manner.kinds.get(name, "") for name, _ in value]
-    middling = manner.durations["stop"]
-    length = sum(manner.durations.get(kind, middling) for kind in kinds) or middling
-    if len(kinds) > 1 and not {"vowel", "glide"} & set(kinds):
-        length = manner.durations["affricate"]
-    return length * LONG if normalise(label).endswith(tuple(LENGTH_MARKS)) else length
 
 
 def join(
@@ -176,27 +173,23 @@ def _scheduled(
             numbers.append(-1)
             times.append(stop)
     marks = _stress_with_pauses(transcript)
-    stated = tuple(None if number < 0 else marks[number] for number in numbers) if marks else ()
+    stress = tuple(None if number < 0 else marks[number] for number in numbers) if marks else ()
+    if spoken.stress:
+        # The strongest stress of the voice's sounds whose middle is in the interval.
+        middles = (spoken.times[:-1] + spoken.times[1:]) / 2
+        cuts = middles.searchsorted(np.array(times)).tolist()
+        stress = tuple(
+            min(filter(None, spoken.stress[low:high]), default=None) for low, high in pairwise(cuts)
+        )
     return replace(
         spoken,
         labels=tuple(labels),
         times=np.array(times),
-        stress=_stress(spoken, times) or stated,
+        stress=stress,
         words=_words(transcript, numbers),
         notation=transcript.notation,
         language=transcript.language,
         unread=transcript.unread,
-    )
-
-
-def _stress(spoken: Schedule, times: Sequence[float]) -> tuple[int | None, ...]:
-    """Return for each interval the strongest stress of a voice's sounds whose middle is in it."""
-    if not spoken.stress:
-        return ()
-    middles = (spoken.times[:-1] + spoken.times[1:]) / 2
-    cuts = middles.searchsorted(np.array(times)).tolist()
-    return tuple(
-        min(filter(None, spoken.stress[low:high]), default=None) for low, high in pairwise(cuts)
     )
 
 

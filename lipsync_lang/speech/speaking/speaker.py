@@ -148,7 +148,17 @@ class Speaker:
             read = self._engine
         except SpeechError as error:
             return [error] * len(texts)
-        found = _each_read(read, texts)
+        found: list[tuple[Said, ...] | SpeechError] = []
+        while len(found) < len(texts):
+            rest = texts[len(found) :]
+            try:
+                for _, words in zip(rest, read(rest), strict=True):
+                    found.append(tuple(words))
+            except SpeechError as error:
+                # An engine that fails at two different texts in the same words fails at all.
+                last = found[-1] if found else None
+                again = isinstance(last, SpeechError) and str(last) == str(error)
+                found += [error] * (len(texts) - len(found) if again else 1)
         hidden = [text for text, words in zip(texts, found, strict=True) if self._hides(words)]
         if not hidden:
             return found
@@ -160,13 +170,7 @@ class Speaker:
 
     @cached_property
     def _engine(self) -> G2PEngine:
-        """The language's G2P engine, made once.
-
-        Raises
-        ------
-        SpeechError
-            The pack has no G2P settings, or its engine is missing.
-        """
+        """The language's G2P engine, made once."""
         manner = self.manner
         if manner.engine is None:
             raise SpeechError(
@@ -223,7 +227,10 @@ class Speaker:
         )
 
     def to_json(self, transcript: Transcript) -> Json:
-        """Convert a transcript to JSON data, with the common phonemes of each label."""
+        """Convert a transcript to JSON data, with the common phonemes of each label.
+
+        `automatic` has the labels mapped by features alone, and the features lost in each.
+        """
         notation = self.notations[self.manner.notation]
         words: list[Json] = []
         for word in transcript.words:
@@ -238,35 +245,24 @@ class Speaker:
                 | ({"pronounced": list(own)} if own and labels else {})
                 | ({"unread": word.unread} if word.unread else {})
             )
+        automatic: dict[str, Json] = {}
+        if self.near is not None and notation.nearest is not None:
+            for label in dict.fromkeys(transcript.labels):
+                if notation.stated(label) is None:
+                    near = self.near.nearest(label)
+                    common = [name for name, _ in near.value]
+                    found = {"common": common, "distance": near.distance, "loses": [*near.losses]}
+                    automatic[label] = found
         return {
             "text": transcript.text,
             "language": transcript.language,
             "notation": transcript.notation,
             "words": words,
             "phonemes": list(transcript.phonemes),
-            "automatic": self._automatic(transcript),
+            "automatic": automatic,
             "unmapped": list(transcript.unmapped),
             "unread": list(transcript.unread),
             "dropped": list(transcript.dropped),
-        }
-
-    def _automatic(self, transcript: Transcript) -> dict[str, Json]:
-        """Return labels mapped by features alone, and the features lost in each."""
-        notation = self.notations[self.manner.notation]
-        if self.near is None or notation.nearest is None:
-            return {}
-        found = {
-            label: self.near.nearest(label)
-            for label in dict.fromkeys(transcript.labels)
-            if notation.stated(label) is None
-        }
-        return {
-            label: {
-                "common": [name for name, _ in near.value],
-                "distance": near.distance,
-                "loses": list(near.losses),
-            }
-            for label, near in found.items()
         }
 
     def speak(
@@ -395,23 +391,6 @@ class Speaker:
             self.transcribe_many(texts),
             lambda read: estimate(read, manner, self.notations[manner.notation]),
         )
-
-
-def _each_read(read: G2PEngine, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
-    """Read texts at once; the error of a failed text takes its place.
-
-    An engine that fails at two different texts in the same words fails at all.
-    """
-    found: list[tuple[Said, ...] | SpeechError] = []
-    while len(found) < len(texts):
-        rest = texts[len(found) :]
-        try:
-            for _, words in zip(rest, read(rest), strict=True):
-                found.append(tuple(words))
-        except SpeechError as error:
-            again = found and isinstance(found[-1], SpeechError) and str(found[-1]) == str(error)
-            found += [error] * (len(texts) - len(found) if again else 1)
-    return found
 
 
 def _separate_words(schedule: Schedule) -> tuple[Said, ...]:

@@ -42,6 +42,8 @@ def find_words(
     """
     starts = _starts(text, [position for position, _ in marks])
     tokens = _tokens(text)
+    punctuation = {c for c in text if unicodedata.category(c)[0] == "P"}
+    silent = "".join(punctuation - set(_SPOKEN_MARKS))
     words: list[Word] = []
     groups = [n for n, start in enumerate(starts) if n == 0 or start != starts[n - 1]]
     for this, following in pairwise([*groups, len(marks)]):
@@ -52,8 +54,19 @@ def find_words(
             first += 1
         while stop > first and labels[stop - 1] == SILENCE:
             stop -= 1
-        if first < stop:
-            words.append(Word(_spelling(text, tokens, starts[this], until), first, stop))
+        if first == stop:
+            continue
+        start = starts[this]
+        inside = [(max(a, start), min(b, until)) for a, b in tokens if b > start and a < until]
+        # Tokens without a mark of their own belong to the word before.
+        rest = [span for span in inside[1:] if any(c.isalnum() for c in text[slice(*span)])]
+        spans = inside[:1] + (rest if len(rest) <= _MOST_SKIPPED else [])
+        # Without the punctuation around each; a token of only punctuation is unchanged.
+        bare = (text[a:b].strip(silent) or text[a:b] for a, b in spans)
+        spelling = " ".join(filter(None, bare))
+        if not inside:
+            spelling = "".join(text[start:until].split(maxsplit=1)[:1]) or text.strip()
+        words.append(Word(spelling, first, stop))
     return tuple(words)
 
 
@@ -101,16 +114,3 @@ def _starts(text: str, positions: Sequence[int]) -> list[int]:
             start = position
         starts.append(max([start, *starts[-1:]]))
     return starts
-
-
-def _spelling(text: str, tokens: Sequence[tuple[int, int]], start: int, until: int) -> str:
-    """Return the text of the word at `start`, with following unmarked tokens."""
-    inside = [(max(a, start), min(b, until)) for a, b in tokens if b > start and a < until]
-    if not inside:
-        return "".join(text[start:until].split(maxsplit=1)[:1]) or text.strip()
-    rest = [span for span in inside[1:] if any(c.isalnum() for c in text[slice(*span)])]
-    spans = inside[:1] + (rest if len(rest) <= _MOST_SKIPPED else [])
-    # Without the punctuation around each; a token of only punctuation is unchanged.
-    silent = {c for c in text if unicodedata.category(c)[0] == "P"} - set(_SPOKEN_MARKS)
-    bare = (text[a:b].strip("".join(silent)) or text[a:b] for a, b in spans)
-    return " ".join(filter(None, bare))

@@ -198,22 +198,18 @@ def _edges(a: Floats, b: Floats, path: Ints) -> Floats:
     edges = _starts(path, -(-len(b) // step))
     while step > 1:
         finer = max(1, step // REFINEMENT)
-        at, b_finer = np.arange(len(edges)) * step / finer, pooled(b, finer)
-        near = np.interp(np.arange(len(b_finer) + 1), at, edges * step / finer)
-        edges, step = _refined(pooled(a, finer), b_finer, near), finer
+        finer_a, finer_b = pooled(a, finer), pooled(b, finer)
+        at, count = np.arange(len(edges)) * step / finer, len(finer_b)
+        near = np.interp(np.arange(count + 1), at, edges * step / finer)
+        edges, step = np.empty(count), finer
+        for low in range(0, count, PART_FRAMES):
+            tell(low, count)
+            high = min(low + PART_FRAMES, count)
+            first, last = max(0, low - CONTEXT_FRAMES), min(count, high + CONTEXT_FRAMES)
+            begin = int(near[first]) if first else 0
+            end = max(int(near[last]), begin + 1) if last < count else len(finer_a)
+            found = _starts(_path(finer_a[begin:end], finer_b[first:last])[0], last - first)
+            edges[low:high] = begin + found[low - first : high - first]
+        # Parts are warped one by one, so the start of one may lie before the end of the last.
+        edges = np.maximum.accumulate(edges)
     return edges
-
-
-def _refined(a: Floats, b: Floats, near: Floats) -> Floats:
-    """Return the start in the first sound of each frame of the second, known roughly: (M,)."""
-    out = np.empty(len(b))
-    for low in range(0, len(b), PART_FRAMES):
-        tell(low, len(b))
-        high = min(low + PART_FRAMES, len(b))
-        first, last = max(0, low - CONTEXT_FRAMES), min(len(b), high + CONTEXT_FRAMES)
-        begin = int(near[first]) if first else 0
-        end = max(int(near[last]), begin + 1) if last < len(b) else len(a)
-        found = _starts(_path(a[begin:end], b[first:last])[0], last - first)
-        out[low:high] = begin + found[low - first : high - first]
-    # Parts are warped one by one, so the start of one may lie before the end of the last.
-    return np.maximum.accumulate(out)

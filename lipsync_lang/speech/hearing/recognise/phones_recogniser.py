@@ -32,18 +32,10 @@ class PhonesRecogniser:
     """Recogniser of single sounds, for recordings in a language that nothing else hears."""
 
     def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
-        """Recognise the phonemes of a recording.
+        """Recognise the phonemes of a recording, as `Recogniser` states.
 
-        Parameters
-        ----------
-        audio : the recording
-        speaker : its language
-        model : name of a pocketsphinx model; None for the one that hears every language
-
-        Raises
-        ------
-        SpeechError
-            The model is unknown, or the language has no IPA.
+        `model` names a pocketsphinx model; None stands for the one that hears every language. A
+        language without IPA is a `SpeechError`.
         """
         known = model_phones()
         if known is None:

@@ -5,7 +5,7 @@ Recognised words are force-aligned like a given text.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -43,31 +43,14 @@ MIN_POSTERIOR = 1e-6
 """Minimum posterior of a word, since the decoder rounds to 0."""
 
 
-class _DecodedPart(NamedTuple):
-    """Words and phonemes of a part of a sound."""
-
-    sayings: list[Saying]
-    chances: list[float]
-    heard: list[HeardPhoneme]
-
-
 @recogniser("pocketsphinx")
 class PocketsphinxRecogniser:
     """Recogniser for languages with a pocketsphinx model."""
 
     def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
-        """Recognise the speech in a recording.
+        """Recognise the speech in a recording, as `Recogniser` states.
 
-        Parameters
-        ----------
-        audio : the recording
-        speaker : its language
-        model : name of a pocketsphinx model
-
-        Raises
-        ------
-        SpeechError
-            The model is unknown, or of another language.
+        `model` names a pocketsphinx model; one of another language is a `SpeechError`.
         """
         models, notation = find_models(model), speaker.manner.audio.notation
         if not notation:
@@ -82,7 +65,7 @@ class PocketsphinxRecogniser:
         chances: list[float] = []
         for start, stop in parts(sound):
             with progress.part(start, stop, len(sound)):
-                part = _heard(models, sound[start:stop])
+                words, sure, phonemes = _heard(models, sound[start:stop])
             # Frames and words are counted from the start of the part.
             frames = start // HOP_SAMPLES
             heard += [
@@ -91,20 +74,20 @@ class PocketsphinxRecogniser:
                     first=one.first + frames,
                     stop=one.stop + frames,
                 )
-                for one in part.heard
+                for one in phonemes
             ]
-            sayings += part.sayings
-            chances += part.chances
+            sayings += words
+            chances += sure
         found = timed_labels(models, heard, sayings, audio.seconds)
         said = sorted({one.word for one in heard if OUTSIDE not in (one.word, one.phone)})
-        words = (
+        recognised = (
             replace(word, confidence=chances[number])
             for word, number in zip(found.words, said, strict=True)
         )
         return Schedule(
             found.labels,
             found.times,
-            tuple(words),
+            tuple(recognised),
             notation=notation,
             language=speaker.manner.language,
             audio=audio,
@@ -115,8 +98,8 @@ class PocketsphinxRecogniser:
         )
 
 
-def _heard(models: Models, sound: Floats) -> _DecodedPart:
-    """Return the words of a part, or its phonemes if it has no words."""
+def _heard(models: Models, sound: Floats) -> tuple[list[Saying], list[float], list[HeardPhoneme]]:
+    """Return the words of a part with their probabilities, and its phonemes."""
     progress.tell(0, 1)
     words = decoded_words(models, sound)
     texts = [word.text for word in words]
@@ -129,8 +112,8 @@ def _heard(models: Models, sound: Floats) -> _DecodedPart:
                 fits[one.word].append(one)
         chances = [chance(w.posterior, own) for w, own in zip(words, fits, strict=True)]
         if np.mean(chances) >= MIN_MEAN_CHANCE:
-            return _DecodedPart(sayings, chances, found)
-    return _DecodedPart([], [], decoded_phones(models, sound))
+            return sayings, chances, found
+    return [], [], decoded_phones(models, sound)
 
 
 def chance(posterior: float, heard: Sequence[HeardPhoneme]) -> float:

@@ -5,7 +5,7 @@ a stretch the aligner finds the times.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -68,18 +68,10 @@ class WhisperRecogniser:
     """Recogniser for every language that a Whisper model knows."""
 
     def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
-        """Recognise the words of a recording.
+        """Recognise the words of a recording, as `Recogniser` states.
 
-        Parameters
-        ----------
-        audio : the recording
-        speaker : its language
-        model : folder of a Whisper model; None for one that a Python package ships
-
-        Raises
-        ------
-        SpeechError
-            There is no such model, it does not know the language, or no stretch can be aligned.
+        `model` is the folder of a Whisper model; None stands for one that a Python package ships.
+        A language that it does not know is a `SpeechError`, as is sound that nothing aligns with.
         """
         loaded = whisper_model(model)
         code = language_code(loaded, speaker.manner.audio.code, speaker.manner.language)
@@ -107,19 +99,19 @@ def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
         with progress.part(start, stop, len(samples)):
             for segment in segments:
                 progress.tell(float(segment.end), (stop - start) / SPEECH_RATE)
-                found += _of_segment(segment, start / SPEECH_RATE, audio.seconds)
+                invented = segment.no_speech_prob > NO_SPEECH
+                if invented or segment.compression_ratio > REPETITION:
+                    continue
+                for word in segment.words or ():
+                    text = NOISES.sub(" ", word.word)
+                    # Times count from the start of the part, and some pass the end of the sound.
+                    begin, end = (
+                        min(start / SPEECH_RATE + float(at), audio.seconds)
+                        for at in (word.start, word.end)
+                    )
+                    if any(map(str.isalnum, text)):
+                        found.append(RecognisedWord(text, begin, end, float(word.probability)))
     return found
-
-
-def _of_segment(segment: Any, first: float, seconds: float) -> Iterator[RecognisedWord]:
-    """Yield the words of a segment of a part that starts at a time, within the whole sound."""
-    if segment.no_speech_prob > NO_SPEECH or segment.compression_ratio > REPETITION:
-        return
-    for word in segment.words or ():
-        text = NOISES.sub(" ", word.word)
-        if any(map(str.isalnum, text)):
-            start, end = (min(first + float(at), seconds) for at in (word.start, word.end))
-            yield RecognisedWord(text, start, end, float(word.probability))
 
 
 def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedule:

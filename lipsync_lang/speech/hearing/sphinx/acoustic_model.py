@@ -209,7 +209,17 @@ def read_model(folder: Path) -> AcousticModel:
 
 
 def _read(folder: Path) -> AcousticModel:
-    means, variances = (_gaussians(folder / name) for name in ("means", "variances"))
+    parameters = []
+    for name in ("means", "variances"):  # each (books, streams, Gaussians, values)
+        content, at = _body(folder / name)
+        books, streams, count = struct.unpack_from("<3i", content, at)
+        lengths = struct.unpack_from(f"<{streams}i", content, at + 12)
+        if streams != STREAMS or len(set(lengths)) != 1:
+            raise ValueError(f"{name} has streams of another form")
+        size = books * streams * count * lengths[0]
+        values = np.frombuffer(content, "<f4", size, at + 16 + 4 * streams)
+        parameters.append(values.reshape(books, streams, count, lengths[0]).astype(np.float64))
+    means, variances = parameters
     precision = 1 / np.maximum(variances, VARIANCE_FLOOR)
     # A diagonal Gaussian: log N(x) = sum(log(p / 2 pi) - p (x - m)^2) / 2, with p for 1 / variance,
     # as factors of x^2, x and 1, so that one matrix product has all frames.
@@ -269,18 +279,6 @@ def _definitions(
         entries["row"][order].astype(np.int64),
         states,
     )
-
-
-def _gaussians(path: Path) -> Floats:
-    """Read Gaussian parameters: (books, streams, Gaussians, values)."""
-    content, at = _body(path)
-    books, streams, count = struct.unpack_from("<3i", content, at)
-    lengths = struct.unpack_from(f"<{streams}i", content, at + 12)
-    if streams != STREAMS or len(set(lengths)) != 1:
-        raise ValueError(f"{path.name} has streams of another form")
-    size = books * streams * count * lengths[0]
-    values = np.frombuffer(content, "<f4", size, at + 16 + 4 * streams)
-    return values.reshape(books, streams, count, lengths[0]).astype(np.float64)
 
 
 def _body(path: Path) -> tuple[bytes, int]:

@@ -203,7 +203,16 @@ def _window(
         return None
     sound = Listening(model, features)
     graph = _Graph(model)
-    ends = _spell(graph, words, done, stop)
+    before: list[int] = [SOUND_START]
+    for number in range(done, stop):
+        # The context of a word's edges is the first pronunciation of its neighbours: which one is
+        # said is not known yet. `_again` aligns with the real ones.
+        left = words[number - 1][0][-1] if number > done else model.silence
+        right = words[number + 1][0][0] if number + 1 < stop else model.silence
+        before = [*before, *graph.pause(before)]
+        spoken = graph.word(number, words[number], left, right, before)
+        before = [*spoken, *graph.skip(number, before)]
+    ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
     fillers = model.fillers
     speech = [phone for phone in model.alone if phone.book not in fillers]
     quiet = [phone for phone in model.alone if phone.book in fillers]
@@ -215,21 +224,6 @@ def _window(
     if not last:
         way = _kept(way, graph.nodes, len(features) - OVERLAP_FRAMES)
     return _again(sound, loop, [(graph.nodes[run.phone], run) for run in way])
-
-
-def _spell(graph: _Graph, words: Sequence[Pronunciations], start: int, stop: int) -> list[int]:
-    """Add words with surrounding pauses and return the permitted end nodes."""
-    silence = graph.model.silence
-    before: list[int] = [SOUND_START]
-    for number in range(start, stop):
-        # The context of a word's edges is the first pronunciation of its neighbours: which one is
-        # said is not known yet. `_again` aligns with the real ones.
-        left = words[number - 1][0][-1] if number > start else silence
-        right = words[number + 1][0][0] if number + 1 < stop else silence
-        before = [*before, *graph.pause(before)]
-        ends = graph.word(number, words[number], left, right, before)
-        before = [*ends, *graph.skip(number, before)]
-    return [*(n for n in before if n != SOUND_START), *graph.pause(before)]
 
 
 class _Loop(NamedTuple):

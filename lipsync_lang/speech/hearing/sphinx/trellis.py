@@ -88,14 +88,7 @@ def likeliest_way(
 def _traced(
     moved: npt.NDArray[np.bool_], came: npt.NDArray[np.int32], phone: int, state: int
 ) -> list[Run]:
-    """Return the path that ends in a state.
-
-    Parameters
-    ----------
-    moved : (T, P, `STATES`) True if a state was entered at a frame
-    came : (T, P) best predecessor of a phoneme that is entered at a frame
-    phone, state : of the last frame
-    """
+    """Return the path that ends in a state, from each frame's entered states and predecessors."""
     runs: list[Run] = []
     stop = len(moved)
     # Backwards, from the last state to the one that entered it.
