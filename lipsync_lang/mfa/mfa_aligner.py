@@ -125,37 +125,38 @@ def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> S
     if all(label in SILENCES for label in read.labels) and UNKNOWN not in read.labels:
         raise SpeechError(_unfit(text))
     audio = sound()
-    whole = _to_the_end(read, audio.seconds)
+    seconds = audio.seconds
+    # The answer ends with its sound, and has no label after that.
+    kept = read.times[:-1] < seconds - SNAP_SECONDS
+    labels = [label for label, keep in zip(read.labels, kept, strict=True) if keep]
+    times = [*read.times[:-1][kept], min(read.end, seconds)]
+    if seconds - times[-1] < SNAP_SECONDS or labels[-1] in SILENCES:
+        times[-1] = seconds
+    else:
+        labels.append(SILENCE)
+        times.append(seconds)
     # MFA writes small letters; the words get the capitals of the text.
     small = text.lower()
     small = small if len(small) == len(text) else text
     words: list[Word] = []
     at = 0
-    for word in whole.words:
+    for word in (w for w in read.words if w.stop <= len(labels)):
         start = small.find(word.text.lower(), at)
         at = start + len(word.text) if start >= 0 else at
         words.append(replace(word, text=text[start:at]) if start >= 0 else word)
-    return replace(whole, words=tuple(words), audio=audio, source="recording")
+    return replace(
+        read,
+        labels=tuple(labels),
+        times=np.array(times),
+        words=tuple(words),
+        lines=(),
+        audio=audio,
+        source="recording",
+    )
 
 
 def _unfit(text: str) -> str:
     return (
         f"MFA aligned nothing of '{text[:60]}' with the recording; check that the text "
         "is right and that the recording is complete"
-    )
-
-
-def _to_the_end(schedule: Schedule, seconds: float) -> Schedule:
-    """Return a schedule that ends with its sound."""
-    kept = schedule.times[:-1] < seconds - SNAP_SECONDS
-    labels = [label for label, keep in zip(schedule.labels, kept, strict=True) if keep]
-    times = [*schedule.times[:-1][kept], min(schedule.end, seconds)]
-    if seconds - times[-1] < SNAP_SECONDS or labels[-1] in SILENCES:
-        times[-1] = seconds
-    else:
-        labels.append(SILENCE)
-        times.append(seconds)
-    words = [w for w in schedule.words if w.stop <= len(labels)]
-    return replace(
-        schedule, labels=tuple(labels), times=np.array(times), words=tuple(words), lines=()
     )

@@ -35,7 +35,19 @@ def with_lacking(schedule: Schedule, speaker: "Speaker") -> Schedule:
     if not lacking:
         return schedule
     names = [schedule.words[n].text for n in lacking]
-    notation, read = _read(names, schedule, speaker)
+    # The language reads them if it reads text in the notation of the other labels.
+    notation = speaker.manner.notation
+    read: dict[str, Labels] = {}
+    known = [label for label in schedule.labels if label not in SILENCES]
+    if notation in speaker.notations and notation == (
+        schedule.notation or (recognise(known, speaker.notations) if known else notation)
+    ):
+        texts = list(dict.fromkeys(names))
+        read = {
+            text: one.labels
+            for text, one in zip(texts, speaker.transcripts(texts), strict=True)
+            if not isinstance(one, SpeechError)
+        }
     inside = {n: read[name] for n, name in zip(lacking, names, strict=True) if read.get(name)}
     remarks = [
         _remark([name for name in names if read.get(name)], "the language reads them instead"),
@@ -47,25 +59,6 @@ def with_lacking(schedule: Schedule, speaker: "Speaker") -> Schedule:
         notation=notation if inside else schedule.notation,
         remarks=(*schedule.remarks, *filter(None, remarks)),
     )
-
-
-def _read(
-    names: Sequence[str], schedule: Schedule, speaker: "Speaker"
-) -> tuple[str | None, dict[str, Labels]]:
-    """Return the notation of a schedule, and words in it, as far as the language can read them."""
-    notation = speaker.manner.notation
-    known = [label for label in schedule.labels if label not in SILENCES]
-    if notation not in speaker.notations:
-        return None, {}
-    found = schedule.notation or (recognise(known, speaker.notations) if known else notation)
-    if found != notation:
-        return None, {}
-    texts = list(dict.fromkeys(names))
-    return notation, {
-        text: one.labels
-        for text, one in zip(texts, speaker.transcribe_many(texts), strict=True)
-        if not isinstance(one, SpeechError)
-    }
 
 
 def _filled(schedule: Schedule, inside: dict[int, Labels]) -> Schedule:
