@@ -83,9 +83,9 @@ class WebSocketOutlet:
         self.session = session
         self.clients: set[ServerConnection] = set()
         self.serve = websockets.asyncio.server.serve
-        self.loop = asyncio.new_event_loop()
+        self.loop: asyncio.AbstractEventLoop
         self.ended, ready = asyncio.Event(), Event()
-        self.thread = Thread(target=self._run, args=(ready,), daemon=True)
+        self.thread = Thread(target=asyncio.run, args=(self._serve(ready),), daemon=True)
         self.thread.start()
         ready.wait()
 
@@ -110,12 +110,8 @@ class WebSocketOutlet:
         self.thread.join(2 * CLOSING_SECONDS)
         self.socket.close()
 
-    def _run(self, ready: Event) -> None:
-        asyncio.set_event_loop(self.loop)
-        self.loop.run_until_complete(self._serve(ready))
-        self.loop.close()
-
     async def _serve(self, ready: Event) -> None:
+        self.loop = asyncio.get_running_loop()
         # Failed handshakes of other programs stay out of the terminal.
         quiet = logging.getLogger(f"{__name__}.server")
         quiet.setLevel(logging.CRITICAL)
