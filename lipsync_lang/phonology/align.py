@@ -38,12 +38,27 @@ def align(
     if not said or not heard:
         return np.full(len(heard), -1, np.intp)
     names = {name: number for number, name in enumerate(dict.fromkeys((*said, *heard, silence)))}
-    cost = _costs(list(names), kinds, silence)
+    kind = [kinds.get(name, name) for name in names]
+    cost = np.array([[NEAR if a == b else FAR for b in kind] for a in kind])
+    np.fill_diagonal(cost, 0)
+    at = names[silence]
+    cost[at, :] = cost[:, at] = np.inf  # a pause is never paired with a sound
+    cost[at, at] = 0
     alone = np.full(len(names), ALONE)
-    alone[names[silence]] = PAUSE
+    alone[at] = PAUSE
     rows = np.array([names[name] for name in said], np.intp)
     columns = np.array([names[name] for name in heard], np.intp)
-    return _back(*_moves(rows, columns, cost, alone))
+    moves, lows = _moves(rows, columns, cost, alone)
+    # Follow the cheapest path back from its end, and collect the pairs.
+    found = [-1] * len(heard)
+    table, width, starts = moves.tobytes(), moves.shape[1], lows.tolist()
+    i, j = len(said), len(heard)
+    while i or j:
+        move = table[i * width + j - starts[i]] if i else _HEARD
+        i, j = i - (move != _HEARD), j - (move != _SAID)
+        if move == _BOTH:
+            found[j] = i
+    return np.array(found, np.intp)
 
 
 def _moves(
@@ -51,7 +66,7 @@ def _moves(
     columns: npt.NDArray[np.intp],
     cost: npt.NDArray[np.float64],
     alone: npt.NDArray[np.float64],
-) -> tuple[npt.NDArray[np.int8], npt.NDArray[np.intp], int]:
+) -> tuple[npt.NDArray[np.int8], npt.NDArray[np.intp]]:
     """Fill the table of the dynamic programme, one row at a time.
 
     Moves along a row are vectorised. With ``gap[j]`` the cost of the first j heard sounds without
@@ -59,7 +74,7 @@ def _moves(
 
     Returns
     -------
-    (n + 1, band) last moves of the cheapest paths, (n + 1,) first column of each row, and m
+    (n + 1, band) last moves of the cheapest paths, (n + 1,) first column of each row
     """
     n, m = len(rows), len(columns)
     width = BAND_SOUNDS + abs(n - m) + m // max(n, 1)
@@ -85,28 +100,4 @@ def _moves(
         move = moves[i, : high - low + 1]
         move[:] = np.where(up < both, _SAID, _BOTH)
         move[now < best - COST_TOLERANCE] = _HEARD
-    return moves, lows, m
-
-
-def _back(moves: npt.NDArray[np.int8], lows: npt.NDArray[np.intp], m: int) -> npt.NDArray[np.intp]:
-    """Follow the cheapest path back from its end, and collect the pairs."""
-    found = [-1] * m
-    table, width, starts = moves.tobytes(), moves.shape[1], lows.tolist()
-    i, j = len(starts) - 1, m
-    while i or j:
-        move = table[i * width + j - starts[i]] if i else _HEARD
-        i, j = i - (move != _HEARD), j - (move != _SAID)
-        if move == _BOTH:
-            found[j] = i
-    return np.array(found, np.intp)
-
-
-def _costs(names: Sequence[str], kinds: Mapping[str, str], silence: str) -> npt.NDArray[np.float64]:
-    """Return the (p, p) costs of pairs of phonemes."""
-    kind = [kinds.get(name, name) for name in names]
-    cost = np.array([[NEAR if a == b else FAR for b in kind] for a in kind])
-    np.fill_diagonal(cost, 0)
-    at = names.index(silence)
-    cost[at, :] = cost[:, at] = np.inf
-    cost[at, at] = 0
-    return cost
+    return moves, lows

@@ -38,16 +38,19 @@ def emphasised(text: str) -> EmphasisedText:
     parts: list[str] = []
     spans: list[tuple[int, int]] = []
     done = length = 0
-    for start, stop, said, marked in _marked(text):
+    for start, stop, passage in _marks(text):
+        before, after = text[max(start - 1, 0) : start], text[stop : stop + 1]
+        gap = " " if before.isalnum() and after.isalnum() else ""  # words do not run together
+        said = gap if passage is None else passage
         parts += text[done:start], said
         length += start - done + len(said)
-        spans += [(length - len(said), length)] if marked else []
+        spans += [] if passage is None else [(length - len(said), length)]
         done = stop
     return EmphasisedText("".join([*parts, text[done:]]), tuple(spans))
 
 
-def _marked(text: str) -> Iterator[tuple[int, int, str, bool]]:
-    """Yield each mark of a text: start, end, replacement, and True for emphasis."""
+def _marks(text: str) -> Iterator[tuple[int, int, str | None]]:
+    """Yield each mark of a text: start, end, and the passage that it emphasises, if any."""
     at = 0
     while at < len(text):
         start = text.find("*", at)
@@ -55,28 +58,17 @@ def _marked(text: str) -> Iterator[tuple[int, int, str, bool]]:
             return
         if text[max(start - 1, at) : start + 1] == ESCAPED_STAR:
             at = ESCAPES.match(text, start - 1).end()  # type: ignore[union-attr]  # at least one
-            yield start - 1, at, _between(text, start - 1, at), False
+            yield start - 1, at, None
             continue
         found = EMPHASIS_MARK.match(text, start, start + MAX_MARKED_CHARS)
-        if found and _emphasises(text, found):
+        before = text[max(start - 1, 0) : start]
+        within = before.isdigit() or before.lower() != before.upper()  # a letter with case
+        if found and not within and any(map(str.isalnum, found["said"])):
             at = found.end()
-            yield start, at, found["said"].replace(ESCAPED_STAR, ""), True
+            yield start, at, found["said"].replace(ESCAPED_STAR, "")
         else:
             at = start + len(RUN.match(text, start)[0])  # type: ignore[index]  # at least one
-            yield start, at, _between(text, start, at), False
-
-
-def _emphasises(text: str, found: re.Match[str]) -> bool:
-    """Return True if a pair of asterisks encloses words, and does not start within a word."""
-    before = text[max(found.start() - 1, 0) : found.start()]
-    joined = before.isdigit() or before.lower() != before.upper()
-    return not joined and any(map(str.isalnum, found["said"]))
-
-
-def _between(text: str, start: int, stop: int) -> str:
-    """Return the replacement of asterisks: a space if words would run together."""
-    before, after = text[max(start - 1, 0) : start], text[stop : stop + 1]
-    return " " if before.isalnum() and after.isalnum() else ""
+            yield start, at, None
 
 
 def touched(words: Iterable[str], text: str, spans: Sequence[tuple[int, int]]) -> list[bool]:

@@ -204,7 +204,14 @@ class Features:
         sounds: list[LetterSound] = []
         losses: list[str] = []
         alone = [token for token in tokens if token in self.alone]
-        for letter, before, after in self._groups(tokens):
+        groups: list[tuple[str, list[str], list[str]]] = []  # letter, marks before and after it
+        first: list[str] = []
+        for token in tokens:
+            if token in self._letters:
+                groups.append((token, [] if groups else first, []))
+            else:
+                (groups[-1][2] if groups else first).append(token)
+        for letter, before, after in groups:
             seen = letter if letter in kept else self.prefer.get(letter, letter)
             sound = self._letters[letter]._replace(features=self._letters[seen].features)
             sounds += self._marked(sound, before, after, losses)
@@ -242,19 +249,6 @@ class Features:
         changes = case.changes(sound.features).items()
         return any(abs(value - (sound.features[n] or 0)) >= self.told_from for n, value in changes)
 
-    def _groups(self, tokens: Sequence[str]) -> list[tuple[str, list[str], list[str]]]:
-        """Return each letter with the marks before it (first letter only) and after it."""
-        groups: list[tuple[str, list[str], list[str]]] = []
-        first: list[str] = []
-        for token in tokens:
-            if token in self._letters:
-                groups.append((token, [] if groups else first, []))
-            elif groups:
-                groups[-1][2].append(token)
-            else:
-                first.append(token)
-        return groups
-
     def _marked(
         self, sound: LetterSound, before: Sequence[str], after: Sequence[str], losses: list[str]
     ) -> list[LetterSound]:
@@ -287,8 +281,9 @@ class Features:
                     continue
                 break
             else:
-                parts = _parts(text[start])
-                if parts:
+                codes = decomposition(text[start]).split()
+                if codes and not codes[0].startswith("<"):  # a letter composed with a mark
+                    parts = "".join(chr(int(code, 16)) for code in codes)
                     text = text[:start] + parts + text[start + 1 :]
                     continue
                 stop = start + 1
@@ -334,12 +329,6 @@ def is_one_sound(letters: Sequence[LetterSound]) -> bool:
 def key(text: str) -> str:
     """Return a label or key in the form used for comparison."""
     return normalise(text.replace(CARRIER, ""))
-
-
-def _parts(letter: str) -> str:
-    """Return the letter and the mark of a composed letter; empty for any other character."""
-    codes = decomposition(letter).split()
-    return "" if not codes or codes[0].startswith("<") else "".join(chr(int(c, 16)) for c in codes)
 
 
 def _described(words: FeatureWords, phrases: tuple[FeatureWords, ...]) -> bool:

@@ -195,15 +195,16 @@ class Notation:
         try:
             return self._marked[label]
         except KeyError:
-            return self._marked.setdefault(label, self._mark(label))
-
-    def _mark(self, label: str) -> int | None:
-        whole = normalise(label)
-        if len(whole) < len("ˈa") or whole in self._exact or whole.casefold() in self._folded:
-            return None
-        if whole[0] in STRESS:
-            return 2 if whole[0] in SECONDARY else 1
-        return int(whole[-1]) if self.digits and whole[-1] in "012" else None
+            pass
+        whole, level = normalise(label), None
+        own = whole in self._exact or whole.casefold() in self._folded
+        if len(whole) >= len("ˈa") and not own:
+            if whole[0] in STRESS:
+                level = 2 if whole[0] in SECONDARY else 1
+            elif self.digits and whole[-1] in "012":
+                level = int(whole[-1])
+        self._marked[label] = level
+        return level
 
     def is_silence(self, label: str) -> bool:
         """Return True if a label is a spelling of silence."""

@@ -90,36 +90,22 @@ class Manner:
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Make the settings from the result of `plain`."""
-        settings = data["settings"]
-        rules = tuple(
-            Rule(spelling, tuple(to), before, after)
-            for spelling, to, before, after in settings["rules"]
-        )
-        readings = tuple(
-            Rule(spelling, tuple(to), before, after)
-            for spelling, to, before, after in settings["readings"]
-        )
-        corrections = tuple(
+        settings = dict(data["settings"])
+        for key in ("rules", "readings"):
+            rules = settings[key]
+            settings[key] = tuple(Rule(text, tuple(to), *around) for text, to, *around in rules)
+        settings["corrections"] = tuple(
             Correction(tuple(labels), tuple(to), *contexts)
             for labels, to, *contexts in settings["corrections"]
         )
-        file = Path(settings["file"]) if settings["file"] else None
-        made = Settings(
-            **{
-                **settings,
-                "rules": rules,
-                "corrections": corrections,
-                "readings": readings,
-                "file": file,
-                "labels": tuple(settings["labels"]),
-            }
-        )
+        settings["file"] = Path(settings["file"]) if settings["file"] else None
+        settings["labels"] = tuple(settings["labels"])
         audio = data["audio"]
         phones = {label: tuple(names) for label, names in audio["phones"].items()}
         return cls(
             **{
                 **data,
-                "settings": made,
+                "settings": Settings(**settings),
                 "voice": tuple(data["voice"]) if data["voice"] else None,
                 "words": {word: tuple(sounds) for word, sounds in data["words"].items()},
                 "audio": Hearing(**{**audio, "align": tuple(audio["align"]), "phones": phones}),

@@ -97,9 +97,10 @@ class NearestPhonemes:
     shades: Mapping[str, ShadeLabels] = field(default_factory=dict)
     _runs: dict[int, list[Exemplar]] = field(init=False, repr=False, default_factory=dict)
     _own: set[str] = field(init=False, repr=False, default_factory=set)
-    _near: dict[tuple[Numbers, ...], tuple[float, Exemplar] | None] = field(
+    _near: dict[tuple[Numbers, ...], tuple[float, Exemplar]] = field(
         init=False, repr=False, default_factory=dict
     )
+    """The nearest exemplar of the same length, by run; in a tie, the first."""
     _seen: dict[str, Nearest] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -179,6 +180,7 @@ class NearestPhonemes:
         if cut is None:
             return Nearest((), reading.losses, inf, reading.unknown)
         pieces = [self._finer(piece, runs[piece.start : piece.stop]) for piece in cut]
+        losses = list(reading.losses)
         times: list[tuple[str, float]] = []
         for piece in pieces:
             time = sum(sound.time for sound in reading.sounds[piece.start : piece.stop])
@@ -186,12 +188,18 @@ class NearestPhonemes:
             if times and times[-1][0] == name:
                 time += times.pop()[1]
             times.append((name, time))
+            for sound, shown in zip(
+                runs[piece.start : piece.stop], piece.exemplar.run, strict=True
+            ):
+                losses += [
+                    feature
+                    for feature, a, b in zip(self.features.names, sound, shown, strict=True)
+                    if a is not None and b is not None and abs(a - b) >= self.features.told_from
+                ]
         whole = sum(time for _, time in times)
         value = tuple((name, time / whole) for name, time in times)
-        told = (loss for piece in pieces for loss in self._losses(piece, runs))
-        losses = tuple(dict.fromkeys((*reading.losses, *told)))
         far = sum((piece.distance for piece in pieces), 0.0)
-        return Nearest(value, losses, far, reading.unknown)
+        return Nearest(value, tuple(dict.fromkeys(losses)), far, reading.unknown)
 
     def _cut(self, runs: tuple[Numbers, ...]) -> tuple[LabelPiece, ...] | None:
         """Cut a label into the cheapest pieces by dynamic programming; None if impossible.
@@ -202,9 +210,11 @@ class NearestPhonemes:
         for stop in range(1, len(runs) + 1):
             best.append({})
             for length in (n for n in sorted(self._runs) if n <= stop):
-                found = self._exemplar(runs[stop - length : stop])
-                if found is None:
-                    continue
+                run = runs[stop - length : stop]
+                if run not in self._near:
+                    known = ((self.distance(run, e.run), e) for e in self._runs[length])
+                    self._near[run] = min(known, key=lambda d: round(d[0], 9))
+                found = self._near[run]
                 piece = LabelPiece(*found, stop - length, stop)
                 name = piece.exemplar.phoneme
                 for last, before in best[stop - length].items():
@@ -215,8 +225,11 @@ class NearestPhonemes:
     def _finer(self, piece: LabelPiece, run: tuple[Numbers, ...]) -> LabelPiece:
         """Return a piece as the nearest shade of its phoneme, else as it is."""
         phoneme = piece.exemplar.phoneme
-        alike = [e for e in self._shaded if len(e.run) == len(run)]
-        known = [(round(self.distance(run, e.run), 9), e.phoneme, e) for e in alike]
+        known = [
+            (round(self.distance(run, one.run), 9), one.phoneme, one)
+            for one in self._shaded
+            if len(one.run) == len(run)
+        ]
         found = min(known, key=_nearness, default=None)
         if found is None or found[1] not in self.shades or found[0] > SMALL_MARK:
             own = {phoneme, *(name for name, told in self.shades.items() if told.parent == phoneme)}
@@ -242,13 +255,6 @@ class NearestPhonemes:
         rest = [(p, label) for p, label in self._named() if named and label not in taken]
         return [exemplar for _, exemplar in self._exemplars((*named, *rest))]
 
-    def _exemplar(self, run: tuple[Numbers, ...]) -> tuple[float, Exemplar] | None:
-        """Return the nearest exemplar of the same length as a run; in a tie, the first."""
-        if run not in self._near:
-            known = ((self.distance(run, e.run), e) for e in self._runs.get(len(run), ()))
-            self._near[run] = min(known, key=lambda d: round(d[0], 9), default=None)
-        return self._near[run]
-
     def distance(self, run: Sequence[Numbers], other: Sequence[Numbers]) -> float:
         """Return the distance between two runs of equal length."""
         far = 0.0
@@ -264,14 +270,6 @@ class NearestPhonemes:
             for weight, a, b in zip(self.features.weights, one, other, strict=True)
             if a is not None and b is not None
         )
-
-    def _losses(self, piece: LabelPiece, runs: tuple[Numbers, ...]) -> Iterator[str]:
-        """Yield the features of a piece that its common phoneme does not show."""
-        here = runs[piece.start : piece.stop]
-        for sound, shown in zip(here, piece.exemplar.run, strict=True):
-            for name, a, b in zip(self.features.names, sound, shown, strict=True):
-                if a is not None and b is not None and abs(a - b) >= self.features.told_from:
-                    yield name
 
 
 def _most(sounds: Iterable[Numbers], number: int) -> float:

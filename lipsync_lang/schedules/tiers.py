@@ -109,11 +109,7 @@ def read_speakers(
 
 
 def read_tiers(
-    source: TimingFile,
-    tiers: Sequence[Tier],
-    *,
-    guess: bool = False,
-    remarks: Iterable[str] = (),
+    source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False, remarks: Iterable[str] = ()
 ) -> Timings:
     """Make a schedule of the phone tier, with the words of its speaker; or timed words.
 

@@ -67,14 +67,10 @@ def answers(
             try:
                 yield from stream.answers(source, waiting)
             except _WorkerLostError:
-                yield _alone(process, waiting.popleft(), voice, rate)
-
-
-def _alone(process: EspeakProcess, text: str, voice: str, rate: int) -> WorkerReply | SpeechError:
-    try:
-        return process.ask("speak", text=text, voice=voice, rate=rate)
-    except SpeechError as error:
-        return error
+                try:
+                    yield process.ask("speak", text=waiting.popleft(), voice=voice, rate=rate)
+                except SpeechError as error:
+                    yield error
 
 
 class _WorkerStream:

@@ -80,16 +80,6 @@ def _text(raw: bytes | None) -> str:
     return (raw or b"").decode("utf-8", "replace").strip()
 
 
-def _languages(address: int) -> list[tuple[int, str]]:
-    """Read (priority, language) pairs: a byte, a C string, again, until a zero byte."""
-    found = []
-    while priority := ctypes.string_at(address, 1)[0]:
-        name = ctypes.string_at(address + 1)
-        found.append((priority, _text(name)))
-        address += len(name) + 2
-    return found
-
-
 def list_voices(library: ctypes.CDLL) -> list[tuple[str, str, list[tuple[int, str]]]]:
     """Return each voice's identifier, title and (priority, language) pairs."""
     library.espeak_ListVoices.restype = ctypes.POINTER(ctypes.POINTER(VoiceRecord))
@@ -98,7 +88,12 @@ def list_voices(library: ctypes.CDLL) -> list[tuple[str, str, list[tuple[int, st
         if not pointer:  # the end of the list
             break
         row = pointer.contents
-        languages = _languages(row.languages) if row.languages else []
+        languages, at = [], row.languages
+        # Pairs of a priority, which is a byte, and a C string, until a zero byte
+        while at and (priority := ctypes.string_at(at, 1)[0]):
+            name = ctypes.string_at(at + 1)
+            languages.append((priority, _text(name)))
+            at += len(name) + 2
         voices.append((_text(row.identifier), _text(row.name), languages))
     return voices
 

@@ -121,8 +121,26 @@ class EspeakProcess:
     def request(
         self, task: str, text: str = "", voice: str = "", rate: int = 0
     ) -> tuple[dict[str, Any], Path]:
-        """Return a request to the worker, and the folder to run it in."""
-        library, data = _library()
+        """Return a request to the worker, and the folder to run it in.
+
+        The library and its data are found without loading either.
+        """
+        try:
+            import espeakng_loader
+        except ImportError:
+            raise SpeechError(
+                "speaking text needs eSpeak NG, which is not installed; "
+                f"get it with: {install_line('speech')}"
+            ) from None
+        broken = "eSpeak NG is not installed whole"
+        try:
+            library = espeakng_loader.get_library_path()
+            data = Path(espeakng_loader.get_data_path())
+        except RuntimeError as error:
+            raise SpeechError(f"{broken}: {error}; install it again") from None
+        for path in (Path(library), data):
+            if not path.exists():
+                raise SpeechError(f"{broken}: no {path}; install it again")
         request = {"library": library, "data": data.name, "task": task}
         return {**request, "text": text, "voice": voice, "rate": rate}, data.parent
 
@@ -153,25 +171,6 @@ class EspeakProcess:
         return SpeechError(
             f"eSpeak NG cannot be started with '{self.python}': {error.strerror or error}"
         )
-
-
-def _library() -> tuple[str, Path]:
-    """Find the library and its data without loading either."""
-    try:
-        import espeakng_loader
-    except ImportError:
-        raise SpeechError(
-            "speaking text needs eSpeak NG, which is not installed; "
-            f"get it with: {install_line('speech')}"
-        ) from None
-    try:
-        library, data = espeakng_loader.get_library_path(), Path(espeakng_loader.get_data_path())
-    except RuntimeError as error:
-        raise SpeechError(f"eSpeak NG is not installed whole: {error}; install it again") from None
-    for path in (Path(library), data):
-        if not path.exists():
-            raise SpeechError(f"eSpeak NG is not installed whole: no {path}; install it again")
-    return library, data
 
 
 def blank(text: str) -> str:

@@ -266,7 +266,10 @@ def _steps(parts: list[tuple[str, str]]) -> int:
 
 def _repeated(item: _Cost, repeat: str) -> _Cost:
     """Return the cost of an item under a repeat."""
-    least, most = _counts(repeat)
+    bounds = {"*": "0,", "+": "1,", "?": "0,1"}.get(repeat[0]) or repeat[1 : repeat.index("}")]
+    start, comma, end = bounds.partition(",")
+    least = int(start or 0)
+    most = int(end) if end else None if comma else least
     if most is None and item.ways > 1:
         raise ContextError(
             f"repeats a group ('){repeat}') that may match the same letters in several ways, "
@@ -289,13 +292,3 @@ def _repeated(item: _Cost, repeat: str) -> _Cost:
             break
     whole = repeat.endswith("+") and len(repeat) > 1
     return _Cost(1 if whole else max(ways, 1), steps, item.group)
-
-
-def _counts(repeat: str) -> tuple[int, int | None]:
-    """Return the minimum and maximum number of a repeat; None means no limit."""
-    if repeat[0] != "{":
-        return {"*": (0, None), "+": (1, None), "?": (0, 1)}[repeat[0]]
-    least, comma, most = repeat[1 : repeat.index("}")].partition(",")
-    if not comma:
-        return int(least), int(least)
-    return int(least or 0), int(most) if most else None

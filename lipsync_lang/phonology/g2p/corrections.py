@@ -28,7 +28,7 @@ _LENGTH_MARK = normalise("ː")
 """The mark of length in normalised labels."""
 
 
-class _Ready(NamedTuple):
+class _CompiledCorrection(NamedTuple):
     """A correction with compiled contexts."""
 
     labels: tuple[str, ...]
@@ -57,9 +57,16 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[Said], Said]:
     >>> mend(Said("mage", ("m", "a", "ɡ", "a"))).labels
     ('m', 'a', 'ɡ', 'ə')
     """
-    first: dict[str, list[_Ready]] = {}
+    first: dict[str, list[_CompiledCorrection]] = {}
     for number, one in enumerate(corrections, start=1):
-        first.setdefault(normalise(one.labels[0]), []).append(_ready(number, one))
+        try:
+            around = Surroundings.compiled(one.before, one.after)
+            spelled = compile_context(one.spelled, precedes=False) if one.spelled else None
+        except ContextError as error:
+            raise SpeechError(f"correction {number} ('{one.labels[0]}'): {error}") from None
+        labels = tuple(map(normalise, one.labels))
+        compiled = _CompiledCorrection(labels, one.to, around, spelled)
+        first.setdefault(labels[0], []).append(compiled)
 
     @lru_cache(CACHED_WORDS)
     def corrected(said: Said) -> Said:
@@ -75,7 +82,7 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[Said], Said]:
 
 
 def _corrected(
-    said: Said, marks: Sequence[int | None], first: dict[str, list[_Ready]]
+    said: Said, marks: Sequence[int | None], first: dict[str, list[_CompiledCorrection]]
 ) -> Iterator[tuple[str, int | None]]:
     """Yield the labels of a word after correction, each with its stress."""
     labels = tuple(map(normalise, said.labels))
@@ -96,12 +103,3 @@ def _corrected(
         else:
             yield said.labels[at], marks[at]
             at += 1
-
-
-def _ready(number: int, one: Correction) -> _Ready:
-    try:
-        around = Surroundings.compiled(one.before, one.after)
-        spelled = compile_context(one.spelled, precedes=False) if one.spelled else None
-    except ContextError as error:
-        raise SpeechError(f"correction {number} ('{one.labels[0]}'): {error}") from None
-    return _Ready(tuple(map(normalise, one.labels)), one.to, around, spelled)

@@ -72,7 +72,11 @@ def drawn_out(token: str, ordinary: Mapping[str, str]) -> DrawnOut | None:
     if not _LONG_RUN.search(token):
         return None
     runs = [(letter, len(list(same))) for letter, same in groupby(token, key=str.casefold)]
-    long = [_is_long(letter, count) for letter, count in runs]
+    long = []
+    for letter, count in runs:
+        called = name(letter[0], "")
+        syllable = called.startswith(SYLLABIC) and not called.endswith(_LONG_MARK)
+        long.append(count >= DRAWN_LETTERS and letter.isalpha() and not syllable)
     if not any(long) or (len(runs) == 1 and (token.isupper() or not token[0].isalpha())):
         return None
     known = ordinary.get(_squeezed(plain(token)), "")
@@ -85,13 +89,6 @@ def drawn_out(token: str, ordinary: Mapping[str, str]) -> DrawnOut | None:
         word += token[at : at + keep]
         at += count
     return DrawnOut(word, tuple(places))
-
-
-def _is_long(letter: str, count: int) -> bool:
-    if count < DRAWN_LETTERS or not letter.isalpha():
-        return False
-    called = name(letter[0], "")
-    return called.endswith(_LONG_MARK) or not called.startswith(SYLLABIC)
 
 
 def _squeezed(word: str) -> str:

@@ -1,6 +1,6 @@
 """Text to IPA with Epitran, for languages with a regular spelling."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from unicodedata import category
@@ -25,7 +25,21 @@ def engine(settings: Settings) -> G2PEngine:
     SpeechError
         Epitran is not installed, or does not have the language.
     """
-    transliterate = _transliterator(settings)
+    code = settings.code or ""
+    try:
+        import epitran
+        from epitran.exceptions import DatafileError
+    except ImportError:
+        raise SpeechError(
+            f"{settings.language} is read by Epitran, which is not installed; "
+            f"get it with: {install_line('epitran')}"
+        ) from None
+    try:
+        transliterate = epitran.Epitran(code).transliterate
+    except (DatafileError, OSError, KeyError, ValueError):
+        maps = Path(epitran.__file__).parent / "data" / "map"
+        hint = did_you_mean(code, {path.stem for path in maps.glob("*.csv")})
+        raise SpeechError(f"Epitran has no language '{code}'; {hint}") from None
     known = frozenset(map(normalise, settings.labels))
 
     @lru_cache(CACHED_WORDS)
@@ -39,27 +53,6 @@ def engine(settings: Settings) -> G2PEngine:
             yield read_words(text, read_word)
 
     return read
-
-
-def _transliterator(settings: Settings) -> Callable[[str], str]:
-    code = settings.code or ""
-    try:
-        import epitran
-        from epitran.exceptions import DatafileError
-    except ImportError:
-        raise SpeechError(
-            f"{settings.language} is read by Epitran, which is not installed; "
-            f"get it with: {install_line('epitran')}"
-        ) from None
-    try:
-        made: Callable[[str], str] = epitran.Epitran(code).transliterate
-    except (DatafileError, OSError, KeyError, ValueError):
-        maps = Path(epitran.__file__).parent / "data" / "map"
-        known = {path.stem for path in maps.glob("*.csv")}
-        raise SpeechError(
-            f"Epitran has no language '{code}'; {did_you_mean(code, known)}"
-        ) from None
-    return made
 
 
 def segments(ipa: str, known: Collection[str] = ()) -> tuple[str, ...]:

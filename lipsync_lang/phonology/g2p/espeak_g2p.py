@@ -11,13 +11,7 @@ from types import MappingProxyType
 
 from lipsync_lang.phonology.espeak.phoneme_labels import label_of, stress_of
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.g2p_engines import (
-    G2P_ENGINES,
-    G2PEngine,
-    Said,
-    Settings,
-    respeller,
-)
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings, respeller
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import TextPiece, counts, pieces
 from lipsync_lang.phonology.labels import looser, normalise
@@ -86,7 +80,13 @@ def paired(
 
     `lengths` gives the number of spoken words for numbers, compounds and the like.
     """
-    written = _clauses(text)
+    written: list[list[TextPiece]] = [[]]
+    for piece in pieces(text):
+        if piece.kind == "pause":
+            written.append([])
+        else:
+            written[-1].append(piece)
+    written = [clause for clause in written if clause]
     spoken = [words for words in clauses if words]
     whole = [word for words in spoken for word in words]
     tokens = [token for part in written for token in part]
@@ -106,17 +106,6 @@ def paired(
             yield from matched
         else:
             yield Said(_between(text, part), tuple(label for word in words for label in word))
-
-
-def _clauses(text: str) -> list[list[TextPiece]]:
-    """Return the words of each clause of a text."""
-    clauses: list[list[TextPiece]] = [[]]
-    for piece in pieces(text):
-        if piece.kind == "pause":
-            clauses.append([])
-        else:
-            clauses[-1].append(piece)
-    return [clause for clause in clauses if clause]
 
 
 def _matched(

@@ -7,7 +7,7 @@ a capital and a full stop are titles, which stand before a name.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import NamedTuple
 
@@ -63,7 +63,12 @@ class _Keys:
         for key in sorted(expansions, key=lambda key: (-len(key), key)):
             for first in dict.fromkeys("0123456789" if key[0] == "#" else _either(key[0])):
                 by_first.setdefault(first, []).append(key)
-        self._groups = {first: _group(keys, expansions) for first, keys in by_first.items()}
+        self._groups: dict[str, tuple[re.Pattern[str], dict[str, str]]] = {}
+        for first, keys in by_first.items():
+            named = {f"k{number}": key for number, key in enumerate(keys)}
+            whole = "|".join(f"(?P<{name}>{_expression(key)})" for name, key in named.items())
+            read = {name: expansions[key] for name, key in named.items()}
+            self._groups[first] = re.compile(whole), read
         letters = "".join(re.escape(first) for first in by_first if first.isalpha())
         signs = "".join(re.escape(first) for first in by_first if not first.isalnum())
         starts = [r"(?<![0-9])(?<![0-9][.,/:-])[0-9]"]
@@ -76,11 +81,14 @@ class _Keys:
         at = 0
         while start := self._starts.search(text, at):
             at = start.end()
-            group = self._groups.get(start[0])
-            found = group[0].match(text, start.start()) if group else None
-            if group and found and _fits(found, group[1]):
+            if start[0] not in self._groups:
+                continue
+            expression, expansions = self._groups[start[0]]
+            found = expression.match(text, start.start())
+            read = expansions[found.lastgroup or ""] if found else ""
+            if found and _fits(found, read):
                 at = found.end()
-                yield Replacement(*found.span(), _expanded(found, group[1]))
+                yield Replacement(*found.span(), _expanded(found, read))
 
 
 def _either(first: str) -> str:
@@ -88,19 +96,10 @@ def _either(first: str) -> str:
     return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
 
 
-def _group(
-    keys: Sequence[str], expansions: Mapping[str, str]
-) -> tuple[re.Pattern[str], dict[str, str]]:
-    """Return keys as one expression, and their expansions by the names of its groups."""
-    named = {f"k{number}": key for number, key in enumerate(keys)}
-    whole = "|".join(f"(?P<{name}>{_expression(key)})" for name, key in named.items())
-    return re.compile(whole), {name: expansions[key] for name, key in named.items()}
-
-
-def _fits(found: re.Match[str], expansions: Mapping[str, str]) -> bool:
+def _fits(found: re.Match[str], read: str) -> bool:
     """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`."""
     key = found[0]
-    if not key.endswith(".") or expansions[found.lastgroup or ""].endswith("."):
+    if not key.endswith(".") or read.endswith("."):
         return True
     after = found.string[found.end() :].lstrip(" \u00a0\u202f")
     if len(key) == len("D."):
@@ -109,17 +108,19 @@ def _fits(found: re.Match[str], expansions: Mapping[str, str]) -> bool:
     return not key[0].isupper() or any(map(str.isalnum, after[:3]))
 
 
-def _expanded(found: re.Match[str], expansions: Mapping[str, str]) -> str:
-    """Return the expansion of a key with its numbers, apart from its neighbours."""
-    name = found.lastgroup or ""
-    read = expansions[name]
-    inner = found.groups()[found.re.groupindex[name] :]
+def _expanded(found: re.Match[str], read: str) -> str:
+    """Return the expansion of a key with its numbers, and spaces before and after words."""
+    inner = found.groups()[found.re.groupindex[found.lastgroup or ""] :]
     for place, number in enumerate(filter(None, inner), start=1):
         read = read.replace(f"{{{place}}}", number)
-    after = found.string[found.end() :].lstrip()
+    rest = found.string[found.end() :]
+    after = rest.lstrip()
     if read.endswith(".") and after and not after[:1].isupper():
         read = read[:-1]
-    return _apart(found.string, *found.span(), read)
+    before = found.string[max(found.start() - 1, 0) : found.start()]
+    left = " " if before.isalnum() and read[:1].isalnum() else ""
+    right = " " if rest[:1].isalnum() and read[-1:].isalnum() else ""
+    return left + read + right
 
 
 class Expansions:
@@ -146,12 +147,9 @@ class Expansions:
         return _Keys(self._forms.abbreviations) if self._forms.abbreviations else None
 
     def _roman(self, text: str) -> Iterator[Replacement]:
-        forms = self._forms
-        if not (forms.counted or forms.named):
+        if not self._numerals or not _NUMERAL_LETTERS.search(text):
             return
         found: dict[tuple[int, int], str] = {}
-        if not _NUMERAL_LETTERS.search(text):
-            return
         for pattern, ordinals in self._numerals:
             for one in pattern.finditer(text):
                 number = roman(one["numeral"])
@@ -166,8 +164,14 @@ class Expansions:
     def _numerals(self) -> list[tuple[re.Pattern[str], tuple[str, ...]]]:
         """Expressions for Roman numerals, and the ordinal numbers that replace them."""
         forms = self._forms
-        stated = [(_after(forms.named), forms.ordinals), (_after(forms.counted), ())]
-        return [*((p, names) for p, names in stated if p is not None), (_AFTER_NAME, ())]
+        numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?!{_SPACED_LETTER}|['’])"
+        found: list[tuple[re.Pattern[str], tuple[str, ...]]] = []
+        for words, ordinals in ((forms.named, forms.ordinals), (forms.counted, ())):
+            if words:
+                listed = "|".join(re.escape(word) for word in sorted(words, key=len, reverse=True))
+                before = rf"(?<!{_SPACED_LETTER})(?i:{listed})[ \u00a0]*"
+                found.append((re.compile(f"{before}{numeral}{_DOT}"), ordinals))
+        return [*found, (_AFTER_NAME, ())] if found else []
 
 
 def roman(numeral: str) -> int:
@@ -180,14 +184,6 @@ def roman(numeral: str) -> int:
         return 0
     values = [_VALUES[letter] for letter in numeral]
     return sum(-v if v < after else v for v, after in zip(values, (*values[1:], 0), strict=True))
-
-
-def _after(words: Iterable[str]) -> re.Pattern[str] | None:
-    listed = "|".join(re.escape(word) for word in sorted(words, key=lambda word: -len(word)))
-    if not listed:
-        return None
-    numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?!{_SPACED_LETTER}|['’])"
-    return re.compile(rf"(?<!{_SPACED_LETTER})(?i:{listed})[ \u00a0]*{numeral}{_DOT}")
 
 
 _KATAKANA = {code: code + 0x60 for code in range(0x3041, 0x3097)}
@@ -211,11 +207,3 @@ def _expression(key: str) -> str:
     elif key[-1].isalpha() or key[-1] == ".":
         parts.append(rf"(?!{_SPACED_LETTER})")
     return "".join(parts)
-
-
-def _apart(text: str, start: int, stop: int, read: str) -> str:
-    """Return an expansion with spaces where it would run together with its neighbours."""
-    before, after = text[max(start - 1, 0) : start], text[stop : stop + 1]
-    left = " " if before.isalnum() and read[:1].isalnum() else ""
-    right = " " if after.isalnum() and read[-1:].isalnum() else ""
-    return left + read + right

@@ -60,30 +60,22 @@ def engine(settings: Settings) -> G2PEngine:
 
     def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
         plainly = [read_words(text, read_word) for text in texts]
+        texts_of_words = {word.text for words in plainly for word in words}
         pointed = sorted(
-            {
-                word.text
-                for words in plainly
-                for word in words
-                if any(category(character) == "Mn" for character in plain(word.text))
-            }
+            text for text in texts_of_words if any(category(sign) == "Mn" for sign in plain(text))
         )
-        said = dict(zip(pointed, map(_joined, other(pointed)), strict=True)) if other else {}
+        found: dict[str, tuple[tuple[str, ...], str]] = {}
+        for text, parts in zip(pointed, other(pointed) if other else (), strict=False):
+            labels = tuple(label for part in parts for label in part.labels)
+            found[text] = labels, "".join(part.unread for part in parts)
         for words in plainly:
+            told = (found.get(word.text, (word.labels, word.unread)) for word in words)
             yield tuple(
-                word._replace(labels=said[word.text].labels, unread=said[word.text].unread)
-                if word.text in said
-                else word
-                for word in words
+                word._replace(labels=labels, unread=unread)
+                for word, (labels, unread) in zip(words, told, strict=True)
             )
 
     return read
-
-
-def _joined(words: Sequence[Said]) -> Said:
-    """Merge the words that another engine made of one word."""
-    labels = tuple(label for word in words for label in word.labels)
-    return Said("", labels, unread="".join(word.unread for word in words))
 
 
 @cache

@@ -58,8 +58,12 @@ class Interjections:
         shouted : whether the whole text is in capitals; else capitals alone are an abbreviation
         """
         word = plain(token)
-        if "-" in word and (parts := self._parts(word)):
-            return parts._replace(text=token)
+        if "-" in word:
+            parts = [self.find(part) for part in word.split("-") if part]
+            said = [one for one in parts if one is not None]
+            if said and len(said) == len(parts):
+                labels = tuple(label for one in said for label in one.labels)
+                return Said(token, labels, " ".join(one.respelled for one in said))
         for spelling in dict.fromkeys((word, word.replace("-", ""))):
             for pattern in self._patterns.get(spelling[:1], ()):
                 found = pattern.whole.fullmatch(spelling)
@@ -73,15 +77,6 @@ class Interjections:
                     continue
                 return self._said(token, spelling, pattern, drawn)
         return None
-
-    def _parts(self, word: str) -> Said | None:
-        """Return a word of several interjections with hyphens as one."""
-        found = [self.find(part) for part in word.split("-") if part]
-        said = [one for one in found if one is not None]
-        if not said or len(said) < len(found):
-            return None
-        labels = tuple(label for one in said for label in one.labels)
-        return Said(word, labels, " ".join(one.respelled for one in said))
 
     def _said(self, token: str, spelling: str, pattern: _Pattern, drawn: list[int]) -> Said:
         labels, say = pattern.interjection

@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
+from itertools import pairwise
 from typing import Any
 
 from lipsync_lang.errors import SpeechError
@@ -65,18 +66,13 @@ def _sentences(text: str) -> Iterator[tuple[int, int]]:
     for found in _SENTENCE.finditer(text):
         stop = found.end()
         start = stop - len(found[0].lstrip(_EDGES))
-        while start < stop:
-            until = _cut(text, start, stop)
+        while stop - start > MAX_READ_CHARS:
+            gap = max(text.rfind(mark, start, start + MAX_READ_CHARS) for mark in "、，, \u3000")
+            until = gap + 1 if gap > start else start + MAX_READ_CHARS
             yield start, until
             start = until
-
-
-def _cut(text: str, start: int, stop: int) -> int:
-    """Return the end of a part of limited length, after a comma or a space if there is one."""
-    if stop - start <= MAX_READ_CHARS:
-        return stop
-    gap = max(text.rfind(mark, start, start + MAX_READ_CHARS) for mark in "、，, \u3000")
-    return gap + 1 if gap > start else start + MAX_READ_CHARS
+        if start < stop:
+            yield start, stop
 
 
 def _read(sentence: str) -> list[tuple[str, str]]:
@@ -100,21 +96,13 @@ def _read(sentence: str) -> list[tuple[str, str]]:
             cuts.append(done)
             kana.append("")
         done = max(done, stop)
-        kana[-1] += _said(morpheme) or sentence[start:stop]
+        said = str(morpheme["pron"]).translate(_PLAIN_KANA)
+        if said == "イウ" and morpheme["pos"] == "動詞":
+            said = "ユー"  # 言う: the dictionary writes the spelling
+        kana[-1] += said if _KANA.fullmatch(said) else sentence[start:stop]
         before = morpheme
-    ends = [*cuts[1:], len(sentence)]
-    return [
-        (sentence[start:stop], spelling)
-        for start, stop, spelling in zip(cuts, ends, kana, strict=True)
-    ]
-
-
-def _said(morpheme: dict[str, str]) -> str:
-    """Return the kana of a morpheme; empty if it is silent or unreadable."""
-    said = str(morpheme["pron"]).translate(_PLAIN_KANA)
-    if said == "イウ" and morpheme["pos"] == "動詞":
-        return "ユー"  # 言う: the dictionary writes the spelling
-    return said if _KANA.fullmatch(said) else ""
+    words = (sentence[slice(*span)] for span in pairwise((*cuts, len(sentence))))
+    return list(zip(words, kana, strict=True))
 
 
 def _belongs(before: dict[str, str], morpheme: dict[str, str]) -> bool:

@@ -106,28 +106,23 @@ def _text_parts(text: str) -> Iterator[_TextChunk]:
     """Cut a text into hanzi, numbers, pinyin, foreign words, pauses and symbols."""
     text = normalize("NFC", text)
     narrow = text.translate(_FULL_WIDTH)
-    among_hanzi = bool(re.search(f"[{HANZI}]", narrow))
+    among_hanzi = re.search(f"[{HANZI}]", narrow) is not None
     for found in _TEXT_PART.finditer(narrow):
         start, end = found.span()
         piece = _TextChunk(found.lastgroup or "", text[start:end], found[0], narrow[end : end + 1])
         if piece.kind == "roman":
-            yield from _roman(piece, among_hanzi=among_hanzi)
+            letters = piece.plain.rstrip("012345")
+            paper = among_hanzi and len(letters) == 1 and letters.isupper()  # A4纸
+            if not paper and spelled(piece.plain, toneless=not among_hanzi):
+                yield piece._replace(kind="spelled")
+                continue
+            for part in re.finditer(r"[0-9]+|[^0-9]+", piece.plain):
+                kind = "number" if part[0].isdigit() else "foreign"
+                yield _TextChunk(kind, piece.text[slice(*part.span())], _bare(part[0]), "")
         elif piece.kind != "symbol" or (
             category(piece.plain)[0] in "LNS" and piece.plain not in LENGTHENING_SIGNS
         ):
             yield piece
-
-
-def _roman(piece: _TextChunk, *, among_hanzi: bool) -> Iterator[_TextChunk]:
-    """Yield pinyin as one piece, and anything else as foreign words and numbers."""
-    letters = piece.plain.rstrip("012345")
-    paper = among_hanzi and len(letters) == 1 and letters.isupper()  # A4纸
-    if not paper and spelled(piece.plain, toneless=not among_hanzi):
-        yield piece._replace(kind="spelled")
-        return
-    for part in re.finditer(r"[0-9]+|[^0-9]+", piece.plain):
-        kind = "number" if part[0].isdigit() else "foreign"
-        yield _TextChunk(kind, piece.text[slice(*part.span())], _bare(part[0]), "")
 
 
 def _bare(word: str) -> str:
@@ -161,7 +156,14 @@ def said(text: str, syllables: Sequence[str]) -> Said:
     if not syllables:
         return Said(text, (), " ", text)
     labels = tuple(label for syllable in syllables for label in labels_of(syllable))
-    return Said(text, labels, "".join(map(_for_voice, syllables)))
+    respelled = ""
+    for syllable in syllables:
+        name, tone = syllable[:-1], syllable[-1]
+        # eSpeak NG knows no such syllables, and other spellings of some.
+        split = name in {"jiong", "qiong", "xiong"}
+        respelled += f"{name[:2]}{tone}ong" if split else _UNKNOWN_TO_VOICE.get(name, name)
+        respelled += tone
+    return Said(text, labels, respelled)
 
 
 @cache
@@ -176,14 +178,6 @@ def labels_of(syllable: str) -> tuple[str, ...]:
     elif name != "r" and not final:  # hm, hng; m, n, ng
         initial, final = ("h", name[1:]) if name[0] == "h" else ("", name)
     return tuple(label for label in (initial, final) if label)
-
-
-def _for_voice(syllable: str) -> str:
-    """Return a syllable in a spelling that eSpeak NG knows."""
-    name, tone = syllable[:-1], syllable[-1]
-    if name in ("jiong", "qiong", "xiong"):
-        return f"{name[:2]}{tone}ong{tone}"
-    return _UNKNOWN_TO_VOICE.get(name, name) + tone
 
 
 _UNKNOWN_TO_VOICE = dict(

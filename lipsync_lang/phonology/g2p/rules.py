@@ -15,11 +15,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.g2p.contexts import (
-    MAX_STEPS_PER_LETTER,
-    ContextError,
-    Surroundings,
-)
+from lipsync_lang.phonology.g2p.contexts import MAX_STEPS_PER_LETTER, ContextError, Surroundings
 from lipsync_lang.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
     WHISPER,
@@ -94,18 +90,16 @@ class Rewriter:
         word = plain(word)
         at = 0
         while at < len(word):
-            number, made, length = self._step(word, at)
-            yield number, made, word[at : at + length]
-            at += length
-
-    def _step(self, word: str, at: int) -> tuple[int | None, tuple[str, ...] | None, int]:
-        for rule in self._rules.get(word[at], ()):
-            if rule.fits(word, at):
-                return rule.number, rule.to, len(rule.spelling)
-        for letters, label in self._labels.get(word[at], ()):
-            if word.startswith(letters, at):
-                return None, (label,), len(letters)
-        return None, None, 1
+            rule = next((one for one in self._rules.get(word[at], ()) if one.fits(word, at)), None)
+            if rule is not None:
+                yield rule.number, rule.to, rule.spelling
+                at += len(rule.spelling)
+                continue
+            known = self._labels.get(word[at], ())
+            found = next((one for one in known if word.startswith(one[0], at)), None)
+            letters, label = found or (word[at], None)
+            yield None, None if label is None else (label,), letters
+            at += len(letters)
 
 
 def _compile(number: int, rule: Rule) -> _CompiledRule:

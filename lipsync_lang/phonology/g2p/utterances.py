@@ -275,7 +275,14 @@ def _original(part: UtterancePart, words: SaidWords) -> list[Said]:
     """Return words in the user's spelling; the words of one replacement are one."""
     if not part.replacements:
         return list(words)
-    read, origin = part_text(part), _origins(part)
+    read = part_text(part)
+    origin: list[tuple[int, int]] = []  # start and stop of each read character in the user's text
+    at = 0
+    for one in part.replacements:
+        origin += [(n, n + 1) for n in range(at, one.start)]
+        origin += [(one.start, one.stop)] * len(one.read)
+        at = one.stop
+    origin += [(n, n + 1) for n in range(at, len(part.text))]
     out: list[Said] = []
     at = begin = end = 0
     for word in words:
@@ -295,17 +302,6 @@ def _original(part: UtterancePart, words: SaidWords) -> list[Said]:
             out.append(word if text == word.text else word._replace(text=text, respelled=spoken))
         end = max(end, stop)
     return out
-
-
-def _origins(part: UtterancePart) -> list[tuple[int, int]]:
-    """Return the start and stop of each read character in the user's text."""
-    found: list[tuple[int, int]] = []
-    at = 0
-    for one in part.replacements:
-        found += [(n, n + 1) for n in range(at, one.start)]
-        found += [(one.start, one.stop)] * len(one.read)
-        at = one.stop
-    return found + [(n, n + 1) for n in range(at, len(part.text))]
 
 
 def _merged(one: Said, other: Said, text: str) -> Said:

@@ -6,9 +6,7 @@ make a word.
 """
 
 import re
-from collections.abc import Iterator
 
-from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.parallel_lists import listed_rows
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
@@ -49,7 +47,14 @@ def read_elevenlabs(source: TimingFile) -> TimedWords:
         if "chars" not in times:  # an answer without times ends a stream
             continue
         rate = MILLISECONDS_PER_SECOND if "charstarttimesms" in times else None
-        for one in _characters(source, line, times):
+        starts, ends, lengths = (
+            next((one for name, one in times.items() if name.startswith(f"char{part}")), None)
+            for part in ("start", "end", "duration")
+        )
+        lists = times["chars"], starts, lengths if ends is None else ends
+        for one in listed_rows(
+            source, *lists, form=ELEVENLABS_FORM, line=line, durations=ends is None
+        ):
             if one.start < latest:
                 raise source.fault(f"{one.label!r} starts before the character before it", line)
             latest = one.start
@@ -63,12 +68,3 @@ def read_elevenlabs(source: TimingFile) -> TimedWords:
         if spelled
     ]
     return timed_words_of(source, joined, rate=rate)
-
-
-def _characters(source: TimingFile, line: int | None, times: Json) -> Iterator[LabelRow]:
-    starts, ends, lengths = (
-        next((one for name, one in times.items() if name.startswith(f"char{part}")), None)
-        for part in ("start", "end", "duration")
-    )
-    lists = times["chars"], starts, lengths if ends is None else ends
-    return listed_rows(source, *lists, form=ELEVENLABS_FORM, line=line, durations=ends is None)

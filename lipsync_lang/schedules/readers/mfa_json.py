@@ -36,13 +36,13 @@ def read_mfa_json(source: TimingFile) -> Timings:
             raise source.fault(f"tier {name!r} has no entries; the form is {TIERS_FORM}")
         kind = tier.get("type", tier.get("class"))
         if isinstance(kind, str) and kind.casefold().startswith("interval"):
-            rows = tuple(_row(source, name, entry) for entry in tier["entries"])
-            found.append(Tier(str(name).strip(), rows))
+            rows = []
+            for entry in tier["entries"]:
+                match entry:
+                    case [start, end, str(label)]:
+                        rows.append(LabelRow(label, source.number(start), source.number(end)))
+                    case _:
+                        what = f"an entry is [start, end, label], not {str(entry)[:80]}"
+                        raise source.fault(f"tier {name!r}: {what}")
+            found.append(Tier(str(name).strip(), tuple(rows)))
     return read_tiers(source, found)
-
-
-def _row(source: TimingFile, name: object, entry: object) -> LabelRow:
-    match entry:
-        case [start, end, str(label)]:
-            return LabelRow(label, source.number(start), source.number(end))
-    raise source.fault(f"tier {name!r}: an entry is [start, end, label], not {str(entry)[:80]}")

@@ -5,7 +5,6 @@ recording with a closed mouth. XML and JSON state the end of every shape.
 """
 
 import re
-from collections.abc import Iterator
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
 from lipsync_lang.schedules.rows import LabelRow
@@ -39,7 +38,14 @@ def read_rhubarb(source: TimingFile) -> Schedule:
         ]
         return shapes_of(source, cues, notation=RHUBARB_NOTATION)
     if source.holds("mouthCues"):
-        return shapes_of(source, _of_json(source), notation=RHUBARB_NOTATION)
+        cues = []
+        listed = source.json["mouthCues"]
+        for cue in listed if isinstance(listed, list) else [listed]:
+            if not isinstance(cue, dict) or not isinstance(cue.get("value"), str):
+                raise source.fault(f"a cue has no value; the form is {RHUBARB_FORM}")
+            start, end = source.number(cue.get("start")), source.number(cue.get("end"))
+            cues.append(LabelRow(cue["value"], start, end))
+        return shapes_of(source, cues, notation=RHUBARB_NOTATION)
     starts: list[Start] = [
         (found[2], source.time(found[1], number), number)
         for number, found in source.matches(RHUBARB_LINE, "a time, a tab and a shape")
@@ -47,11 +53,3 @@ def read_rhubarb(source: TimingFile) -> Schedule:
     end = starts[-1][1] if starts else None
     rows, told = until_next(source, starts[:-1], rest="", end=end)
     return shapes_of(source, rows, notation=RHUBARB_NOTATION, remarks=told)
-
-
-def _of_json(source: TimingFile) -> Iterator[LabelRow]:
-    cues = source.json["mouthCues"]
-    for cue in cues if isinstance(cues, list) else [cues]:
-        if not isinstance(cue, dict) or not isinstance(cue.get("value"), str):
-            raise source.fault(f"a cue has no value; the form is {RHUBARB_FORM}")
-        yield LabelRow(cue["value"], source.number(cue.get("start")), source.number(cue.get("end")))
