@@ -55,9 +55,8 @@ def add_live(add: Add) -> None:
 def live(options: Namespace) -> int:
     """Speak texts when they arrive, and send their frames in real time, until the input ends."""
     from lipsync_lang.commands.performing import levels, performer_for
-    from lipsync_lang.live.addresses import STANDARD_OUTPUT, parse_address
     from lipsync_lang.live.live_player import LivePlayer
-    from lipsync_lang.live.outlets import outlet, refuse_unknown
+    from lipsync_lang.live.outlets import STANDARD_OUTPUT, outlet, parse_address, refuse_unknown
     from lipsync_lang.live.text_speaker import TextSpeaker
     from lipsync_lang.live.web_socket import Session
 

@@ -82,7 +82,21 @@ class LivePlayer:
         self._send(self.last._replace(seconds=self._now()))
         tick = 0
         while more() or not self.resting:
-            self._step()
+            now = self._now()
+            self._take_in(now)
+            stream = self.stream
+            if stream is not None:
+                at = now - self.zero
+                needed = at + AHEAD_FRAMES / self.fps
+                if not stream.finished and (stream.final_until or 0.0) < needed:
+                    stream.finish()
+                final = stream.frames(until=at)
+                for seconds, weights in zip(final.times.tolist(), final.weights, strict=True):
+                    self._send(LiveFrame(self.zero + seconds, weights))
+                if stream.finished and stream.given == stream.final:
+                    self.stream = None
+            elif now - self.last.seconds >= IDLE_SECONDS:
+                self._send(self.last._replace(seconds=now))
             tick = max(tick + 1, int(self._now() * self.fps) + 1)
             self.wait(max(tick / self.fps - self._now(), 0.0))
 
@@ -98,24 +112,6 @@ class LivePlayer:
 
     def _now(self) -> float:
         return self.clock() - self.began
-
-    def _step(self) -> None:
-        """Send the frames that are due."""
-        now = self._now()
-        self._take_in(now)
-        stream = self.stream
-        if stream is None:
-            if now - self.last.seconds >= IDLE_SECONDS:
-                self._send(self.last._replace(seconds=now))
-            return
-        at = now - self.zero
-        if not stream.finished and (stream.final_until or 0.0) < at + AHEAD_FRAMES / self.fps:
-            stream.finish()
-        final = stream.frames(until=at)
-        for seconds, weights in zip(final.times.tolist(), final.weights, strict=True):
-            self._send(LiveFrame(self.zero + seconds, weights))
-        if stream.finished and stream.given == stream.final:
-            self.stream = None
 
     def _take_in(self, now: float) -> None:
         """Feed the next utterance to the open stream, or to a new one."""

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
-from lipsync_lang.live.addresses import LOCAL, LiveAddress
 from lipsync_lang.live.client_messages import MAX_MESSAGE_BYTES, Client
-from lipsync_lang.live.outlets import as_row
+from lipsync_lang.live.outlets import LOCAL, LiveAddress, as_row
 from lipsync_lang.performing.stream import Stream
 
 if TYPE_CHECKING:
