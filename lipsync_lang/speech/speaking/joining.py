@@ -195,7 +195,7 @@ def _scheduled(
 
 def _stress_with_pauses(transcript: "Transcript") -> list[int | None]:
     """Return the stress of a transcript's labels, with one place for each pause."""
-    if not transcript.stress:
+    if not any(word.stress for word in transcript.words):
         return []
     return [
         mark

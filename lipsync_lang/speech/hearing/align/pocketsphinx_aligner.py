@@ -33,7 +33,7 @@ from lipsync_lang.speech.speaking.speaker import BATCH_TEXTS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from lipsync_lang.phonology.g2p.g2p_engines import Said
+    from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
     from lipsync_lang.phonology.labels import Value
     from lipsync_lang.speech.speaking.speaker import Speaker
     from lipsync_lang.speech.speaking.transcripts import Transcript
@@ -147,9 +147,9 @@ class WordReader:
         parts = sorted({part for texts in joined for part in texts})
         self.apart = dict(zip(parts, speaker.transcripts(parts), strict=True)) if parts else {}
 
-    def sayings(self, words: "Sequence[Said]") -> list[Saying]:
+    def sayings(self, words: "Sequence[SpokenWord]") -> list[Saying]:
         """Return words with their pronunciation variants, split where the G2P joined them."""
-        apart: list[Said] = []
+        apart: list[SpokenWord] = []
         for said in words:
             if _is_joined(said):
                 for part in said.text.split():
@@ -163,7 +163,7 @@ class WordReader:
         sayings = map(self.saying, apart, own)
         return [saying for saying in sayings if saying.ways]
 
-    def saying(self, said: "Said", own: tuple[tuple[int, ...], ...]) -> Saying:
+    def saying(self, said: "SpokenWord", own: tuple[tuple[int, ...], ...]) -> Saying:
         """Return a word with its pronunciations.
 
         In the model's own language the dictionary comes first (`own`); elsewhere the G2P alone
@@ -206,6 +206,6 @@ class WordReader:
         return lambda label: known.nearest.nearest(label).value  # signs that are no IPA are mute
 
 
-def _is_joined(said: "Said") -> bool:
+def _is_joined(said: "SpokenWord") -> bool:
     """Return True for several words that the G2P reads as one."""
     return bool(said.labels) and len(said.text.split()) > 1

@@ -41,6 +41,13 @@ class WarpEvidence(NamedTuple):
     """Share of the path where one of the sounds runs ahead."""
 
 
+def confidences(fit: Fit, lasts: Floats, voice: SpokenVoice) -> tuple[float, list[float]]:
+    """Return the confidence that the recording contains the text, and of each of its words."""
+    line, words = evidence(fit, lasts, voice)
+    sure = confidence_of(line)
+    return sure, [word_confidence_of(word, sure) for word in words]
+
+
 def evidence(
     fit: Fit, lasts: Floats, voice: SpokenVoice
 ) -> tuple[WarpEvidence, list[WarpEvidence]]:

@@ -25,12 +25,7 @@ from lipsync_lang.speech.hearing.align.spectrum import (
     samples_of,
     speech_frames,
 )
-from lipsync_lang.speech.hearing.align.warp_evidence import (
-    confidence_of,
-    evidence,
-    in_part,
-    word_confidence_of,
-)
+from lipsync_lang.speech.hearing.align.warp_evidence import confidences, in_part
 from lipsync_lang.speech.results import exhaust, next_result, raised
 
 if TYPE_CHECKING:
@@ -177,11 +172,9 @@ def _warped_part(power: Floats, first: int, voice: SpokenVoice, seconds: float) 
     fit = fitted(heard, kept, voice)
     labels, times, words = _laid(fit.edges, kept + first, voice, seconds)
     lasts = np.diff(times)[[label != SILENCE for label in labels]]
-    line, each_word = evidence(fit, lasts, voice)
-    surely = confidence_of(line)
+    surely, each_word = confidences(fit, lasts, voice)
     sure_words = tuple(
-        replace(word, confidence=word_confidence_of(one, surely))
-        for word, one in zip(words, each_word, strict=True)
+        replace(word, confidence=sure) for word, sure in zip(words, each_word, strict=True)
     )
     return WarpedVoice(labels, times, sure_words, surely, (first, first + len(power)))
 

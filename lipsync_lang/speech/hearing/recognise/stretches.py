@@ -55,13 +55,23 @@ def stretches(words: Sequence[RecognisedWord], audio: Audio) -> list[Stretch]:
     if not words:
         return []
     groups, cuts = [[words[0]]], []
+    window = round(QUIET_SECONDS * audio.rate)
     for before, word in pairwise(words):
-        cut = _pause(audio, before, word)
-        if cut is None:
+        first, last, stop = (round(at * audio.rate) for at in (before.end, word.start, word.end))
+        # A word without length is not where it was placed: the aligner looks for it.
+        if word.start - before.end < STRETCH_PAUSE_SECONDS or word.end <= word.start:
+            groups[-1].append(word)
+            continue
+        spoken = audio.samples[round(before.start * audio.rate) : stop].astype(np.float64)
+        # Energy of each window as the difference of running sums; float64, as squares of int16
+        # overflow.
+        energy = np.cumsum(np.square(audio.samples[first:last].astype(np.float64)))
+        moments = energy[window:] - energy[:-window]
+        if moments.min() > QUIET_SHARE * window * np.square(spoken).mean():
             groups[-1].append(word)
         else:
             groups.append([word])
-            cuts.append(cut)
+            cuts.append((first + int(moments.argmin()) + window / 2) / audio.rate)
     edges = [0.0, *cuts, audio.seconds]
     return [
         Stretch(
@@ -71,24 +81,6 @@ def stretches(words: Sequence[RecognisedWord], audio: Audio) -> list[Stretch]:
         )
         for group, before, after in zip(groups, edges[:-1], edges[1:], strict=True)
     ]
-
-
-def _pause(audio: Audio, before: RecognisedWord, after: RecognisedWord) -> float | None:
-    """Return the quietest moment between two words in seconds; None where they have no pause."""
-    if after.start - before.end < STRETCH_PAUSE_SECONDS or after.end <= after.start:
-        return None  # a word without length is not where it was placed: the aligner looks for it
-    first, last, stop = (
-        round(seconds * audio.rate) for seconds in (before.end, after.start, after.end)
-    )
-    window = round(QUIET_SECONDS * audio.rate)
-    power = np.square(audio.samples[round(before.start * audio.rate) : stop].astype(np.float64))
-    # Energy of each window as the difference of running sums; float64, as squares of int16
-    # overflow.
-    energy = np.cumsum(np.square(audio.samples[first:last].astype(np.float64)))
-    moments = energy[window:] - energy[:-window]
-    if moments.min() > QUIET_SHARE * window * power.mean():
-        return None
-    return (first + int(moments.argmin()) + window / 2) / audio.rate
 
 
 def part(audio: Audio, stretch: Stretch) -> Audio:

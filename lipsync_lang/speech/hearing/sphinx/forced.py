@@ -213,10 +213,9 @@ def _window(
         spoken = graph.word(number, words[number], left, right, before)
         before = [*spoken, *graph.skip(number, before)]
     ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
-    fillers = model.fillers
-    speech = [phone for phone in model.alone if phone.book not in fillers]
-    quiet = [phone for phone in model.alone if phone.book in fillers]
-    loop = _Loop(*(sound.scores(phones).max(axis=(1, 2)) for phones in (speech, quiet)))
+    best = sound.scores(model.alone).max(axis=2)
+    quiet = np.array([phone.book in model.fillers for phone in model.alone])
+    loop = _Loop(best[:, ~quiet].max(axis=1), best[:, quiet].max(axis=1))
     scores = sound.scores(model.phones(graph.contexts))
     way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends if last else None)
     if way is None:
