@@ -3,7 +3,7 @@
 Units: x is normalised time; y is inches from the top of a panel, the scale of a printed page.
 """
 
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -31,16 +31,8 @@ BEFORE: dict[str, Any] = {"color": EDGE, "lw": 1.3, "zorder": 3}
 AFTER: dict[str, Any] = {"color": FINAL, "lw": 1.7, "zorder": 4}
 
 
-class Panel(NamedTuple):
-    """A bigram with the poses that move before or after the change."""
-
-    change: BigramChange
-    poses: list[int]
-
-    @property
-    def height(self) -> float:
-        """Height of the panel in inches."""
-        return len(self.poses) * (ROW + GAP)
+Panel = tuple[BigramChange, list[int]]
+"""A bigram with the poses that move before or after the change."""
 
 
 def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002 as `plot`
@@ -64,23 +56,23 @@ def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noq
 def _page(diff: Diff) -> "Figure":
     from matplotlib.figure import Figure
 
-    panels = []
+    panels: list[Panel] = []
     for change in diff.named[:MOST]:
         tops = np.maximum(change.before.curves, change.after.curves).max(axis=0)
-        panels.append(Panel(change, np.flatnonzero(tops > VISIBLE_WEIGHT).tolist()))
+        panels.append((change, np.flatnonzero(tops > VISIBLE_WEIGHT).tolist()))
     columns = min(COLUMNS, len(panels))
     bands = [panels[n : n + columns] for n in range(0, len(panels), columns)]
-    tall = [TITLE + max(panel.height for panel in band) + AXIS for band in bands]
+    tall = [TITLE + max(len(poses) * (ROW + GAP) for _, poses in band) + AXIS for band in bands]
     height = HEAD + sum(tall)
     figure = Figure(figsize=(WIDTH, height))
     _head(figure, diff, len(panels), height)
-    names = [diff.poses[pose] for panel in panels for pose in panel.poses]
+    names = [diff.poses[pose] for _, poses in panels for pose in poses]
     left = 0.35 + LETTER_INCHES * max(map(len, names), default=0)
     cell = (WIDTH - MARGIN) / COLUMNS
     for number, band in enumerate(bands):
         top = height - HEAD - sum(tall[:number]) - TITLE
         for column, panel in enumerate(band):
-            size = max(panel.height, GAP)
+            size = max(len(panel[1]) * (ROW + GAP), GAP)
             corner = ((column * cell + left) / WIDTH, (top - size) / height)
             place = (*corner, (cell - left - MARGIN) / WIDTH, size / height)
             _panel(figure.add_axes(place, xlim=(0, 1), ylim=(size, 0)), panel, diff.poses)
@@ -111,24 +103,24 @@ def _head(figure: "Figure", diff: Diff, shown: int, height: float) -> None:
     )  # fmt: skip
 
 
-def _panel(axes: "Axes", panel: Panel, poses: tuple[str, ...]) -> None:
+def _panel(axes: "Axes", panel: Panel, names: tuple[str, ...]) -> None:
     """Draw one bigram: a row per pose, with rules at weights 0 and 1 as in the plot of a line."""
-    change = panel.change
+    change, poses = panel
     word = f"  {change.word}" if change.word else ""
     axes.set_title(f"{change.bigram}{word}", size=11, weight="bold", loc="left", pad=16)
     axes.annotate(
         f"{change.before} → {change.after}" if change.changed else "unchanged",
         (0, 1), (0, 5), xycoords="axes fraction", textcoords="offset points", size=8, color=INK,
     )  # fmt: skip
-    tops = np.arange(len(panel.poses)) * (ROW + GAP) + GAP
-    axes.set_yticks(tops + ROW / 2, [poses[pose] for pose in panel.poses], size=9)
+    tops = np.arange(len(poses)) * (ROW + GAP) + GAP
+    axes.set_yticks(tops + ROW / 2, [names[pose] for pose in poses], size=9)
     axes.tick_params(axis="y", length=0)
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "", "0.5", "", "1"], size=8)
     axes.spines[["left", "right", "top"]].set_visible(False)
     for side, look in ((change.before, BEFORE), (change.after, AFTER)):
         for boundary in side.boundaries:
             axes.axvline(boundary, color=look["color"], lw=0.8, ls=":", zorder=1)
-    for top, pose in zip(tops, panel.poses, strict=True):
+    for top, pose in zip(tops, poses, strict=True):
         axes.axhline(top + ROW, **THIN | {"color": INK})
         axes.axhline(top, **THIN)
         sides = (change.before, change.after)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
-from textwrap import shorten
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
@@ -10,14 +9,12 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.performed_line import performer_of
-from lipsync_lang.render.plot import INK, RULE, SILENT, TITLE_CHARS, draw
+from lipsync_lang.render.plot import INK, RULE, SILENT, draw, title_of
 from lipsync_lang.render.view import SHOWN, VISIBLE_WEIGHT, text_width
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from lipsync_lang.schedules.schedule import Schedule
 
 WIDTH, PER_SECOND, MOST = 4.0, 4.0, 15.0
 """Page width in inches: minimum, per second of the line, maximum."""
@@ -70,9 +67,9 @@ def _page(animations: Sequence[Animation]) -> "Figure":
     width = left + RIGHT + float(np.clip((end - begin) * PER_SECOND, WIDTH, MOST))
     height = HEAD + sum(heights) + GAP * len(heights) + FOOT
     figure = Figure(figsize=(width, height))
-    texts = [word.text for word in schedule.words] or schedule.labels
-    title = shorten(" ".join(texts), TITLE_CHARS, placeholder=" …")
-    figure.text(left / width, 1 - 0.1 / height, title, size=12, weight="bold", va="top")
+    figure.text(
+        left / width, 1 - 0.1 / height, title_of(schedule), size=12, weight="bold", va="top"
+    )
     top = height - HEAD
     for number, (one, row, tall) in enumerate(zip(animations, rows, heights, strict=True)):
         top -= GAP
@@ -81,7 +78,13 @@ def _page(animations: Sequence[Animation]) -> "Figure":
         _face(axes, one, row, HUES[number % len(HUES)])
         axes.tick_params(axis="x", labelbottom=number == len(animations) - 1, length=0)
         top -= tall
-    _label_phonemes(figure.axes[0], schedule)
+    # The phonemes stand above the first face.
+    for label, (start, stop) in zip(schedule.labels, pairwise(schedule.times), strict=True):
+        if begin <= start < end:
+            figure.axes[0].annotate(
+                " ".join(label.split()), ((start + stop) / 2, 0), (0, 17),
+                textcoords="offset points", ha="center", size=8, color=INK,
+            )  # fmt: skip
     return figure
 
 
@@ -103,14 +106,3 @@ def _face(axes: "Axes", animation: Animation, rows: Sequence[int], hue: str) -> 
     axes.vlines(bounds, 0, max(1, len(rows)), color=RULE, lw=0.5, zorder=0)
     for start, stop in ((axes.get_xlim()[0], bounds[0]), (bounds[-1], axes.get_xlim()[1])):
         axes.axvspan(start, stop, color=SILENT, lw=0, zorder=-1)
-
-
-def _label_phonemes(axes: "Axes", schedule: "Schedule") -> None:
-    """Draw the phoneme labels above the first face."""
-    low, high = axes.get_xlim()
-    for label, (start, stop) in zip(schedule.labels, pairwise(schedule.times), strict=True):
-        if low <= start < high:
-            axes.annotate(
-                " ".join(label.split()), ((start + stop) / 2, 0), (0, 17),
-                textcoords="offset points", ha="center", size=8, color=INK,
-            )  # fmt: skip

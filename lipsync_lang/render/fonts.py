@@ -79,7 +79,7 @@ def find_fonts(letters: frozenset[str], coverage: FontCoverage) -> FoundFonts:
     letters : characters, alone or with their marks, as `letters_of` gives them
     coverage : function of the drawing library that finds the letters of a font file
     """
-    wanted = {path: coverage(path, letters) for path in font_files()}
+    wanted = {path: coverage(path, letters) for path in font_files()} if letters else {}
     chosen: list[Path] = []
     missing = set(letters)
     while missing and wanted:
@@ -175,15 +175,14 @@ def fonts_to_install(letters: Iterable[str]) -> dict[str, str]:
         script = unicodedata.name(letter[0], "").partition(" ")[0]
         own = "CJK" if script in EAST_ASIAN_SCRIPTS else script.title()
         names.append("Noto Sans" if script in PLAIN_SCRIPTS else f"Noto Sans {own}".strip())
-    return {name: _installation(name) for name in names}
-
-
-def _installation(name: str) -> str:
-    """Describe the installation of a font of Google's Noto family on this platform."""
     if sys.platform == "darwin":
-        cask = name.lower().replace(" ", "-").replace("cjk", "cjk-jp")
-        return f"brew install --cask font-{cask}"
+        casks = {n: n.lower().replace(" ", "-").replace("cjk", "cjk-jp") for n in names}
+        return {name: f"brew install --cask font-{cask}" for name, cask in casks.items()}
     if sys.platform == "win32":
-        return "download it from https://fonts.google.com/noto and open the file to install it"
-    package = "fonts-noto-cjk" if name.endswith("CJK") else "fonts-noto-core"
-    return f"sudo apt install {package} (Debian, Ubuntu), or the Noto package of your system"
+        how = "download it from https://fonts.google.com/noto and open the file to install it"
+        return dict.fromkeys(names, how)
+    packages = {n: "fonts-noto-cjk" if n.endswith("CJK") else "fonts-noto-core" for n in names}
+    return {
+        name: f"sudo apt install {package} (Debian, Ubuntu), or the Noto package of your system"
+        for name, package in packages.items()
+    }

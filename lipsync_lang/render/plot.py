@@ -44,6 +44,7 @@ from lipsync_lang.render.view import (
     WIDTH,
     View,
 )
+from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -140,12 +141,16 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
         with_fonts(page).savefig(stream, format=name, dpi=DPI, metadata=PLOT_FORMATS[name])
 
 
+def title_of(schedule: Schedule) -> str:
+    """Return the spoken text, or the phonemes, in one line."""
+    texts = [word.text for word in schedule.words] or schedule.labels
+    return shorten(" ".join(texts), TITLE_CHARS, placeholder=" …")
+
+
 def _page(view: View) -> "Figure":
     from matplotlib.figure import Figure
 
-    schedule = view.animation.schedule
-    texts = [word.text for word in schedule.words] or schedule.labels
-    title = shorten(" ".join(texts), TITLE_CHARS, placeholder=" …")
+    title = title_of(view.animation.schedule)
     height = HEAD + view.strips * (view.height + AXIS) + FOOT
     figure = Figure(figsize=(WIDTH, height))
     figure.text(LEFT / WIDTH, 1 - 0.12 / height, title, size=13, weight="bold", va="top")

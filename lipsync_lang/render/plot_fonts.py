@@ -61,7 +61,7 @@ def fonts_for(letters: frozenset[str]) -> FoundFonts:
 
     usual = Path(font_manager.findfont(font_manager.FontProperties()))
     lacking = letters - coverage(usual, letters)
-    return find_fonts(lacking, coverage) if lacking else FoundFonts((), frozenset())
+    return find_fonts(lacking, coverage)
 
 
 def coverage(path: Path, letters: frozenset[str]) -> frozenset[str]:

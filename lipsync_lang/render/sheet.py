@@ -14,7 +14,6 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Ints
 from lipsync_lang.errors import OutputError
 from lipsync_lang.render.fonts import (
-    FoundFonts,
     find_fonts,
     legible,
     letters_of,
@@ -170,7 +169,7 @@ def _parts(text: str) -> list[tuple[str, str]]:
     """Split a text by the font files that contain its letters."""
     usual, letters = _usual(), letters_of([text])
     lacking = letters - coverage(usual, letters)
-    found = find_fonts(lacking, coverage) if lacking else FoundFonts((), lacking)
+    found = find_fonts(lacking, coverage)
     warn_of(found.missing)
     others = {str(path): coverage(path, lacking) for path in found.paths}
     parts: list[tuple[str, str]] = []

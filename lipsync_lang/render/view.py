@@ -4,7 +4,7 @@ Units: x is seconds; y is inches from the top of a strip, the scale of a printed
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -129,27 +129,23 @@ def _bands(view: View) -> list[Band]:
         ("common", [names[number] for number in track.ids], common, 8.0),
     ]
     bands: list[Band] = []
-    for name, texts, spans, size in rows[0 if words else 1 :]:
-        top = bands[-1].bottom if bands else SOUND + SPECTRUM if schedule.audio else 0.0
-        bands.append(_band(view, name, texts, spans, size, top))
+    top = SOUND + SPECTRUM if schedule.audio else 0.0
+    for name, texts, times, size in rows[0 if words else 1 :]:
+        spans = times.clip(view.begin, view.end)
+        shown = np.flatnonzero(spans[:, 0] < spans[:, 1])
+        labels, spans = [" ".join(texts[i].split()) for i in shown.tolist()], spans[shown]
+        # Each label has the first lane with room for it.
+        ends = [-math.inf] * LANES
+        lanes: list[int] = []
+        for label, middle in zip(labels, spans.mean(axis=1).tolist(), strict=True):
+            half = (text_width(label, size) + APART) / view.scale / 2
+            room = (lane for lane in range(LANES) if ends[lane] <= middle - half)
+            lanes.append(next(room, ends.index(min(ends))))
+            ends[lanes[-1]] = middle + half
+        bottom = top + LANE * (max(lanes, default=0) + 1.15)
+        bands.append(Band(name, labels, spans, lanes, size, top, bottom))
+        top = bottom
     return bands
-
-
-def _band(  # noqa: PLR0913, PLR0917 a row of `_bands`
-    view: View, name: str, texts: Sequence[str], spans: Floats, size: float, top: float
-) -> Band:
-    """Assign each label to the first lane with room for it."""
-    spans = spans.clip(view.begin, view.end)
-    shown = np.flatnonzero(spans[:, 0] < spans[:, 1])
-    labels, spans = [" ".join(texts[i].split()) for i in shown.tolist()], spans[shown]
-    ends = [-math.inf] * LANES
-    lanes: list[int] = []
-    for label, middle in zip(labels, spans.mean(axis=1).tolist(), strict=True):
-        half = (text_width(label, size) + APART) / view.scale / 2
-        room = (lane for lane in range(LANES) if ends[lane] <= middle - half)
-        lanes.append(next(room, ends.index(min(ends))))
-        ends[lanes[-1]] = middle + half
-    return Band(name, labels, spans, lanes, size, top, top + LANE * (max(lanes, default=0) + 1.15))
 
 
 def text_width(text: str, size: float) -> float:

@@ -68,12 +68,20 @@ def framed(scene: Scene) -> Camera:
     The front follows glTF's convention unless the moving points lie on the opposite side, because
     some models are exported backwards.
     """
-    low, high = _box(scene)
+    moved = scene.moves >= MOVED * scene.moves.max()
+    whole = scene.rest[np.isin(scene.shown_by, scene.shown_by[moved])]
+    low, high = whole.min(axis=0), whole.max(axis=0)
+    mouth = scene.rest[moved]
+    wanted = BUST * float(np.ptp(mouth[:, 1]))
+    if wanted < high[1] - low[1]:  # a body
+        middle = mouth.min(axis=0) / 2 + mouth.max(axis=0) / 2
+        middle[1] += wanted * 0.1
+        room = np.array([wanted / 2, wanted / 2, np.inf])
+        low, high = np.maximum(low, middle - room), np.minimum(high, middle + room)
     middle = (low + high) / 2
     half = max(high[:2] - low[:2]) / 2 * ROOM
     back, front = scene.rest[:, 2].min(), scene.rest[:, 2].max()
-    mouth = np.average(scene.rest[:, 2], weights=scene.moves)
-    faces_back = mouth < back + SIDE * (front - back)
+    faces_back = np.average(scene.rest[:, 2], weights=scene.moves) < back + SIDE * (front - back)
     turn = np.diag([-1.0, 1.0, -1.0]) if faces_back else np.eye(3)
     distance = half / np.tan(np.radians(FIELD_DEGREES / 2)) + (high[2] - low[2]) / 4
     return Camera(middle, turn, float(distance), float(half))
@@ -93,18 +101,3 @@ def close_up(swept: Scene) -> Camera:
     half = max(high[:2] - low[:2]) / 2 * CLOSE
     distance = half / np.tan(np.radians(FIELD_DEGREES / 2)) + (high[2] - low[2]) / 4
     return Camera((low + high) / 2, framed(swept).turn, float(distance), float(half))
-
-
-def _box(scene: Scene) -> tuple[Floats, Floats]:
-    """Compute the minimum and maximum corners, (3,) each, of the framed region."""
-    moved = scene.moves >= MOVED * scene.moves.max()
-    mouth = scene.rest[moved]
-    whole = scene.rest[np.isin(scene.shown_by, scene.shown_by[moved])]
-    low, high = whole.min(axis=0), whole.max(axis=0)
-    wanted = BUST * float(np.ptp(mouth[:, 1]))
-    if wanted >= high[1] - low[1]:
-        return low, high
-    middle = mouth.min(axis=0) / 2 + mouth.max(axis=0) / 2
-    middle[1] += wanted * 0.1
-    room = np.array([wanted / 2, wanted / 2, np.inf])
-    return np.maximum(low, middle - room), np.minimum(high, middle + room)

@@ -100,7 +100,12 @@ class Artist:
         """Draw one frame."""
         faces = self._faces(seconds, np.flatnonzero(self._moving))
         pixels = self._pixels.copy()
-        window = self._window(faces)
+        window = Window(0, 0, 0, 0)
+        if len(faces.names):  # the smallest window of whole pixels around the triangles
+            low = faces.corners.min(axis=(0, 1)) // FINE * FINE
+            high = -(-faces.corners.max(axis=(0, 1)) // FINE) * FINE + FINE
+            sides = np.concatenate([low, high]).clip(0, self._fine).astype(int)
+            window = Window(*sides.tolist())
         _, light = self._drawn(faces, window)
         left, top, right, bottom = (side // FINE for side in window)
         pixels[top:bottom, left:right] = _pixels(light)
@@ -141,15 +146,6 @@ class Artist:
             near = depth[..., None]
             parts += [scene.places[triangles] * near, near]
         return np.concatenate(parts, axis=2)
-
-    def _window(self, faces: Faces) -> Window:
-        """Compute the smallest window of whole pixels around triangles."""
-        if not len(faces.names):
-            return Window(0, 0, 0, 0)
-        low = faces.corners.min(axis=(0, 1)) // FINE * FINE
-        high = -(-faces.corners.max(axis=(0, 1)) // FINE) * FINE + FINE
-        sides = np.concatenate([low, high]).clip(0, self._fine).astype(int)
-        return Window(*sides.tolist())
 
     def _drawn(self, faces: Faces, window: Window) -> tuple[DepthKeys, Singles]:
         """Composite moving triangles with the still picture in a window, by depth."""

@@ -158,7 +158,11 @@ class Scene:
             corners = np.arange(count)
         triangles = _triangles(corners, mode)
         _check_below(triangles, count, "a triangle refers to a point that does not exist")
-        weights = self._weights(number, node, mesh, primitive)
+        shapes = len(primitive.get("targets", ()))
+        rest = node.get("weights", mesh.get("weights", [0.0] * shapes))
+        still = KeyTrack(np.array([0.0, 1.0]), np.tile(np.array(rest, float), (2, 1)))
+        weights = self._tracks.get((number, "weights"), still)
+        weights = weights._replace(values=weights.values.reshape(len(weights.times), shapes))
         active = np.flatnonzero(np.abs(weights.values).max(axis=0, initial=0.0) > 0)
         targets = [primitive["targets"][target] for target in active]
         gltf.arrays.spend(3 * count * len(active))
@@ -180,13 +184,6 @@ class Scene:
     def count(self) -> int:
         """Number of points."""
         return self.parts[-1].points.stop if self.parts else 0
-
-    def _weights(self, number: int, node: Json, mesh: Json, primitive: Json) -> KeyTrack:
-        count = len(primitive.get("targets", ()))
-        rest = node.get("weights", mesh.get("weights", [0.0] * count))
-        still = KeyTrack(np.array([0.0, 1.0]), np.tile(np.array(rest, float), (2, 1)))
-        found = self._tracks.get((number, "weights"), still)
-        return found._replace(values=found.values.reshape(len(found.times), count))
 
     def _skin(self, node: Json, attributes: Json) -> Skin | None:
         if "skin" not in node or "JOINTS_0" not in attributes:
