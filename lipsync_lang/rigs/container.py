@@ -7,8 +7,7 @@ read, so that a false length costs no memory. A .gltf file is plain JSON.
 import struct
 from base64 import b64decode
 from binascii import Error as NotBase64
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import BinaryIO, NamedTuple, NoReturn
 
@@ -79,19 +78,21 @@ def open_model(path: Path) -> tuple[bytes, tuple[Chunk, ...]]:
         if size > LARGEST:
             fail(path, "is larger than 1 GB", "export it with smaller textures and fewer vertices")
         with path.open("rb") as stream:
-            return _container(path, stream, size)
+            head = stream.read(256)
+            if head.startswith(GLB_MAGIC):
+                return _container(path, stream, head, size)
+            if not head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
+                fail(path, f"is not GLB; it seems to be {_seems(head)}", EXPORT)
+            stream.seek(0)
+            return stream.read(size), ()
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         fail(path, f"cannot be read: {why}", "check the path")
 
 
-def _container(path: Path, stream: BinaryIO, size: int) -> tuple[bytes, tuple[Chunk, ...]]:
-    head = stream.read(256)
-    if not head.startswith(GLB_MAGIC):
-        if not head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
-            fail(path, f"is not GLB; it seems to be {_seems(head)}", EXPORT)
-        stream.seek(0)
-        return stream.read(size), ()
+def _container(
+    path: Path, stream: BinaryIO, head: bytes, size: int
+) -> tuple[bytes, tuple[Chunk, ...]]:
     if len(head) < 20:  # noqa: PLR2004 a header, and that of a chunk
         fail(path, f"ends after {size} bytes", "copy or download it again")
     _, version, length = struct.unpack_from("<4sII", head)
@@ -101,9 +102,19 @@ def _container(path: Path, stream: BinaryIO, size: int) -> tuple[bytes, tuple[Ch
         fail(path, f"ends after {size} of {length} bytes", "copy or download it again")
     if length < size:
         fail(path, f"has {size} bytes, but its header states {length}")
-    first, *rest = islice(_chunks(path, stream, size), MOST_CHUNKS + 1)
-    if len(rest) == MOST_CHUNKS:
-        fail(path, f"has more than {MOST_CHUNKS} parts")
+    chunks: list[Chunk] = []
+    start = 12
+    while start < size:
+        stream.seek(start)
+        length, kind = struct.unpack("<2I", stream.read(8).ljust(8, b"\0"))
+        start += 8
+        if length > size - start:
+            fail(path, f"ends in the middle of a part of {length} bytes")
+        chunks.append(Chunk(kind, start, length))
+        if len(chunks) > MOST_CHUNKS:
+            fail(path, f"has more than {MOST_CHUNKS} parts")
+        start += length
+    first, *rest = chunks
     if first.kind != JSON_CHUNK:
         fail(path, "does not begin with JSON, which GLB requires")
     stream.seek(first.start)
@@ -120,22 +131,6 @@ def _seems(head: bytes) -> str:
     if lines[0].startswith(OBJ_LINES) and lines[-2:][0].startswith(OBJ_LINES):
         return "an OBJ file, which has no morph targets"
     return "something else"
-
-
-def _chunks(path: Path, stream: BinaryIO, size: int) -> Iterator[Chunk]:
-    start = 12
-    while start < size:
-        stream.seek(start)
-        head = stream.read(8)
-        length, kind = struct.unpack("<2I", head.ljust(8, b"\0"))
-        start += 8
-        if length > size - start:
-            fail(path, f"ends in the middle of a part of {length} bytes")
-        yield Chunk(kind, start, length)
-        start += length
-
-
-# Binary data
 
 
 def binary_of(path: Path, document: Json, chunks: Sequence[Chunk]) -> bytes:

@@ -137,31 +137,41 @@ class _Index:
         self.shapes = shapes
         self.called: dict[str, list[tuple[int, str]]] = defaultdict(list)
         self.sided: dict[str, list[tuple[int, str]]] = defaultdict(list)
-        for shape, dropped, rest in _variants(shapes):
-            spelt = _Spelt.of(rest)
-            for key in spelt.keys:
-                self.called[key].append((dropped, shape))
-            if spelt.side:
-                self.sided[spelt.stem].append((dropped, shape))
+        rests: dict[str, list[str]] = defaultdict(list)
+        for name in shapes:
+            for word in islice(_NAME_WORD.finditer(name), 1, MAX_PREFIX_WORDS + 1):
+                rests[name[: word.start()]].append(name[word.start() :])
+        # Two prefixes can be dropped: one common to most names, and that of an owner.
+        most = {start: own for start, own in rests.items() if 2 * len(own) > len(shapes) > 1}
+        shared = [start for start, own in most.items() if any(map(_says, own))]
+        for shape in shapes:
+            starts = {start for start in shared if shape.startswith(start) and start != shape}
+            owner = _OWNER.match(shape)
+            if owner is not None and _says(shape[len(owner[0]) :]):
+                starts.add(owner[0])
+            for start in ("", *sorted(starts, key=len)):
+                spelt = _Spelt.of(shape[len(start) :])
+                for key in spelt.keys:
+                    self.called[key].append((len(start), shape))
+                if spelt.side:
+                    self.sided[spelt.stem].append((len(start), shape))
 
     def meant_by(self, channel: Channel) -> dict[str, Grade]:
         """Find candidate shapes for a channel, each with its best grade."""
-        best: dict[str, Grade] = {}
-        for shape, grade in self._meant(channel):
-            best[shape] = min(grade, best.get(shape, grade))
-        return best
-
-    def _meant(self, channel: Channel) -> Iterator[tuple[str, Grade]]:
         stated = [name for name in channel.names if "*" not in name]
-        yield from ((s, (NAME, 0)) for s in self.shapes if s == channel.name)
-        yield from ((s, (STATED, 0)) for s in self.shapes if s in stated)
-        yield from self._spelt(_Spelt.of(channel.name), FOLDED_NAME, BARE_NAME)
+        found = [(shape, (NAME, 0)) for shape in self.shapes if shape == channel.name]
+        found += [(shape, (STATED, 0)) for shape in self.shapes if shape in stated]
+        found += self._spelt(_Spelt.of(channel.name), FOLDED_NAME, BARE_NAME)
         for name in stated:
-            yield from self._spelt(_Spelt.of(name), FOLDED, BARE)
+            found += self._spelt(_Spelt.of(name), FOLDED, BARE)
         for pattern in channel.names:
             if "*" in pattern:
                 grade = (PATTERN, -len(pattern))
-                yield from ((shape, grade) for shape in self.shapes if fits(shape, pattern))
+                found += [(shape, grade) for shape in self.shapes if fits(shape, pattern)]
+        best: dict[str, Grade] = {}
+        for shape, grade in found:
+            best[shape] = min(grade, best.get(shape, grade))
+        return best
 
     def _spelt(self, name: "_Spelt", whole: int, bare: int) -> Iterator[tuple[str, Grade]]:
         """Yield shapes with the same spelling as a name, then shapes of the other side."""
@@ -210,46 +220,18 @@ class _Spelt(NamedTuple):
         """Split a name into stem and side."""
         text = folded(name)
         words = [*_NAME_WORD.finditer(unicodedata.normalize("NFKC", name))]
-        for number in _places_of_sides(words):
-            side = _SIDE_WORDS[words[number][0].casefold()]
-            stem = "".join(w[0].casefold() for n, w in enumerate(words) if n != number)
-            return cls(tuple(dict.fromkeys((text, stem + side, stem + side[0]))), stem, side)
+        last = len(words) - 1
+        # The side is the last word, the first word, or a word that stands alone.
+        for number in (last, 0, *range(1, last)) if last > 0 else ():
+            side = _SIDE_WORDS.get(words[number][0].casefold())
+            alone = not 0 < number < last or (
+                words[number].start() > words[number - 1].end()
+                and words[number].end() < words[number + 1].start()
+            )
+            if side is not None and alone:
+                stem = "".join(w[0].casefold() for n, w in enumerate(words) if n != number)
+                return cls(tuple(dict.fromkeys((text, stem + side, stem + side[0]))), stem, side)
         return cls((text,) if text else (), text, "")
-
-
-def _places_of_sides(words: Sequence["re.Match[str]"]) -> Iterator[int]:
-    """Yield candidate positions of the side: last word, first word, a word that stands alone."""
-    if len(words) < 2:  # noqa: PLR2004 one word has no side
-        return
-    last = len(words) - 1
-    for number in (last, 0, *range(1, last)):
-        alone = (
-            words[number].start() > words[number - 1].end()
-            and words[number].end() < words[number + 1].start()
-            if 0 < number < last
-            else True
-        )
-        if alone and words[number][0].casefold() in _SIDE_WORDS:
-            yield number
-
-
-def _variants(shapes: Sequence[str]) -> Iterator[tuple[str, int, str]]:
-    """Yield each shape with the number of dropped letters and the remaining name."""
-    rests: dict[str, list[str]] = defaultdict(list)
-    for name in shapes:
-        for word in islice(_NAME_WORD.finditer(name), 1, MAX_PREFIX_WORDS + 1):
-            rests[name[: word.start()]].append(name[word.start() :])
-    # A prefix common to most names is dropped, up to a word boundary.
-    most = {start: own for start, own in rests.items() if 2 * len(own) > len(shapes) > 1}
-    shared = [start for start, own in most.items() if any(map(_says, own))]
-    for shape in shapes:
-        yield shape, 0, shape
-        starts = {start for start in shared if shape.startswith(start) and start != shape}
-        owner = _OWNER.match(shape)
-        if owner is not None and _says(shape[len(owner[0]) :]):
-            starts.add(owner[0])
-        for start in sorted(starts, key=len):
-            yield shape, len(start), shape[len(start) :]
 
 
 def _says(rest: str) -> bool:
