@@ -14,7 +14,7 @@ from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.phonology.g2p.g2p_engines import Rule, Said
+from lipsync_lang.phonology.g2p.g2p_engines import Rule, SpokenWord
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import pieces
 from lipsync_lang.phonology.labels import normalise
@@ -97,7 +97,7 @@ class Trial:
 def try_out(
     library: Library,
     pack: "Pack[models.Language]",
-    read: "MutableMapping[str, tuple[Said, ...]] | None" = None,
+    read: "MutableMapping[str, tuple[SpokenWord, ...]] | None" = None,
 ) -> Trial:
     """Run the tests of a language through its engine; `read` is that of `Speaker`."""
     if not pack.model.tests:

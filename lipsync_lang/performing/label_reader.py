@@ -25,7 +25,7 @@ from lipsync_lang.performing.stress import (
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.ipa import is_one_sound
 from lipsync_lang.phonology.labels import MAX_TONE_SIGNS, TONE, Notation, Value, recognise
-from lipsync_lang.phonology.notations import Spelled, ready
+from lipsync_lang.phonology.notations import EncodedNotation, ready
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ class LabelReader:
         """
         if self.unknown != "nearest" or notation.find(label) is not None:
             return None
-        spelled = isinstance(notation, Spelled) or notation is self.notations.get(IPA)
+        spelled = isinstance(notation, EncodedNotation) or notation is self.notations.get(IPA)
         near, text = self._features if spelled else None, notation.text(label)
         if near is None or text is None:
             return None
@@ -188,7 +188,8 @@ class LabelReader:
         count : number of labels
         """
         firsts = np.zeros(count, np.intp)
-        firsts[source[::-1]] = ids[::-1]  # of several to a label, the first is written last
+        # backwards: of several sounds to a label, the first is written last, and stays
+        firsts[source[::-1]] = ids[::-1]
         kinds = self._classes
         return [kinds[number] for number in firsts.tolist()]
 
@@ -214,7 +215,8 @@ class LabelReader:
         if not marks.size or marks.max() < 0:
             return marks[:0]
         firsts = np.zeros(len(marks), np.intp)
-        firsts[sounds.source[::-1]] = sounds.ids[::-1]  # the first of a label is written last
+        # backwards, so that the first sound of a label is written last, and stays
+        firsts[sounds.source[::-1]] = sounds.ids[::-1]
         return stresses_of(marks, self._manners[firsts])
 
     def notation(self, schedule: Schedule) -> Notation:

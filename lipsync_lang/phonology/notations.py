@@ -12,7 +12,7 @@ from lipsync_lang.phonology.labels import Notation, Value
 
 
 @dataclass(frozen=True, eq=False)
-class Spelled(Notation):
+class EncodedNotation(Notation):
     """A notation that spells the labels of its table in other signs, the longest sign first."""
 
     signs: Mapping[str, str] = field(default_factory=dict)
@@ -82,5 +82,5 @@ def ready(  # noqa: PLR0913, PLR0917 the tables of a language
         rest = (tables[ipa], silences, silence, nearest, spelling["unseen"])
         made[ipa] = Notation(*rest)
         for name, signs in spelling["spelled"].items():
-            made.setdefault(name, Spelled(*rest, signs=signs))
+            made.setdefault(name, EncodedNotation(*rest, signs=signs))
     return made

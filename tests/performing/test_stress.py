@@ -14,7 +14,7 @@ from lipsync_lang import Schedule
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 from lipsync_lang.phonology.espeak.process import EspeakProcess
-from lipsync_lang.phonology.g2p import Said, engine
+from lipsync_lang.phonology.g2p import SpokenWord, engine
 from lipsync_lang.phonology.g2p.g2p_engines import Settings
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.prepare import GIVEN
@@ -106,14 +106,16 @@ def test_reading_text_carries_the_marks_of_the_voice(monkeypatch, performer):
     )
     (said,) = engine("espeak", Settings("x"))(["hello banana"])
     assert [one.labels for one in said] == [("h", "ə", "l", "oʊ"), ("b", "ʌ", "n", "æ", "n", "ə")]
-    transcript = Transcript("hello banana", "english", "ipa", (*said[:1], Said(",", ()), *said[1:]))
+    transcript = Transcript(
+        "hello banana", "english", "ipa", (*said[:1], SpokenWord(",", ()), *said[1:])
+    )
     made = estimate(transcript, performer.speaker.manner, performer.speaker.notations["ipa"])
     vowels = [one for one in stresses(performer, made) if one is not None]
     assert vowels == [0, 1, 0, 2, 0]
 
 
 def test_a_mark_goes_to_one_label_of_several(performer):
-    words = Said("card", ("k", "ɑːɹ", "d"), stress=(None, 1, None))
+    words = SpokenWord("card", ("k", "ɑːɹ", "d"), stress=(None, 1, None))
     transcript, speaker = Transcript("card", "english", "ipa", (words,)), performer.speaker
     labels = ("K", "AA", "R", "D")
     found = stress_read(transcript, labels, "arpabet", speaker.manner, speaker.notations)
@@ -130,7 +132,7 @@ def test_a_mark_goes_to_one_label_of_several(performer):
     ],
 )
 def test_labels_of_a_dictionary_take_the_marks_of_the_text(performer, labels, notation, stress):
-    words = Said("banana", tuple("bʌnænə"), stress=(None, None, None, 1, None, None))
+    words = SpokenWord("banana", tuple("bʌnænə"), stress=(None, None, None, 1, None, None))
     speaker = performer.speaker
     found = stress_read(
         Transcript("banana", "english", "ipa", (words,)), labels.split(), notation,
@@ -141,7 +143,11 @@ def test_labels_of_a_dictionary_take_the_marks_of_the_text(performer, labels, no
 
 def test_joined_times_take_the_marks_of_the_voice_or_else_of_the_text(performer):
     speaker = performer.speaker
-    words = (Said("b", ("b", "ʌ")), Said(",", ()), Said("n", ("n", "æ"), stress=(None, 1)))
+    words = (
+        SpokenWord("b", ("b", "ʌ")),
+        SpokenWord(",", ()),
+        SpokenWord("n", ("n", "æ"), stress=(None, 1)),
+    )
     text = Transcript("b, n", "english", "ipa", words)
     heard = Schedule(("b", "ʌ", SILENCE, "n", "æ"), TIMES[:6], notation="ipa")
     joined = join(text, heard, speaker.manner, speaker.notations)
@@ -152,7 +158,7 @@ def test_joined_times_take_the_marks_of_the_voice_or_else_of_the_text(performer)
 
 
 def test_a_transcript_tells_them_in_its_data(performer):
-    words = (Said("b", ("b", "ʌ")), Said("n", ("n", "æ"), stress=(None, 1)))
+    words = (SpokenWord("b", ("b", "ʌ")), SpokenWord("n", ("n", "æ"), stress=(None, 1)))
     told = performer.speaker.to_json(Transcript("b n", "english", "ipa", words))
     assert [one.get("stress") for word in told["words"] for one in word["labels"]] == [
         None, None, None, 1,

@@ -10,7 +10,7 @@ from lanes import full
 
 from lipsync_lang import SpeechError
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
-from lipsync_lang.phonology.g2p import G2P_ENGINES, RESPELLERS, Said, Settings, engine
+from lipsync_lang.phonology.g2p import G2P_ENGINES, RESPELLERS, Settings, SpokenWord, engine
 from lipsync_lang.phonology.g2p.corrections import corrector
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts
@@ -178,12 +178,12 @@ def test_a_lexicon_reads_compounds_falls_back_on_rules_and_names_the_rest(tmp_pa
     settings = Settings("test", file=file, labels=("a",))
     (found,) = engine("lexicon", settings)(["Well-known, zap"])
     assert found == (
-        Said("Well-known", ("w", "ɛ", "l", "n", "oʊ", "n")), Said(",", ()),
-        Said("zap", (), unread="zap"),
+        SpokenWord("Well-known", ("w", "ɛ", "l", "n", "oʊ", "n")), SpokenWord(",", ()),
+        SpokenWord("zap", (), unread="zap"),
     )  # fmt: skip
     ruled = Settings("test", file=file, rules=(Rule("z", ("s",)),), labels=("a",))
     (found,) = engine("lexicon", ruled)(["zap"])
-    assert found == (Said("zap", ("s", "a"), unread="p"),)
+    assert found == (SpokenWord("zap", ("s", "a"), unread="p"),)
     with pytest.raises(SpeechError, match="reads by a lexicon, but names none"):
         engine("lexicon", Settings("test"))
 
@@ -294,7 +294,7 @@ def test_corrections_see_labels_around_them_and_the_spelling():
         ]
     )
     found = {
-        word: " ".join(mend(Said(word, tuple(labels.split()))).labels)
+        word: " ".join(mend(SpokenWord(word, tuple(labels.split()))).labels)
         for word, labels in {
             "Mage": "m a ɡ a", "merke": "m a r k a", "hann": "h ɑ n n", "kha": "k h ɑ",
             "tsar": "ts ɑ r", "sti": "s t i", "ka": "k a", "duo": "d uː oː",
@@ -308,7 +308,7 @@ def test_corrections_see_labels_around_them_and_the_spelling():
 
 def test_corrections_keep_the_stress_of_what_they_correct():
     mend = corrector([Correction(("a", "n"), ("e", "m", "n")), Correction(("ə",), ())])
-    said = mend(Said("word", ("t", "a", "n", "ə"), stress=(None, 1, None, 0)))
+    said = mend(SpokenWord("word", ("t", "a", "n", "ə"), stress=(None, 1, None, 0)))
     assert (said.labels, said.stress) == (("t", "e", "m", "n"), (None, 1, None, None))
 
 

@@ -8,7 +8,7 @@ from lanes import full
 from shipped import LIBRARY
 
 from lipsync_lang import SpeechError, read_schedule, resolve
-from lipsync_lang.phonology.g2p import Said, Settings, engine
+from lipsync_lang.phonology.g2p import Settings, SpokenWord, engine
 from lipsync_lang.phonology.g2p import pinyin as module
 from lipsync_lang.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.phonology.labels import Notation, recognise
@@ -132,7 +132,7 @@ def test_an_r_after_a_syllable_is_one_and_a_child_is_a_syllable(heard, text, lab
 
 def test_tones_are_the_voices_alone(read):
     (word,) = read("我们")
-    assert word == Said("我们", ("uo", "m", "en"), "wo3men5")
+    assert word == SpokenWord("我们", ("uo", "m", "en"), "wo3men5")
 
 
 def test_syllables_that_the_voice_does_not_know_are_spelled_round_it(voiced):
@@ -263,7 +263,7 @@ def test_punctuation_rests_and_quotes_do_not(read):
     assert [word.text for word in words] == ["你好", "，", "世", "界", "……", "好", "吗", "？"]
     assert [word.text for word in words if not word.labels] == ["，", "……", "？"]
     assert not any(word.unread for word in words)
-    assert read(" 。") == (Said("。", ()),)
+    assert read(" 。") == (SpokenWord("。", ()),)
     assert read("") == ()
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from lipsync_lang import SpeechError
-from lipsync_lang.phonology.g2p import Said
+from lipsync_lang.phonology.g2p import SpokenWord
 from lipsync_lang.phonology.g2p.expansions import Expansions, roman
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import WordReading, read_words
@@ -98,7 +98,7 @@ def test_ordinary_texts_are_left_to_the_engine_and_errors_stay_with_their_text()
     assert not reader().ordinary("no, mm")
     one, other = reader().read(["mm 5%", "mm"], spell)
     assert isinstance(one, SpeechError)
-    assert other == (Said("mm", ("m",), "um"),)
+    assert other == (SpokenWord("mm", ("m",), "um"),)
 
 
 @pytest.mark.parametrize(("numeral", "value"), [("XIV", 14), ("MMXXIV", 2024), ("IIX", 0), ("", 0)])

@@ -11,7 +11,7 @@ from lipsync_lang.build.timing import schedules
 from lipsync_lang.cli import main
 from lipsync_lang.errors import ScheduleError, SpeechError
 from lipsync_lang.lines.line_readers import read_lines
-from lipsync_lang.phonology.g2p import Said
+from lipsync_lang.phonology.g2p import SpokenWord
 from lipsync_lang.schedules import SILENCE, Schedule, TimedWord, TimedWords, read_schedule
 from lipsync_lang.schedules.timed_words import are_words, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
@@ -86,7 +86,7 @@ class Reader(Speaker):
         for word in [text] if text in self.joined else text.split():
             known = {"m": "m", "a": "æ", "p": "p", "s": "s"}
             labels = tuple(known[c] for c in word if c in known)
-            yield Said(word, labels) if labels else Said(word, (), unread=word)
+            yield SpokenWord(word, labels) if labels else SpokenWord(word, (), unread=word)
 
 
 @pytest.fixture(scope="module")

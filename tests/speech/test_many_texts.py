@@ -12,7 +12,7 @@ import lipsync_lang as ll
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.espeak.espeak_stream import TEXTS_AHEAD
 from lipsync_lang.phonology.espeak.process import WORKER
-from lipsync_lang.phonology.g2p import Said
+from lipsync_lang.phonology.g2p import SpokenWord
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
@@ -58,7 +58,7 @@ class Spelling:
             self.texts += 1
             if "?" in text:
                 raise SpeechError(f"spelling cannot read '{text}'")
-            yield [Said(word, tuple(filter(str.isalpha, word))) for word in text.split()]
+            yield [SpokenWord(word, tuple(filter(str.isalpha, word))) for word in text.split()]
 
 
 @pytest.fixture

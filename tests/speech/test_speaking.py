@@ -13,7 +13,7 @@ from lipsync_lang import SpeechError, resolve, speak
 from lipsync_lang.authoring.printing import transcript_table
 from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.align import align
-from lipsync_lang.phonology.g2p import Said
+from lipsync_lang.phonology.g2p import SpokenWord
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules import Schedule
@@ -52,7 +52,7 @@ def ruled(tmp_path):
 
 def transcript(*words, unread=()):
     """A transcript of words given as text and labels."""
-    said = tuple(Said(text, tuple(labels.split())) for text, labels in words)
+    said = tuple(SpokenWord(text, tuple(labels.split())) for text, labels in words)
     text = " ".join(text for text, _ in words)
     return Transcript(text, "test", "ipa", said, unread=unread)
 
@@ -300,7 +300,9 @@ def test_what_is_mapped_automatically_says_what_it_loses(ruled):
     file = ruled / "languages" / "ruled.yaml"
     file.write_text(file.read_text("utf-8").replace("tag: qaa", "tag: qaa\nautomatic: true"))
     speaker = Speaker.of("ruled", [ruled])
-    told = speaker.to_json(Transcript("tʼap", "ruled", "ipa", (Said("tʼap", ("tʼ", "a", "p")),)))
+    told = speaker.to_json(
+        Transcript("tʼap", "ruled", "ipa", (SpokenWord("tʼap", ("tʼ", "a", "p")),))
+    )
     assert told["automatic"] == {
         "tʼ": {"common": ["d"], "distance": 0, "loses": ["ejection"]},
         "p": {"common": ["bmp"], "distance": 0, "loses": []},

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.contexts import Context, ContextError, Surroundings, compile_context
-from lipsync_lang.phonology.g2p.g2p_engines import Correction, Said
+from lipsync_lang.phonology.g2p.g2p_engines import Correction, SpokenWord
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import normalise
@@ -43,7 +43,7 @@ class _CompiledCorrection(NamedTuple):
         )
 
 
-def corrector(corrections: Iterable[Correction]) -> Callable[[Said], Said]:
+def corrector(corrections: Iterable[Correction]) -> Callable[[SpokenWord], SpokenWord]:
     """Compile corrections into a function of a word.
 
     Raises
@@ -54,7 +54,7 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[Said], Said]:
     Examples
     --------
     >>> mend = corrector([Correction(("a",), ("ə",), before="$")])
-    >>> mend(Said("mage", ("m", "a", "ɡ", "a"))).labels
+    >>> mend(SpokenWord("mage", ("m", "a", "ɡ", "a"))).labels
     ('m', 'a', 'ɡ', 'ə')
     """
     first: dict[str, list[_CompiledCorrection]] = {}
@@ -69,7 +69,7 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[Said], Said]:
         first.setdefault(labels[0], []).append(compiled)
 
     @lru_cache(CACHED_WORDS)
-    def corrected(said: Said) -> Said:
+    def corrected(said: SpokenWord) -> SpokenWord:
         if not first.keys() & set(map(normalise, said.labels)):
             return said
         marks = said.stress or (None,) * len(said.labels)
@@ -82,7 +82,7 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[Said], Said]:
 
 
 def _corrected(
-    said: Said, marks: Sequence[int | None], first: dict[str, list[_CompiledCorrection]]
+    said: SpokenWord, marks: Sequence[int | None], first: dict[str, list[_CompiledCorrection]]
 ) -> Iterator[tuple[str, int | None]]:
     """Yield the labels of a word after correction, each with its stress."""
     labels = tuple(map(normalise, said.labels))

@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import NamedTuple
 from unicodedata import combining, name, normalize
 
-from lipsync_lang.phonology.g2p.g2p_engines import Said
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.phonology.g2p.tokens import plain
 
 MAX_COPIES = 3
@@ -28,7 +28,7 @@ IsVowel = Callable[[str], bool]
 """Test a label for a vowel."""
 
 
-class DrawnOut(NamedTuple):
+class ElongatedWord(NamedTuple):
     """A word drawn out: its ordinary spelling, and its long runs of letters."""
 
     word: str
@@ -61,11 +61,11 @@ def ordinary_spellings(doubled: Collection[str]) -> dict[str, str]:
     return {_squeezed(word): word for word in map(plain, doubled)}
 
 
-def drawn_out(token: str, ordinary: Mapping[str, str]) -> DrawnOut | None:
+def drawn_out(token: str, ordinary: Mapping[str, str]) -> ElongatedWord | None:
     """Return the ordinary spelling of a word drawn out; None for any other word.
 
     >>> drawn_out("Nooooo", {})
-    DrawnOut(word='No', runs=((1, 4),))
+    ElongatedWord(word='No', runs=((1, 4),))
     >>> drawn_out("Goood", ordinary_spellings(["good"])).word
     'Good'
     """
@@ -88,14 +88,16 @@ def drawn_out(token: str, ordinary: Mapping[str, str]) -> DrawnOut | None:
         places += [(len(word), count - keep)] if drawn else []
         word += token[at : at + keep]
         at += count
-    return DrawnOut(word, tuple(places))
+    return ElongatedWord(word, tuple(places))
 
 
 def _squeezed(word: str) -> str:
     return "".join(letter for letter, _ in groupby(word))
 
 
-def lengthened(said: Said, drawn: DrawnOut, is_vowel: IsVowel, vowels: str) -> Said:
+def lengthened(
+    said: SpokenWord, drawn: ElongatedWord, is_vowel: IsVowel, vowels: str
+) -> SpokenWord:
     """Return a word with repeated labels for its long letters."""
     more = [0] * len(said.labels)
     for place, letters in drawn.runs:

@@ -7,7 +7,7 @@ from unicodedata import category
 
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.extras import install_line
-from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 from lipsync_lang.phonology.labels import LENGTH_MARKS, normalise
@@ -48,7 +48,7 @@ def engine(settings: Settings) -> G2PEngine:
         read = tuple(label for label in labels if not label.isdigit())
         return WordReading(read, "".join(label for label in labels if label.isdigit()))
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for text in texts:
             yield read_words(text, read_word)
 

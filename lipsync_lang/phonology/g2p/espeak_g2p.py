@@ -2,7 +2,7 @@
 
 It says a text clause by clause and tells its words apart, but not which of the user's they are:
 "10,000" is several of them, "of the" is one. Where a clause has as many words as the user's have by
-themselves, they are these; else the clause is one `Said` as a whole.
+themselves, they are these; else the clause is one `SpokenWord` as a whole.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -11,7 +11,13 @@ from types import MappingProxyType
 
 from lipsync_lang.phonology.espeak.phoneme_labels import label_of, stress_of
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings, respeller
+from lipsync_lang.phonology.g2p.g2p_engines import (
+    G2P_ENGINES,
+    G2PEngine,
+    Settings,
+    SpokenWord,
+    respeller,
+)
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import TextPiece, counts, pieces
 from lipsync_lang.phonology.labels import looser, normalise
@@ -27,7 +33,7 @@ def engine(settings: Settings) -> G2PEngine:
     """Read text with a voice of eSpeak NG."""
     respell = respeller(settings.respell) if settings.respell else None
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         from lipsync_lang.phonology.espeak.process import EspeakProcess
 
         spelled = [(respell(text) if respell else [(text, text)]) for text in texts]
@@ -47,7 +53,7 @@ def engine(settings: Settings) -> G2PEngine:
     known = frozenset(map(normalise, settings.labels))
 
     @lru_cache(CACHED_WORDS)
-    def apart(said: Said) -> Said:
+    def apart(said: SpokenWord) -> SpokenWord:
         """Remove the marks of stress from labels; split labels that eSpeak joined."""
         labels: list[str] = []
         stress: list[int | None] = []
@@ -75,7 +81,7 @@ def parts(label: str, known: Collection[str]) -> tuple[str, ...]:
 
 def paired(
     text: str, clauses: Sequence[LabelledWords], lengths: Mapping[str, int] = MappingProxyType({})
-) -> Iterator[Said]:
+) -> Iterator[SpokenWord]:
     """Yield the words of each clause in the user's spelling, with pauses between clauses.
 
     `lengths` gives the number of spoken words for numbers, compounds and the like.
@@ -96,21 +102,21 @@ def paired(
         written = [tokens] if tokens else []
         labels = tuple(label for word in whole for label in word)
         if labels:
-            yield Said(_between(text, tokens), labels)
+            yield SpokenWord(_between(text, tokens), labels)
         return
     for number, (words, part) in enumerate(zip(spoken, written, strict=True)):
         if number:
-            yield Said(",", ())
+            yield SpokenWord(",", ())
         matched = _matched(part, words, lengths)
         if matched is not None:
             yield from matched
         else:
-            yield Said(_between(text, part), tuple(label for word in words for label in word))
+            yield SpokenWord(_between(text, part), tuple(label for word in words for label in word))
 
 
 def _matched(
     tokens: Sequence[TextPiece], words: LabelledWords, lengths: Mapping[str, int]
-) -> list[Said] | None:
+) -> list[SpokenWord] | None:
     """Assign spoken words to each token; None if the assignment is uncertain.
 
     The assignment is certain if the clause has as many words as its tokens have when spoken alone.
@@ -120,11 +126,11 @@ def _matched(
     counted = [1 if alone or _surely(t) else lengths.get(t.text, 0) for t in tokens]
     if sum(counted) != len(words) or 0 in counted:
         return None
-    said: list[Said] = []
+    said: list[SpokenWord] = []
     at = 0
     for token, count in zip(tokens, counted, strict=True):
         labels = tuple(label for word in words[at : at + count] for label in word)
-        said.append(Said(token.text, labels))
+        said.append(SpokenWord(token.text, labels))
         at += count
     return said
 

@@ -22,8 +22,8 @@ from lipsync_lang.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
     G2PEngine,
     MissingReaderError,
-    Said,
     Settings,
+    SpokenWord,
 )
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
@@ -58,7 +58,7 @@ def engine(settings: Settings) -> G2PEngine:
         labels = segments(model.phonemize(plain(word)), known)
         return WordReading(labels, "" if labels else word)
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         plainly = [read_words(text, read_word) for text in texts]
         texts_of_words = {word.text for words in plainly for word in words}
         pointed = sorted(

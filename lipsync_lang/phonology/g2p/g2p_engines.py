@@ -9,7 +9,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.extensions import Extensions
 
 
-class Said(NamedTuple):
+class SpokenWord(NamedTuple):
     """A spoken word.
 
     `text` is the user's own spelling; `labels` are its phonemes, none for a pause, whose text is
@@ -82,7 +82,7 @@ class Settings:
     otherwise: str | None = None
 
 
-G2PEngine = Callable[[Sequence[str]], Iterable[Sequence[Said]]]
+G2PEngine = Callable[[Sequence[str]], Iterable[Sequence[SpokenWord]]]
 """Function from texts to the words and pauses of each, in order."""
 
 Respeller = Callable[[str], list[tuple[str, str]]]
@@ -136,7 +136,7 @@ def engine(name: str, settings: Settings) -> G2PEngine:
 
     mend = corrector(settings.corrections)
 
-    def corrected(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+    def corrected(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for words in read(texts):
             yield tuple(map(mend, words))
 

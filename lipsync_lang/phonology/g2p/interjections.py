@@ -10,8 +10,8 @@ from itertools import groupby
 from typing import NamedTuple
 from unicodedata import name
 
-from lipsync_lang.phonology.g2p.drawn_out import SYLLABIC, DrawnOut, IsVowel, lengthened
-from lipsync_lang.phonology.g2p.g2p_engines import Said
+from lipsync_lang.phonology.g2p.drawn_out import SYLLABIC, ElongatedWord, IsVowel, lengthened
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection
 from lipsync_lang.phonology.g2p.tokens import plain
 
@@ -49,7 +49,7 @@ class Interjections:
         """Return False for a word without hyphens that is surely no interjection."""
         return token[:2].casefold() in self._starts
 
-    def find(self, token: str, *, shouted: bool = False) -> Said | None:
+    def find(self, token: str, *, shouted: bool = False) -> SpokenWord | None:
         """Return a word read as an interjection; None for any other word.
 
         Parameters
@@ -63,7 +63,7 @@ class Interjections:
             said = [one for one in parts if one is not None]
             if said and len(said) == len(parts):
                 labels = tuple(label for one in said for label in one.labels)
-                return Said(token, labels, " ".join(one.respelled for one in said))
+                return SpokenWord(token, labels, " ".join(one.respelled for one in said))
         for spelling in dict.fromkeys((word, word.replace("-", ""))):
             for pattern in self._patterns.get(spelling[:1], ()):
                 found = pattern.whole.fullmatch(spelling)
@@ -78,16 +78,16 @@ class Interjections:
                 return self._said(token, spelling, pattern, drawn)
         return None
 
-    def _said(self, token: str, spelling: str, pattern: _Pattern, drawn: list[int]) -> Said:
+    def _said(self, token: str, spelling: str, pattern: _Pattern, drawn: list[int]) -> SpokenWord:
         labels, say = pattern.interjection
-        said = Said(token, labels, say or re.sub(r"(.)\1{2,}", r"\1", spelling))
+        said = SpokenWord(token, labels, say or re.sub(r"(.)\1{2,}", r"\1", spelling))
         if pattern.part is not None:
             return said._replace(
                 labels=labels[: len(labels) // 2] * len(pattern.part.findall(spelling))
             )
         runs = tuple((place, more) for place, more in enumerate(drawn) if more)
         word = "".join(letter for letter, _ in groupby(spelling))
-        return lengthened(said, DrawnOut(word, runs), self._is_vowel, self._vowels)
+        return lengthened(said, ElongatedWord(word, runs), self._is_vowel, self._vowels)
 
 
 def _pattern(spelling: str, interjection: Interjection) -> _Pattern:

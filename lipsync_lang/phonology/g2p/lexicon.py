@@ -12,7 +12,7 @@ from pathlib import Path
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
-from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 
@@ -51,7 +51,7 @@ def engine(settings: Settings) -> G2PEngine:
             return WordReading(tuple(label for part in parts for label in words[part]))
         return rewriter.read(word) if rewriter else WordReading((), word)
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for text in texts:
             yield read_words(text, look_up)
 

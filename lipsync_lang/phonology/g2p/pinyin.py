@@ -25,7 +25,7 @@ from unicodedata import category, normalize
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
-from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.phonology.g2p.stated_readings import (
     StatedReading,
     compiled_readings,
@@ -92,7 +92,7 @@ def engine(settings: Settings) -> G2PEngine:
 
     readings = compiled_readings(settings.readings)
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         cut = [list(_text_parts(text)) for text in texts]
         foreign = {piece.plain for parts in cut for piece in parts if piece.kind == "foreign"}
         heard = _heard(sorted(foreign), settings) if foreign else {}
@@ -132,7 +132,7 @@ def _bare(word: str) -> str:
 
 def _read(
     piece: _TextChunk, heard: Mapping[str, tuple[str, ...]], readings: Sequence[StatedReading]
-) -> Iterator[Said]:
+) -> Iterator[SpokenWord]:
     match piece.kind:
         case "hanzi":
             yield from (said(*word) for word in words_of(piece.text, readings))
@@ -142,19 +142,19 @@ def _read(
         case "spelled":
             yield said(piece.text, spelled(piece.plain, toneless=True))
         case "foreign" if piece.plain in heard:
-            yield Said(piece.text, heard[piece.plain], piece.plain)
+            yield SpokenWord(piece.text, heard[piece.plain], piece.plain)
         case "foreign":
             yield said(
                 piece.text, [s for c in piece.plain.upper() for s in LETTER_SYLLABLES.get(c, ())]
             )
         case kind:
-            yield said(piece.text, ()) if kind == "symbol" else Said(piece.text, ())
+            yield said(piece.text, ()) if kind == "symbol" else SpokenWord(piece.text, ())
 
 
-def said(text: str, syllables: Sequence[str]) -> Said:
+def said(text: str, syllables: Sequence[str]) -> SpokenWord:
     """Return a word of syllables; without any, the word is unread and silent."""
     if not syllables:
-        return Said(text, (), " ", text)
+        return SpokenWord(text, (), " ", text)
     labels = tuple(label for syllable in syllables for label in labels_of(syllable))
     respelled = ""
     for syllable in syllables:
@@ -163,7 +163,7 @@ def said(text: str, syllables: Sequence[str]) -> Said:
         split = name in {"jiong", "qiong", "xiong"}
         respelled += f"{name[:2]}{tone}ong" if split else _UNKNOWN_TO_VOICE.get(name, name)
         respelled += tone
-    return Said(text, labels, respelled)
+    return SpokenWord(text, labels, respelled)
 
 
 @cache

@@ -21,8 +21,8 @@ from lipsync_lang.phonology.g2p.g2p_engines import (
     WHISPER,
     G2PEngine,
     Rule,
-    Said,
     Settings,
+    SpokenWord,
     respeller,
 )
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
@@ -116,11 +116,11 @@ def engine(settings: Settings) -> G2PEngine:
     rewriter = Rewriter(settings.rules, settings.labels)
     respell = respeller(settings.respell) if settings.respell else None
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for text in texts:
             yield tuple(_read(text))
 
-    def _read(text: str) -> Iterator[Said]:
+    def _read(text: str) -> Iterator[SpokenWord]:
         if respell is None:
             yield from read_words(text, rewriter.read)
             return
@@ -129,7 +129,7 @@ def engine(settings: Settings) -> G2PEngine:
             if any(word.labels for word in words):
                 labels = tuple(label for word in words for label in word.labels)
                 voiced = spelling.replace(WHISPER, "")
-                yield Said(piece, labels, voiced, "".join(word.unread for word in words))
+                yield SpokenWord(piece, labels, voiced, "".join(word.unread for word in words))
             else:
                 yield from (word._replace(text=piece) for word in words[:1])
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import TextPiece, pieces
 from lipsync_lang.phonology.labels import normalise
@@ -61,14 +61,14 @@ def engine(settings: Settings) -> G2PEngine:
         parts = [digits] if len(digits) <= MAX_READ_DIGITS else [*digits]
         return labels_of("".join(num_to_thaiword(int(part)) for part in parts))
 
-    def words(run: str) -> Iterator[Said]:
+    def words(run: str) -> Iterator[SpokenWord]:
         last: tuple[str, ...] = ()
         for word in word_tokenize(run, keep_whitespace=False):
             again = word == REPETITION_SIGN
             last = last if again else labels_of(word)
-            yield Said(word, last, unread="" if last else word)
+            yield SpokenWord(word, last, unread="" if last else word)
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for text in texts:
             yield tuple(said for piece in pieces(text) for said in _read(piece, words, number))
 
@@ -77,18 +77,18 @@ def engine(settings: Settings) -> G2PEngine:
 
 def _read(
     piece: TextPiece,
-    words: Callable[[str], Iterator[Said]],
+    words: Callable[[str], Iterator[SpokenWord]],
     number: Callable[[str], tuple[str, ...]],
-) -> Iterator[Said]:
+) -> Iterator[SpokenWord]:
     """Yield the words of a piece; letters of other scripts are left over."""
     if piece.kind != "word":
-        yield Said(piece.text, (), unread=piece.text if piece.kind == "symbol" else "")
+        yield SpokenWord(piece.text, (), unread=piece.text if piece.kind == "symbol" else "")
         return
     for found in _RUN.finditer(piece.text):
         run = found[0]
         if run.isdigit():
-            yield Said(run, number(run))
+            yield SpokenWord(run, number(run))
         elif _SCRIPT_LETTER.search(run):
             yield from words(run)
         elif any(map(str.isalnum, run)):
-            yield Said(run, (), unread=run)
+            yield SpokenWord(run, (), unread=run)

@@ -6,7 +6,7 @@ from functools import cache
 from typing import NamedTuple
 from unicodedata import category, normalize
 
-from lipsync_lang.phonology.g2p.g2p_engines import Said
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 
 INNER = frozenset("'’‘-·־\u00ad")
 """Within a word, and nothing by themselves."""
@@ -74,15 +74,17 @@ class WordReading(NamedTuple):
     unread: str = ""
 
 
-def read_words(text: str, read: Callable[[str], WordReading]) -> tuple[Said, ...]:
+def read_words(text: str, read: Callable[[str], WordReading]) -> tuple[SpokenWord, ...]:
     """Read a text word by word; unread characters are kept for a remark."""
-    out: list[Said] = []
+    out: list[SpokenWord] = []
     for piece in pieces(text):
         if piece.kind == "word":
             labels, unread = read(piece.text)
-            out.append(Said(piece.text, labels, unread=unread))
+            out.append(SpokenWord(piece.text, labels, unread=unread))
         else:
-            out.append(Said(piece.text, (), unread=piece.text if piece.kind == "symbol" else ""))
+            out.append(
+                SpokenWord(piece.text, (), unread=piece.text if piece.kind == "symbol" else "")
+            )
     while out and not out[-1].labels and not out[-1].unread:
         out.pop()
     return tuple(out)

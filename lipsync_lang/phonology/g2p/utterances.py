@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.drawn_out import (
-    DrawnOut,
+    ElongatedWord,
     IsVowel,
     drawn_out,
     lengthened,
     ordinary_spellings,
 )
 from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement
-from lipsync_lang.phonology.g2p.g2p_engines import Said
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.phonology.g2p.interjections import Interjections
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.phonology.g2p.stutters import (
@@ -39,8 +39,8 @@ _STUTTER_SIGN = re.compile(r"[-\u2010\u2011…]|\.\.|(\w)\1\1", re.IGNORECASE)
 MAX_HALTS = 10
 """Maximum number of starts of a word, each with an ellipsis."""
 
-SaidWords = tuple[Said, ...]
-ReadTexts = Callable[[Sequence[str]], Sequence[SaidWords | SpeechError]]
+SpokenWords = tuple[SpokenWord, ...]
+ReadTexts = Callable[[Sequence[str]], Sequence[SpokenWords | SpeechError]]
 """Read texts at once: for each its words, or its error."""
 
 
@@ -58,9 +58,9 @@ class UtterancePart(NamedTuple):
 
     text: str
     replacements: tuple[Replacement, ...] = ()
-    said: Said | None = None
+    said: SpokenWord | None = None
     starts: tuple[tuple[str, str], ...] = ()
-    drawn: DrawnOut | None = None
+    drawn: ElongatedWord | None = None
 
 
 class _PartStart(NamedTuple):
@@ -88,7 +88,7 @@ class Utterances:
         self._ordinary = ordinary_spellings(forms.doubled)
         self._hyphenated = frozenset(map(plain, forms.hyphenated))
 
-    def read(self, texts: Sequence[str], read: ReadTexts) -> list[SaidWords | SpeechError]:
+    def read(self, texts: Sequence[str], read: ReadTexts) -> list[SpokenWords | SpeechError]:
         """Read texts; the engine reads their ordinary parts at once."""
         cut = [self.cut(text) for text in texts]
         plainly = [
@@ -187,10 +187,10 @@ class Utterances:
         return []
 
     def _joined(
-        self, parts: Sequence[UtterancePart], found: Mapping[str, SaidWords | SpeechError]
-    ) -> SaidWords | SpeechError:
+        self, parts: Sequence[UtterancePart], found: Mapping[str, SpokenWords | SpeechError]
+    ) -> SpokenWords | SpeechError:
         """Join the words of the parts of a text."""
-        out: list[Said] = []
+        out: list[SpokenWord] = []
         for part in parts:
             words = found.get(part_text(part), ())
             if isinstance(words, SpeechError):
@@ -199,9 +199,9 @@ class Utterances:
             lead = marks[:1] if marks[:1] and marks[0].kind == "pause" else []
             tail = marks[-1:] if marks[1:] and marks[-1].kind == "pause" else []
             whole = (
-                *(Said(mark.text, ()) for mark in lead),
+                *(SpokenWord(mark.text, ()) for mark in lead),
                 *self._words_of(part, words),
-                *(Said(mark.text, ()) for mark in tail),
+                *(SpokenWord(mark.text, ()) for mark in tail),
             )
             for word in whole:
                 if word.labels or word.unread or not (out and _is_pause(out[-1])):
@@ -210,7 +210,7 @@ class Utterances:
             out.pop()
         return tuple(out)
 
-    def _words_of(self, part: UtterancePart, words: SaidWords) -> Iterator[Said]:
+    def _words_of(self, part: UtterancePart, words: SpokenWords) -> Iterator[SpokenWord]:
         if part.said is not None:
             yield part.said
             return
@@ -224,8 +224,10 @@ class Utterances:
         yield from mapped[:first]
         for start, pause in part.starts:
             labels = start_labels(start, word, mapped[first].labels, self._is_vowel, vowels)
-            yield Said(start + "-" * (not pause), labels, respelled_start(start, word, vowels))
-            yield from [Said(pause, ())] if pause else []
+            yield SpokenWord(
+                start + "-" * (not pause), labels, respelled_start(start, word, vowels)
+            )
+            yield from [SpokenWord(pause, ())] if pause else []
         if part.drawn is not None:
             mapped[first] = lengthened(mapped[first], part.drawn, self._is_vowel, vowels)
         yield from mapped[first:]
@@ -267,11 +269,11 @@ def _filled(
         yield part._replace(text=text[lead:stop], replacements=(*part.replacements, *inside))
 
 
-def _is_pause(word: Said) -> bool:
+def _is_pause(word: SpokenWord) -> bool:
     return not word.labels and not word.unread
 
 
-def _original(part: UtterancePart, words: SaidWords) -> list[Said]:
+def _original(part: UtterancePart, words: SpokenWords) -> list[SpokenWord]:
     """Return words in the user's spelling; the words of one replacement are one."""
     if not part.replacements:
         return list(words)
@@ -283,7 +285,7 @@ def _original(part: UtterancePart, words: SaidWords) -> list[Said]:
         origin += [(one.start, one.stop)] * len(one.read)
         at = one.stop
     origin += [(n, n + 1) for n in range(at, len(part.text))]
-    out: list[Said] = []
+    out: list[SpokenWord] = []
     at = begin = end = 0
     for word in words:
         place = -1 if _is_pause(word) else read.find(word.text, at)
@@ -304,12 +306,12 @@ def _original(part: UtterancePart, words: SaidWords) -> list[Said]:
     return out
 
 
-def _merged(one: Said, other: Said, text: str) -> Said:
+def _merged(one: SpokenWord, other: SpokenWord, text: str) -> SpokenWord:
     """Merge two words."""
     marks = tuple(
         mark for word in (one, other) for mark in word.stress or (None,) * len(word.labels)
     )
-    return Said(
+    return SpokenWord(
         text,
         one.labels + other.labels,
         f"{one.respelled or one.text} {other.respelled or other.text}",

@@ -50,6 +50,6 @@ def read_rhubarb(source: TimingFile) -> Schedule:
         (found[2], source.time(found[1], number), number)
         for number, found in source.matches(RHUBARB_LINE, "a time, a tab and a shape")
     ]
-    end = starts[-1][1] if starts else None
-    rows, told = until_next(source, starts[:-1], rest="", end=end)
+    stop = starts[-1][1] if starts else None
+    rows, told = until_next(source, starts[:-1], rest="", end=stop)
     return shapes_of(source, rows, notation=RHUBARB_NOTATION, remarks=told)

@@ -18,7 +18,7 @@ from lipsync_lang.json_object import Json
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.packs.finding import Paths, located
 from lipsync_lang.phonology.emphasis import emphasised
-from lipsync_lang.phonology.g2p import Said, engine
+from lipsync_lang.phonology.g2p import SpokenWord, engine
 from lipsync_lang.phonology.g2p.g2p_engines import G2PEngine
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.g2p.utterances import Utterances
@@ -56,7 +56,7 @@ class Speaker:
         manner: Manner,
         notations: Mapping[str, Notation],
         near: "NearestPhonemes | None" = None,
-        read: "MutableMapping[str, tuple[Said, ...]] | None" = None,
+        read: "MutableMapping[str, tuple[SpokenWord, ...]] | None" = None,
         cleaning: Cleaning = AS_WRITTEN,
     ) -> None:
         self.manner = manner
@@ -113,7 +113,7 @@ class Speaker:
             for one, found in zip(written, self._read([w.text for w in written]), strict=True)
         ]
 
-    def _read(self, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
+    def _read(self, texts: Sequence[str]) -> list[tuple[SpokenWord, ...] | SpeechError]:
         """Return the words of texts, all read at once, and a repeated one once."""
         known = {} if self.read is None else self.read
         new = [text for text in dict.fromkeys(texts) if text not in known]
@@ -139,7 +139,7 @@ class Speaker:
 
         return Utterances(self.manner.forms, self.manner.words, is_vowel)
 
-    def _read_plainly(self, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
+    def _read_plainly(self, texts: Sequence[str]) -> list[tuple[SpokenWord, ...] | SpeechError]:
         """Return the words of texts as the engine reads them.
 
         Words that it joins may hide a word of the pack: the voice separates those.
@@ -148,7 +148,7 @@ class Speaker:
             read = self._engine
         except SpeechError as error:
             return [error] * len(texts)
-        found: list[tuple[Said, ...] | SpeechError] = []
+        found: list[tuple[SpokenWord, ...] | SpeechError] = []
         while len(found) < len(texts):
             rest = texts[len(found) :]
             try:
@@ -183,7 +183,7 @@ class Speaker:
             )
         return engine(manner.engine, manner.settings)
 
-    def _hides(self, words: Sequence[Said] | SpeechError) -> bool:
+    def _hides(self, words: Sequence[SpokenWord] | SpeechError) -> bool:
         """Return True if a custom word of the pack may be inside words joined by the engine."""
         if isinstance(words, SpeechError) or not self.manner.words:
             return False
@@ -194,7 +194,7 @@ class Speaker:
             for part in word.text.split()
         )
 
-    def _transcript(self, written: WrittenText, words: Sequence[Said]) -> Transcript:
+    def _transcript(self, written: WrittenText, words: Sequence[SpokenWord]) -> Transcript:
         notation = self.notations[self.manner.notation]
         while words and not words[-1].labels and not words[-1].unread:
             words = words[:-1]
@@ -393,14 +393,14 @@ class Speaker:
         )
 
 
-def _separate_words(schedule: Schedule) -> tuple[Said, ...]:
+def _separate_words(schedule: Schedule) -> tuple[SpokenWord, ...]:
     """Return the words and pauses of a schedule, each word by itself."""
-    words: list[Said] = []
+    words: list[SpokenWord] = []
     at = 0
     for word in schedule.words:
         if words and SILENCE in schedule.labels[at : word.first]:
-            words.append(Said(",", ()))
+            words.append(SpokenWord(",", ()))
         span = slice(word.first, word.stop)
-        words.append(Said(word.text, schedule.labels[span], stress=schedule.stress[span]))
+        words.append(SpokenWord(word.text, schedule.labels[span], stress=schedule.stress[span]))
         at = word.stop
     return tuple(words)

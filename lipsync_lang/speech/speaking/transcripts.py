@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from lipsync_lang.phonology.g2p import Said
+from lipsync_lang.phonology.g2p import SpokenWord
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Transcript:
     text: str
     language: str
     notation: str
-    words: tuple[Said, ...]
+    words: tuple[SpokenWord, ...]
     phonemes: tuple[str, ...] = ()
     unmapped: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
