@@ -192,7 +192,15 @@ class Performance:
         # slowed first, the constraints come out exact; the paper constrains first
         order = ("limit", "constrain") if self.motion.limit == "before" else ("constrain", "limit")
         for name in order:
-            curves = self._limit(curves) if name == "limit" else self._constrain(curves)
+            if name == "constrain":
+                curves = self._constrain(curves)
+            elif self.motion.contacts == "free" or self.motion.limit == "after":
+                # an upper envelope would break constraints
+                curves = lower_envelope(curves, prepared.step)
+            else:
+                slow = envelope(curves, prepared.step, upper=self.tables.held)
+                tops = prepared.tops[:, None]
+                curves = np.clip(slow, 0, tops, out=slow) if prepared.longer else slow
             yield Stage(name, curves)
         if prepared.shared:
             curves = soften(curves, prepared.shared)
@@ -249,13 +257,6 @@ class Performance:
                 barred[np.ix_(contact.ceiling < REST, here)] = True
                 forced[here] = int(contact.floor.argmax()) if contact.raised else NONE
         return switch(curves, barred, forced, round(self.motion.hold * self.frames.fps))
-
-    def _limit(self, curves: Floats) -> Floats:
-        prepared = self.prepared
-        if self.motion.contacts == "free" or self.motion.limit == "after":
-            return lower_envelope(curves, prepared.step)  # an upper one would break constraints
-        slow = envelope(curves, prepared.step, upper=self.tables.held)
-        return np.clip(slow, 0, prepared.tops[:, None], out=slow) if prepared.longer else slow
 
     def _constrain(self, curves: Floats) -> Floats:
         return constrain(curves, self.tables.binding, self.tables.at_most)

@@ -5,6 +5,7 @@ bigram are normalised to [0, 1]. Curves are tabulated once, at `RESOLUTION` step
 styles and anticipation are not in the paper.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from math import prod
@@ -146,50 +147,59 @@ class Tables:
         vars(made).update({name: getattr(self, name) for name in kept})
         return made
 
+    @property
+    def arrays(self) -> dict[str, np.ndarray[Any, Any]]:
+        """Every array by name; those of contacts and styles are numbered, as `style.0.free`."""
+        own = {f.name: getattr(self, f.name) for f in fields(self)}
+        found = {name: value for name, value in own.items() if isinstance(value, np.ndarray)}
+        for number, contact in enumerate(self.contacts):
+            parts = {f.name: getattr(contact, f.name) for f in fields(contact)}
+            found |= {f"contact.{number}.{part}": array for part, array in parts.items()}
+        for number, bank in enumerate(self.styles):
+            found |= {f"style.{number}.{part}": array for part, array in bank._asdict().items()}
+        return found
+
+    @classmethod
+    def of(
+        cls, arrays: Mapping[str, Any], silence: int, at_most: tuple[tuple[int, int], ...]
+    ) -> Self:
+        """Return the tables of named arrays, in the order of `arrays`."""
+        owners: dict[tuple[str, ...], dict[str, Any]] = {}
+        for name, array in arrays.items():
+            *owner, part = name.split(".")
+            owners.setdefault(tuple(owner), {})[part] = array
+        own = owners.pop(()) | {"silence": silence, "at_most": at_most}
+        contacts = (Contact(**parts) for (kind, _), parts in owners.items() if kind == "contact")
+        styles = (Bank(**parts) for (kind, _), parts in owners.items() if kind == "style")
+        return cls(**own, contacts=tuple(contacts), styles=tuple(styles))
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle to a third of the size; the compressed bytes are cached."""
         return _unpacked, self._packed
 
     @cached_property
     def _packed(self) -> tuple[Any, ...]:
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        names = tuple(name for name, value in values.items() if isinstance(value, np.ndarray))
-        arrays = [values[name] for name in names]
-        for contact in self.contacts:
-            arrays += [contact.phonemes, contact.floor, contact.ceiling]
-        for bank in self.styles:
-            arrays += bank
+        arrays = self.arrays
         # padded, so that the array after each is aligned, as in the cache
-        content = b"".join(one.tobytes() + b"\0" * (-one.nbytes % 64) for one in arrays)
-        layout = tuple((array.dtype.str, array.shape) for array in arrays)
-        packed = compress(content, 1)
-        return packed, layout, names, len(self.contacts), self.silence, self.at_most
+        content = b"".join(a.tobytes() + b"\0" * (-a.nbytes % 64) for a in arrays.values())
+        layout = tuple((name, array.dtype.str, array.shape) for name, array in arrays.items())
+        return compress(content, 1), layout, self.silence, self.at_most
 
 
 @lru_cache(maxsize=8)
-def _unpacked(  # noqa: PLR0913, PLR0917 the fields of a pickle, in its order
+def _unpacked(
     packed: bytes,
-    layout: tuple[tuple[str, tuple[int, ...]], ...],
-    names: tuple[str, ...],
-    contacts: int,
+    layout: tuple[tuple[str, str, tuple[int, ...]], ...],
     silence: int,
     at_most: tuple[tuple[int, int], ...],
 ) -> Tables:
     """Unpickle tables, read-only: the animations that other processes send share them."""
     content = decompress(packed)
-    arrays: list[Any] = []
+    arrays: dict[str, Any] = {}
     offset = 0
-    for dtype, shape in layout:
-        arrays.append(np.frombuffer(content, dtype, prod(shape), offset).reshape(shape))
-        offset += -(-arrays[-1].nbytes // 64) * 64
-    rest = arrays[len(names) :]
-    threes = list(zip(rest[::3], rest[1::3], rest[2::3], strict=True))
-    tables = Tables(
-        **dict(zip(names, arrays, strict=False)),
-        silence=silence,
-        contacts=tuple(Contact(*three) for three in threes[:contacts]),
-        at_most=at_most,
-        styles=tuple(Bank(*three) for three in threes[contacts:]),
-    )
-    vars(tables)["_packed"] = packed, layout, names, contacts, silence, at_most
+    for name, dtype, shape in layout:
+        arrays[name] = np.frombuffer(content, dtype, prod(shape), offset).reshape(shape)
+        offset += -(-arrays[name].nbytes // 64) * 64
+    tables = Tables.of(arrays, silence, at_most)
+    vars(tables)["_packed"] = packed, layout, silence, at_most
     return tables

@@ -9,7 +9,7 @@ Loading executes nothing from a file.
 import json
 import logging
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cache
 from hashlib import blake2b, sha256
@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
+from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
@@ -139,26 +139,22 @@ def save(compiled: "CompiledPair", language: str, character: str, library: "Libr
             path.parent.chmod(0o700)
         with atomic(path) as stream:
             stream.writelines(_encode(compiled, key, library))
-        _forget(path.parent)
+        # the oldest pairs go, beyond the size limit of the cache
+        found = ((one.stat(), one) for one in path.parent.glob("*.pair"))
+        newest = sorted(((s.st_mtime, s.st_size, one) for s, one in found), reverse=True)
+        total = accumulate(size for _, size, _ in newest)
+        for (_, _, one), taken in zip(newest, total, strict=True):
+            if taken > MAX_CACHE_BYTES and one != newest[0][2]:
+                one.unlink(missing_ok=True)
     except (OSError, OutputError):
         return
-
-
-def _forget(folder: Path) -> None:
-    """Delete the oldest pairs beyond the size limit of the cache."""
-    found = ((path.stat(), path) for path in folder.glob("*.pair"))
-    newest = sorted(((s.st_mtime, s.st_size, path) for s, path in found), reverse=True)
-    total = accumulate(size for _, size, _ in newest)
-    for (_, _, path), taken in zip(newest, total, strict=True):
-        if taken > MAX_CACHE_BYTES and path != newest[0][2]:
-            path.unlink(missing_ok=True)
 
 
 def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[bytes | memoryview]:
     """Return the parts of a cache file in order, without a copy of the arrays."""
     body: list[bytes | memoryview] = []
     places, size = {}, 0
-    for name, array in _arrays(compiled.tables).items():
+    for name, array in compiled.tables.arrays.items():
         places[name] = [array.dtype.str, list(array.shape), size]
         # aligned, so that a load can use the file's own memory
         body += [np.ascontiguousarray(array).data, b"\0" * (-array.nbytes % ALIGNMENT)]
@@ -187,17 +183,6 @@ def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[byte
     for part in body:
         digest.update(part)
     return [MARK, digest.digest(), start, *body]
-
-
-def _arrays(tables: Tables) -> dict[str, np.ndarray[Any, Any]]:
-    """Return every array of the tables by its name in a cache file."""
-    arrays = {name: getattr(tables, name) for name in ARRAYS}
-    for number, bank in enumerate(tables.styles):
-        arrays |= {f"style.{number}.{part}": array for part, array in bank._asdict().items()}
-    for number, contact in enumerate(tables.contacts):
-        for part in CONTACT_ARRAYS:
-            arrays[f"contact.{number}.{part}"] = getattr(contact, part)
-    return arrays
 
 
 def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "CompiledPair | None":
@@ -278,23 +263,19 @@ def _tables(head: dict[str, Any], body: memoryview) -> Tables:
     sizes = {letter: len(plain[name]) for letter, name in SIZES.items()}
     sizes |= {"K": RESOLUTION + 1, "T": places["trigrams"][1][0], "2": 2}
 
-    def arrays(parts: Mapping[str, tuple[type, str]], prefix: str = "") -> dict[str, Any]:
-        found: dict[str, Any] = {}
-        for name, (kind, letters) in parts.items():
-            (dtype, stated, offset), shape = places[prefix + name], [sizes[one] for one in letters]
-            if dtype != np.dtype(kind).str or stated != shape:
-                raise ValueError(f"array {prefix + name} is {dtype} {stated}, not {kind} {shape}")
-            found[name] = np.frombuffer(body, kind, prod(shape), offset).reshape(shape)
-        return found
-
-    contacts, styles = len(plain["contact_names"]), len(plain["style_origins"])
-    return Tables(
-        **arrays(ARRAYS),
-        silence=head["silence"],
-        contacts=tuple(Contact(**arrays(CONTACT_ARRAYS, f"contact.{n}.")) for n in range(contacts)),
-        styles=tuple(Bank(**arrays(BANK_ARRAYS, f"style.{n}.")) for n in range(styles)),
-        at_most=tuple((pose, other) for pose, other in head["at_most"]),
-    )
+    expected = dict(ARRAYS)
+    for name, parts in (("contact_names", CONTACT_ARRAYS), ("style_origins", BANK_ARRAYS)):
+        owner = name.partition("_")[0]
+        for number in range(len(plain[name])):
+            expected |= {f"{owner}.{number}.{part}": sort for part, sort in parts.items()}
+    arrays: dict[str, Any] = {}
+    for name, (kind, letters) in expected.items():
+        (dtype, stated, offset), shape = places[name], [sizes[one] for one in letters]
+        if dtype != np.dtype(kind).str or stated != shape:
+            raise ValueError(f"array {name} is {dtype} {stated}, not {kind} {shape}")
+        arrays[name] = np.frombuffer(body, kind, prod(shape), offset).reshape(shape)
+    at_most = tuple((pose, other) for pose, other in head["at_most"])
+    return Tables.of(arrays, head["silence"], at_most)
 
 
 def _check_indices(tables: Tables) -> None:

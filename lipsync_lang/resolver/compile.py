@@ -145,7 +145,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         checks=_checks(poseset.model.checks, who.model.checks),
         nearest=plain_among(library, spoken) if model.automatic else None,
         manner=_plain(manner.plain()),
-        rig=plain_rig(library, who, poseset),
+        rig=plain_rig(library, who.model.rig, poseset) if who.model.rig is not None else None,
         pose_names=pose_names(poseset.model),
         neutral=poseset.model.neutral,
         model=model_file(who, poseset),
@@ -188,10 +188,8 @@ def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
         styles=tuple(_bank(changed, rows.every, curves) for changed in rows.styles.values()),
     )
     # read-only, like arrays from the cache
-    arrays = [value for one in (tables, *tables.contacts) for value in vars(one).values()]
-    for array in chain(arrays, *tables.styles):
-        if isinstance(array, np.ndarray):
-            array.setflags(write=False)
+    for array in tables.arrays.values():
+        array.setflags(write=False)
     return tables
 
 
