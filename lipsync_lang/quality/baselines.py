@@ -1,5 +1,7 @@
 """Plain methods of lip sync with the same targets, for comparison with a performance.
 
+Each method returns an animation over the frames of the performer's own.
+
 Conventions: P poses, T frames, m targets of a phoneme; times are in seconds.
 """
 
@@ -38,10 +40,6 @@ def keyframes(
 
     Most viseme tables work this way. A phoneme with several targets has a key for each, evenly
     spaced over its time. Bigrams are drafted from the same targets.
-
-    Returns
-    -------
-    An animation over the same frames as the performer's own
     """
     targets = _targets(performer, library)
     ids, bounds, _ = performer.common_phonemes(schedule)
@@ -71,10 +69,6 @@ def dominance(
     with c `FALL_PER_SECOND` and m the middle of each target, or of the near part of a silence.
     After Cohen and Massaro, "Modeling coarticulation in synthetic visual speech", in Models and
     Techniques in Computer Animation, 1993.
-
-    Returns
-    -------
-    An animation over the same frames as the performer's own
     """
     targets = _targets(performer, library)
     performance = performer.performance(schedule, fps)
@@ -92,7 +86,7 @@ def dominance(
             strengths.append(strength)
             away.append(np.maximum(0, np.maximum(early - frames, frames - late)))
     far = np.array(away)
-    # Relative to the nearest target, so that no frame underflows to 0 / 0.
+    # relative to the nearest target, so that no frame underflows to 0 / 0
     fall = np.exp(FALL_PER_SECOND * (far.min(axis=0) - far))
     pull = fall.T @ np.array(strengths)
     weights = fall.T @ (np.array(strengths) * np.array(wishes)) / pull
@@ -148,22 +142,18 @@ def held(
     The shape of a target is its strongest pose, at its weight; the targets of a phoneme are evenly
     spaced over its time. Every shape is held for at least `HOLD_SECONDS` and delays the next one; a
     shape whose time has passed is dropped. There is no blending and no limit.
-
-    Returns
-    -------
-    An animation over the same frames as the performer's own
     """
     targets = _targets(performer, library)
     ids, bounds, _ = performer.common_phonemes(schedule)
     starts: list[float] = [-np.inf]
     shapes = [np.zeros(len(performer.poses))]
     for number, start, end in zip(ids, bounds, bounds[1:], strict=False):
-        steps = targets.get(performer.compiled.phonemes[number], ())
-        for step, shape in enumerate(_strongest(steps, performer)):
-            begin = max(
-                start + (end - start) * step / max(1, len(steps)), starts[-1] + HOLD_SECONDS
-            )
-            if begin < start + (end - start) * (step + 1) / max(1, len(steps)):
+        weights = _weights(targets.get(performer.compiled.phonemes[number], ()), performer)
+        strongest = np.arange(len(performer.poses)) == weights.argmax(axis=1)[:, None]
+        for step, shape in enumerate(np.where(strongest, weights, 0.0)):
+            edges = start + (end - start) * np.array([step, step + 1]) / len(weights)
+            begin = max(edges[0], starts[-1] + HOLD_SECONDS)
+            if begin < edges[1]:
                 starts.append(begin)
                 shapes.append(shape)
     starts.append(max(bounds[-1], starts[-1] + HOLD_SECONDS))
@@ -171,15 +161,6 @@ def held(
     frames = performer.performance(schedule, fps).frames.times()
     shown = np.searchsorted(starts, frames + 1e-9, side="right") - 1
     return Animation(frames, performer.poses, np.array(shapes)[shown], fps, schedule)
-
-
-def _strongest(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> Floats:
-    """Return the targets with only their strongest pose: (m, P)."""
-    weights = _weights(steps, performer)
-    most = weights.argmax(axis=1)
-    alone = np.zeros_like(weights)
-    alone[np.arange(len(weights)), most] = weights[np.arange(len(weights)), most]
-    return alone
 
 
 BASELINES = {"keyframes": keyframes, "dominance": dominance, "held": held}

@@ -1,12 +1,13 @@
 """Judgement of a finished animation: every measure, compared with the limits of its face."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.performing.performed_line import performer_of
-from lipsync_lang.quality.figures import Figure, Quality
+from lipsync_lang.quality.figures import Quality
 from lipsync_lang.quality.measured_scene import scene_of
 from lipsync_lang.quality.measures import load_measures
 
@@ -65,14 +66,11 @@ def check(
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
         asked[name] = value
     figures = [
-        Figure(
-            f"{name} {found.of}".rstrip(),
-            found.value,
-            one.unit,
-            asked[name] if found.limit is None else found.limit,
-            found.parts,
-            found.findings,
-            found.why,
+        replace(
+            found,
+            name=f"{name} {found.name}".rstrip(),
+            unit=one.unit,
+            limit=asked[name] if found.limit is None else found.limit,
         )
         for name, one in measures.items()
         for found in one.find(scene)

@@ -7,17 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
-from lipsync_lang.quality.figures import Finding
+from lipsync_lang.quality.figures import Figure, Finding
 from lipsync_lang.quality.measured_scene import MeasuredScene
-from lipsync_lang.quality.measures import (
-    MeasureResult,
-    measure,
-    once,
-    one,
-    places,
-    runs,
-    unjudged,
-)
+from lipsync_lang.quality.measures import measure, once, one, places, runs, unjudged
 
 SEARCH_SECONDS = 0.25
 """Maximum distance of a closure from its sound."""
@@ -32,7 +24,7 @@ NO_CONTACT = "the pose set has no contacts"
 
 
 @measure("contacts", "of sounds", limit=0)
-def contacts(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def contacts(scene: MeasuredScene) -> Iterable[Figure]:
     """Sounds that demand a contact and do not get it, for each contact.
 
     A sound gets its contact if two conditions hold at one frame, within half a frame of the sound.
@@ -50,11 +42,11 @@ def contacts(scene: MeasuredScene) -> Iterable[MeasureResult]:
             yield from unjudged("no sound of the line demands this contact", of=touch.name)
             continue
         missed = np.flatnonzero(unmade[number])
-        yield MeasureResult(
+        yield Figure(
+            touch.name,
             len(missed) / count,
-            {"made": count - len(missed), "missed": len(missed)},
-            tuple(_missed(scene, number, missed)) if len(missed) else (),
-            of=touch.name,
+            parts={"made": count - len(missed), "missed": len(missed)},
+            findings=tuple(_missed(scene, number, missed)) if len(missed) else (),
         )
     if not scene.face.touches:
         yield from unjudged(NO_CONTACT)
@@ -81,7 +73,7 @@ def _missed(scene: MeasuredScene, contact: int, missed: Ints) -> Iterator[Findin
 
 
 @measure("false_contacts", "of sounds", limit=0)
-def false_contacts(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def false_contacts(scene: MeasuredScene) -> Iterable[Figure]:
     """Sounds with a contact at their middle frame that they do not demand, for each contact.
 
     Contacts that raise no pose are left out, because a face at rest makes them too::
@@ -102,11 +94,11 @@ def false_contacts(scene: MeasuredScene) -> Iterable[MeasureResult]:
             yield from unjudged("a face at rest makes this contact", of=touch.name)
             continue
         made = np.flatnonzero(wrong[number]).tolist() if count else []
-        yield MeasureResult(
+        yield Figure(
+            touch.name,
             count / max(1, sounds),
-            {"made": count} if count else {},
-            tuple(places(scene, dict.fromkeys(made, f"makes '{touch.name}'"))),
-            of=touch.name,
+            parts={"made": count} if count else {},
+            findings=tuple(places(scene, dict.fromkeys(made, f"makes '{touch.name}'"))),
         )
 
 
@@ -128,7 +120,7 @@ def offsets(scene: MeasuredScene) -> tuple[Offset, ...]:
 
 def _offsets(scene: MeasuredScene, contact: int) -> Iterator[Offset]:
     bounds, raised = scene.track.bounds, scene.face.raised[contact]
-    # Neighbours that demand the contact share one closure.
+    # neighbours that demand the contact share one closure
     begin, past = runs(scene.demanded[contact])
     first, stop = runs(scene.margin[contact] >= 0)
     if not first.size:
@@ -139,11 +131,12 @@ def _offsets(scene: MeasuredScene, contact: int) -> Iterator[Offset]:
     sound = middles[owner]
     off = (start + end) / 2 - sound
     if not raised:
-        # The rest before and after a sound makes the contact too, so its middle says nothing.
+        # rest before and after a sound makes the contact too, so its middle says nothing
         owner = np.arange(len(begin))
         start, end = _covering(start, end, middles)
         sound = middles
         off = np.maximum(0, start - sound) + np.minimum(0, end - sound)
+    # a closure over several sounds belongs to none of them: which one it is late for is unknown
     crowded = np.searchsorted(bounds[begin], end) - np.searchsorted(bounds[past], start) > 1
     away = np.maximum(start - bounds[past][owner], bounds[begin][owner] - end)
     off[(crowded & raised) | (away > SEARCH_SECONDS)] = np.inf
@@ -175,7 +168,7 @@ def _nearest(places: Floats, to: Floats) -> Ints:
     return np.where(nearer, after - 1, after)
 
 
-def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[MeasureResult]:
+def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[Figure]:
     """Return the largest offset in one direction: late for sign 1, early for -1."""
     every = offsets(scene)
     if not every:
@@ -189,7 +182,7 @@ def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[MeasureResult]:
 
 
 @measure("closure_late", "s", limit=0.045)
-def closure_late(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def closure_late(scene: MeasuredScene) -> Iterable[Figure]:
     """Lateness of the latest closure.
 
     A closure is a run of frames that make a contact. It belongs to the sounds that demand it and
@@ -203,7 +196,7 @@ def closure_late(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("closure_early", "s", limit=0.125)
-def closure_early(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def closure_early(scene: MeasuredScene) -> Iterable[Figure]:
     """Earliness of the earliest closure; viewers notice an early picture beyond 0.125 s.
 
     It is::
@@ -214,7 +207,7 @@ def closure_early(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("closure_offset", "s", limit=0.045)
-def closure_offset(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def closure_offset(scene: MeasuredScene) -> Iterable[Figure]:
     """Absolute offset of the median closure; `median` is the signed offset, positive if late.
 
     It is::
@@ -229,7 +222,7 @@ def closure_offset(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("rules", "of sounds", limit=0)
-def rules(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def rules(scene: MeasuredScene) -> Iterable[Figure]:
     """Phonemes that violate a rule of the pose set, for each rule.
 
     A rule names phonemes, a measure of the pose set, and a bound. At one frame of the
@@ -262,4 +255,5 @@ def rules(scene: MeasuredScene) -> Iterable[MeasureResult]:
         }
         parts = {"kept": len(which) - count, "missed": count}
         found = tuple(places(scene, descriptions))
-        yield MeasureResult(count / len(which), parts, found, of=name, limit=rule["missed"])
+        share = count / len(which)
+        yield Figure(name, share, limit=rule["missed"], parts=parts, findings=found)

@@ -34,6 +34,7 @@ def percentile(values: Floats, per_cent: float) -> float:
     below = int(place)
     above, share = min(below + 1, len(values) - 1), place - below
     low, high = np.partition(values, (below, above))[[below, above]].tolist()
+    # two forms of one line, as numpy has them: each rounds well near its own end
     wide = high - low
     return float(high - wide * (1 - share) if share >= 0.5 else low + wide * share)  # noqa: PLR2004
 

@@ -110,6 +110,7 @@ class Face:
     def bounded(self) -> "BoundedColumns":
         """The bounded columns of all contacts in sequence."""
         finite = [np.isfinite(t.low) | np.isfinite(t.high) for t in self.touches]
+        # a contact without bounds keeps one column, since `reduceat` has no empty spans
         columns = [np.flatnonzero(one) if one.any() else np.zeros(1, int) for one in finite]
         counts = [len(one) for one in columns]
         low = np.concatenate([t.low[c] for t, c in zip(self.touches, columns, strict=True)])
@@ -130,10 +131,7 @@ class Face:
 def face_of(animation: "Animation", performer: "Performer") -> Face:
     """Return the face of an animation: a performer's poses, or its rig's channels.
 
-    Raises
-    ------
-    LipsyncError
-        The columns are neither.
+    Other columns raise `LipsyncError`.
     """
     known = _FACES.setdefault(performer, {})
     columns, rig = animation.poses, performer.compiled.rig

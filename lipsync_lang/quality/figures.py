@@ -38,7 +38,7 @@ class Figure:
 
     name: str
     value: float | None
-    unit: str
+    unit: str = ""
     limit: float | None = None
     parts: Mapping[str, float] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()

@@ -17,11 +17,10 @@ import numpy as np
 from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.quality import curve_statistics as statistics
 from lipsync_lang.quality.face_columns import Roles
-from lipsync_lang.quality.figures import Finding
+from lipsync_lang.quality.figures import Figure, Finding
 from lipsync_lang.quality.measured_scene import MeasuredScene
 from lipsync_lang.quality.measures import (
     VISIBLE_SHARE,
-    MeasureResult,
     measure,
     once,
     one,
@@ -115,7 +114,7 @@ def _jaws(scene: MeasuredScene) -> list[Jaw] | str:
 
 
 @measure("jerk", "peaks per s^3", limit=2.2e4)
-def jerk(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def jerk(scene: MeasuredScene) -> Iterable[Figure]:
     """Jerk of the jaw: the 95th percentile of its third derivative.
 
     Corners have a large jerk. Captures have 1.1e4 to 1.3e4 over eight lines. Single lines reach
@@ -134,7 +133,7 @@ def jerk(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("high_power", "of power", limit=0.055)
-def high_power(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def high_power(scene: MeasuredScene) -> Iterable[Figure]:
     """Share of the power of the jaw's spectrum above 8 Hz.
 
     Speech is not that fast, so this power comes from corners and tremble. Captures have 0.010 to
@@ -150,7 +149,7 @@ def high_power(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("shelves", "of open frames", limit=0.1)
-def shelves(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def shelves(scene: MeasuredScene) -> Iterable[Figure]:
     """Frames with an open jaw that stands still.
 
     A frame is still if the jaw moves by less than 0.015 of its peak before and after it, so a
@@ -182,7 +181,7 @@ def shelves(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("turns", "per second")
-def turns(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def turns(scene: MeasuredScene) -> Iterable[Figure]:
     """Turns of the jaw, larger than 0.02 of its peak, per second of the line.
 
     Captures have 6.5 to 7.3. Mumbled or slow lines have fewer, so only packs that state a limit
@@ -198,7 +197,7 @@ def turns(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("lead_missing", "s", limit=0.05)
-def lead_missing(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def lead_missing(scene: MeasuredScene) -> Iterable[Figure]:
     """Delay of poses with anticipation, relative to 0.1 s before their sound.
 
     A pose with anticipation (`anticipate`) begins when it rises to a tenth of its peak in a sound
@@ -244,7 +243,7 @@ def _leads(scene: MeasuredScene, roles: Roles) -> Iterator[tuple[int, float]]:
 
 
 @measure("shut_vowels", "of frames", limit=0.12)
-def shut_vowels(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def shut_vowels(scene: MeasuredScene) -> Iterable[Figure]:
     """Frames with a shut jaw, in sounds beside a contact that should open the mouth.
 
     These are the sounds that open the mouth wide if spoken alone. Captures keep the jaw shut for
@@ -295,7 +294,7 @@ def _opens(scene: MeasuredScene) -> Bools:
 
 
 @measure("opening_lag", "s", limit=0.017)
-def opening_lag(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def opening_lag(scene: MeasuredScene) -> Iterable[Figure]:
     """Time from the end of a sound with a contact until the mouth opens for the next sound.
 
     The sounds open the mouth wide if spoken alone, and follow a contact. Each counts the seconds

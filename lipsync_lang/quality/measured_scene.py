@@ -116,6 +116,7 @@ class MeasuredScene:
         It is NaN for phonemes without frames.
         """
         cuts = self.cuts
+        # one column more, since a cut past the end is no index for `reduceat`
         padded = np.concatenate((values, values[..., -1:]), axis=-1)
         highest = np.maximum.reduceat(padded, cuts.ravel(), axis=-1)[..., ::2]
         return np.where(cuts[:, 1] > cuts[:, 0], highest, np.nan)

@@ -6,7 +6,7 @@ any frame rate, to within a frame.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, wraps
 from importlib import import_module
 from typing import TypeVar
@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
-from lipsync_lang.quality.figures import Finding
+from lipsync_lang.quality.figures import Figure, Finding
 from lipsync_lang.quality.measured_scene import MeasuredScene
 
 VISIBLE_SHARE = 0.05
@@ -36,26 +36,8 @@ FULL_TOLERANCE = 1e-3
 """Maximum distance of a full pose from its maximum."""
 
 
-@dataclass(frozen=True)
-class MeasureResult:
-    """A figure of a measure, before its name and limit are added.
-
-    Parameters
-    ----------
-    value : None if it cannot be judged; then `why` has the reason
-    of : the contact or rule, if the measure gives several figures
-    limit : overrides the limit of the measure
-    """
-
-    value: float | None
-    parts: Mapping[str, float] = field(default_factory=dict)
-    findings: tuple[Finding, ...] = ()
-    of: str = ""
-    why: str = ""
-    limit: float | None = None
-
-
-Find = Callable[[MeasuredScene], Iterable[MeasureResult]]
+Find = Callable[[MeasuredScene], Iterable[Figure]]
+"""A measure's function. The name of each figure is its contact or rule, or empty if it is alone."""
 
 
 @dataclass(frozen=True)
@@ -112,15 +94,14 @@ def load_measures() -> dict[str, Measure]:
 
 def one(
     value: float, parts: Mapping[str, float] | None = None, findings: Iterable[Finding] = ()
-) -> list[MeasureResult]:
+) -> list[Figure]:
     """Return a list with the single figure of a measure."""
-    ordered = tuple(sorted(findings))
-    return [MeasureResult(float(value), parts or {}, ordered)]
+    return [Figure("", float(value), parts=parts or {}, findings=tuple(sorted(findings)))]
 
 
-def unjudged(why: str, of: str = "") -> list[MeasureResult]:
+def unjudged(why: str, of: str = "") -> list[Figure]:
     """Return a list with a figure without a value, and the reason."""
-    return [MeasureResult(None, of=of, why=why)]
+    return [Figure(of, None, why=why)]
 
 
 def share(part: Bools) -> float:

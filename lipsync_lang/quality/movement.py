@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from lipsync_lang.arrays import Ints
-from lipsync_lang.quality.figures import Finding
+from lipsync_lang.quality.figures import Figure, Finding
 from lipsync_lang.quality.measured_scene import MeasuredScene
 from lipsync_lang.quality.measures import (
     CONSTRAINT_TOLERANCE,
@@ -14,7 +14,6 @@ from lipsync_lang.quality.measures import (
     SHORT_HOLD_SECONDS,
     STILL_SPEED,
     VISIBLE_SHARE,
-    MeasureResult,
     measure,
     named,
     once,
@@ -28,7 +27,7 @@ NO_SOUNDS = "the line has no sounds"
 
 
 @measure("constraints", "of frames", limit=0)
-def constraints(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def constraints(scene: MeasuredScene) -> Iterable[Figure]:
     """Frames in which poses break a constraint by more than 0.01.
 
     Pose b yields to pose a, which has the higher priority. Parts are the largest excess of a pair::
@@ -59,7 +58,7 @@ def constraints(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("speed", "per second")
-def speed(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def speed(scene: MeasuredScene) -> Iterable[Figure]:
     """The top speed of the fastest pose.
 
     It is::
@@ -77,7 +76,7 @@ def speed(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("jitter", "per second", limit=2)
-def jitter(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def jitter(scene: MeasuredScene) -> Iterable[Figure]:
     """Flickers per second of speech, for the pose with most flickers.
 
     A flicker is a movement of 0.05 or more and a movement back of 0.05 or more, both within
@@ -134,7 +133,7 @@ def _shapes(scene: MeasuredScene) -> tuple[Ints, Ints, Ints]:
 
 
 @measure("changes", "per second")
-def changes(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def changes(scene: MeasuredScene) -> Iterable[Figure]:
     """Changes of the strongest pose per second of speech. Only some pose sets limit it.
 
     It is::
@@ -147,7 +146,7 @@ def changes(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("short_holds", "of stays")
-def short_holds(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def short_holds(scene: MeasuredScene) -> Iterable[Figure]:
     """Stays of the strongest pose that are shorter than 0.06 s, without the first and the last.
 
     Only some pose sets limit it: the strongest of blended poses often changes, but drawings that
@@ -168,8 +167,7 @@ def short_holds(scene: MeasuredScene) -> Iterable[MeasureResult]:
         {"shortest": round(float(seconds.min()), 6)},
         (
             Finding(
-                round(float(scene.times[first[n]]), 4),
-                f"{names[pose[n]]} stays {seconds[n]:.3f} s",
+                round(float(scene.times[first[n]]), 4), f"{names[pose[n]]} stays {seconds[n]:.3f} s"
             )
             for n in short
         ),
@@ -177,7 +175,7 @@ def short_holds(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("silence", "of its range", limit=VISIBLE_SHARE)
-def silence(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def silence(scene: MeasuredScene) -> Iterable[Figure]:
     """Largest movement of a pose in a pause.
 
     Next to a sound, the mouth may move for `silence_reach` plus the duration of a pose's movement
@@ -193,6 +191,7 @@ def silence(scene: MeasuredScene) -> Iterable[MeasureResult]:
     first, stop = runs(begun == ended)
     if not first.size:
         return unjudged(f"no pause is longer than {2 * room:.2f} s")
+    # `reduceat` folds from each cut to the next: every second span is a pause
     cuts = np.column_stack((first, stop)).ravel()
     padded = np.concatenate((scene.share, scene.share[:, -1:]), axis=1)
     moved = np.maximum.reduceat(padded, cuts, axis=1) - np.minimum.reduceat(padded, cuts, axis=1)
@@ -208,7 +207,7 @@ def silence(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("saturation", "of frames")
-def saturation(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def saturation(scene: MeasuredScene) -> Iterable[Figure]:
     """Frames of speech with a pose at its maximum. Only some pose sets limit it.
 
     A curve that is clipped at 1 for long has lost its shape::
@@ -225,7 +224,7 @@ def saturation(scene: MeasuredScene) -> Iterable[MeasureResult]:
 
 
 @measure("still", "of frames")
-def still(scene: MeasuredScene) -> Iterable[MeasureResult]:
+def still(scene: MeasuredScene) -> Iterable[Figure]:
     """Frames of speech without a moving pose. Only some pose sets limit it.
 
     A pose slower than 0.1 per second is still. Long sounds are still, but a mouth that is still
