@@ -74,10 +74,7 @@ class LineDelivery(NamedTuple):
 
 
 def _effort(
-    performer: "Performer",
-    schedule: "Schedule",
-    sounds: "LabelSounds",
-    intensity: float | None,
+    performer: "Performer", schedule: "Schedule", sounds: "LabelSounds", intensity: float | None
 ) -> "tuple[Dial, ...]":
     """Return the dials of stress, emphasis and loudness; empty without an effect."""
     stated, motion, labels = performer.compiled.intensity, performer.motion, performer.labels

@@ -32,11 +32,7 @@ if TYPE_CHECKING:
 def with_expression(animation: Animation, tables: Tables, expression: "DialLevels") -> Animation:
     """Return an animation with an expression added; see `Performer.with_expression`.
 
-    Parameters
-    ----------
-    animation : of poses, in the order of the tables
-    tables : with the contacts and constraints that the animation keeps
-    expression : weight of each shape from 0 to 1, or points of seconds and weight
+    The tables have the contacts and constraints that the animation keeps.
     """
     if len(animation.poses) != len(tables.priority):
         raise LipsyncError(

@@ -225,8 +225,6 @@ class HeardLabels:
         while self.words and self.words[0].ramp[-1] < seconds:
             del self.words[0]
 
-    # What is known for sure
-
     def clear(self, silence_reach: float, *, linear: bool, emphasis: bool) -> float:
         """Return the time before which bigrams and dials are known.
 

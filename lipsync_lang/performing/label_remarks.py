@@ -58,9 +58,10 @@ def _noise(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
             counts[label] += 1
             seconds += float(end - start)
     if counts:
+        named = (f"{label!r} ({n})" for label, n in counts.items())
         yield (
             f"{schedule.source}: noise or unreadable speech, during which the mouth rests for "
-            f"{seconds:.1f} s: {_list(f'{label!r} ({n})' for label, n in counts.items())}"
+            f"{seconds:.1f} s: {shortlist(named, MAX_SHOWN)}"
         )
 
 
@@ -86,9 +87,5 @@ def _notation(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
         return
     told = f"{schedule.source}: labels are read as {name}, a notation with {share:.0%} of them"
     if alike:
-        told += f"; they can also be {_list(alike)} (`notation={alike[0]!r}`)"
+        told += f"; they can also be {shortlist(alike, MAX_SHOWN)} (`notation={alike[0]!r}`)"
     yield told
-
-
-def _list(names: "Iterator[str] | list[str]") -> str:
-    return shortlist(names, MAX_SHOWN)

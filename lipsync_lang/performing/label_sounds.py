@@ -55,6 +55,7 @@ class ValueTable:
         return found
 
     def _flat(self) -> tuple[Ints, Ints, Ints, Floats]:
+        # made anew for each new value: they are few, and reading needs no lock then
         counts = np.array([len(value) for value in self._known], np.intp)
         sounds = [sound for value in self._known for sound in value]
         ids = np.array([self._numbers[name] for name, _ in sounds], np.intp)
@@ -87,6 +88,7 @@ class ValueTable:
         within = np.arange(len(source)) - (ends - count)[source]
         at = np.concatenate([one[:-1] for one in times])[source]
         length = np.concatenate([one[1:] - one[:-1] for one in times])[source]
+        # an index into the flat values for every sound: of the first sound of its value
         begins = first[source]
         for passed in range(int(count.max()) - 1):  # as far as the longest value, one by one
             later = within > passed
@@ -154,6 +156,7 @@ class LabelTable:
             UNKNOWN if value is None else self._values.number(value),
             UNMARKED if mark is None else mark,
         )
+        # the number of a row is its place, so no other thread may append in between
         with self._lock:
             self._rows.append(row)
             return len(self._rows) - 1

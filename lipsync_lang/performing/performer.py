@@ -325,11 +325,7 @@ class Performer:
         return said.performance(self.motion, sounds, fps)
 
     def track(
-        self,
-        schedule: Schedule,
-        *,
-        line: str | None = None,
-        styles: "DialLevels | None" = None,
+        self, schedule: Schedule, *, line: str | None = None, styles: "DialLevels | None" = None
     ) -> "Track":
         """Lay out the phonemes of a schedule as `perform` does, without rendering frames."""
         ids, times, source = self.labels.common_phonemes(schedule)

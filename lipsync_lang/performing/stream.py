@@ -312,9 +312,7 @@ class Stream:
     ) -> float | None:
         """Return the start of the next phoneme after late times are cut; None if it is dropped.
 
-        Parameters
-        ----------
-        whole : True if it cannot be shortened
+        A `whole` one, with a word that has its own curves, cannot be shortened.
         """
         heard = self._heard
         if not heard.labels:

@@ -104,7 +104,8 @@ def stresses_of(marks: Ints, manners: Ints) -> Ints:
     # of indices replaces the loop of `StressMarks`
     carried = np.maximum.accumulate(np.where(~clears & (marks > 0), at, -1))
     cleared = np.maximum.accumulate(np.where(clears, at, -1))
-    cleared[1:] = cleared[:-1]  # by the labels before
+    # one step later: a vowel takes the mark before it, and ends it for the labels after
+    cleared[1:] = cleared[:-1]
     cleared[0] = -1
     passed = np.where(carried > cleared, marks[carried], UNSTRESSED)
     out: Ints = np.where(vowel, np.where(marks >= 0, marks, passed), -1)
@@ -134,6 +135,7 @@ def stress_dial(
         return None
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     known = stress_levels(stated, factor)
+    # a table by stress, so that one index turns all vowels into levels
     levels = np.array([known[stress] for stress in sorted(known)])
     return Dial(poses, vowel_level(middles[vowels], levels[stresses[vowels]]), "stress")
 

@@ -42,11 +42,9 @@ def with_drafts(compiled: "CompiledPair", heard: Collection[str]) -> Tables:
 
 
 def _sounding(compiled: "CompiledPair") -> Floats:
-    """Return the share of an offset over each bigram: 1 in sounds, down to 0 in silence.
+    """Return the share of an offset over each bigram: (B, RESOLUTION + 1).
 
-    Returns
-    -------
-    (B, RESOLUTION + 1); a row of two sounds is 1 throughout, and row 0, rest, is 0
+    It is 1 in sounds, and falls to 0 in silence.
     """
     at = np.linspace(0, 1, RESOLUTION + 1)[None, :]
     silence = compiled.phonemes[0]
@@ -54,6 +52,7 @@ def _sounding(compiled: "CompiledPair") -> Floats:
     boundary = compiled.tables.boundary[:, None]
     starts = np.array([first == silence for first, _ in pairs])[:, None]
     ends = np.array([second == silence for _, second in pairs])[:, None]
+    # a silence is left or entered along a straight line over its own part of the bigram
     share = np.where(starts, np.minimum(at / boundary, 1), 1.0)
     share = np.where(ends, np.minimum(share, np.minimum((1 - at) / (1 - boundary), 1)), share)
     # row 0 is rest, also in a style that smiles

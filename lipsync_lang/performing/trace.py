@@ -79,7 +79,13 @@ def _explain_frame(
     index = int(track.source[at])
     word = schedule.word_at(index) if index >= 0 else None
     common = performer.compiled.phonemes[int(track.ids[at])]
-    covering = _bigrams(performer, performance, place, _heard(performer, performance, now))
+    heard: dict[str, float] = {}
+    if performance.blends:
+        parts = shares(performance.blends, now)[1:, 0].tolist()
+        names = performer.compiled.style_names
+        both = zip(performance.blends, parts, strict=True)
+        heard = {names[blend.style]: part for blend, part in both if part > 0}
+    covering = _bigrams(performer, performance, place, heard)
     return Explanation(
         seconds=float(now[0]),
         frame=frame,
@@ -96,15 +102,6 @@ def _explain_frame(
         ),
         shade_of=performer.compiled.shades.get(common),
     )
-
-
-def _heard(performer: "Performer", performance: Performance, now: Floats) -> dict[str, float]:
-    """Return the share of each active style."""
-    if not performance.blends:
-        return {}
-    names = performer.compiled.style_names
-    parts = shares(performance.blends, now)[1:, 0].tolist()
-    return {names[b.style]: p for b, p in zip(performance.blends, parts, strict=True) if p > 0}
 
 
 def _bigrams(
@@ -133,11 +130,7 @@ def _bigrams(
 
 
 def _bigram(
-    performer: "Performer",
-    track: "Track",
-    number: int,
-    position: float,
-    heard: Mapping[str, float],
+    performer: "Performer", track: "Track", number: int, position: float, heard: Mapping[str, float]
 ) -> BigramAt:
     compiled = performer.compiled
     origin = compiled.origins[int(track.rows[number])]
@@ -203,7 +196,11 @@ def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
                     if bigram is not None
                 )
             elif stage.name == "dial":
-                why = _scaled(performance, pose, frame)
+                now = performance.frames.times(frame, frame + 1)
+                dials = [one for one in performance.dials if one.poses[pose]]
+                factors = [(one.name, float(one.level.at(now)[0])) for one in dials]
+                moved = (f"{n} x {f:.2f}" for n, f in factors if abs(f - 1) > VISIBLE)
+                why = f"scaled by {', '.join(moved)}"
             elif stage.name == "hold":
                 why = held_reason(performer, performance, pose, frame)
             elif stage.name == "constrain":
@@ -213,14 +210,6 @@ def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
         float(v[pose]) for v, bigram in zip(values, covering, strict=True) if bigram is not None
     )
     return PoseAt(performer.poses[pose], weights[-1], given, tuple(steps))
-
-
-def _scaled(performance: Performance, pose: int, frame: int) -> str:
-    """Describe the factors of a pose at a frame."""
-    now = performance.frames.times(frame, frame + 1)
-    factors = [(d.name, float(d.level.at(now)[0])) for d in performance.dials if d.poses[pose]]
-    told = [f"{name} x {factor:.2f}" for name, factor in factors if abs(factor - 1) > VISIBLE]
-    return f"scaled by {', '.join(told)}"
 
 
 def held_reason(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:

@@ -1,6 +1,6 @@
 """Mapping of labels by features: the phonemes of packs, and mappings that disagree."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -34,29 +34,22 @@ class Disagreement(NamedTuple):
 
 
 def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[str, Any]:
-    """Return the features and candidates of a language's nearest-phoneme search, as JSON.
-
-    Raises
-    ------
-    PackFaults
-        The pack of the IPA is unsound.
-    """
+    """Return the features and candidates of a language's nearest-phoneme search, as JSON."""
     return _plain_search(library, candidates(language.model, library.common().model))
 
 
 def _plain_search(library: "Library", known: dict[str, list[str]]) -> dict[str, Any]:
-    """Return a search among phonemes, each with its IPA equivalents, as JSON."""
-    shades = shades_among(library.common().model, known)
-    return {"features": _features(library), "candidates": known, "shades": shades}
+    """Return a search among phonemes, each with its IPA equivalents, as JSON.
 
-
-def shades_among(common: "models.Phonemes", phonemes: Collection[str]) -> dict[str, list[object]]:
-    """Return the shades of phonemes as JSON: for each its parent, and its IPA equivalents."""
-    return {
+    Of each of their shades it has the parent and the IPA equivalents. An unsound pack of the IPA
+    raises `PackFaults`.
+    """
+    shades = {
         name: [shade.like, list(shade.ipa)]
-        for name, shade in common.shades.items()
-        if shade.like in phonemes
+        for name, shade in library.common().model.shades.items()
+        if shade.like in known
     }
+    return {"features": _features(library), "candidates": known, "shades": shades}
 
 
 def spelling(library: "Library") -> dict[str, dict[str, Any]]:
@@ -116,13 +109,7 @@ def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | N
 
 
 def among_all(library: "Library") -> NearestPhonemes:
-    """Return a nearest-phoneme search among all common phonemes.
-
-    Raises
-    ------
-    PackFaults
-        The pack of the IPA is unsound.
-    """
+    """Return a nearest-phoneme search among all common phonemes."""
     common = library.common().model
     # before the base, so that of equals the more special one is the nearest
     added = [name for name in common.phonemes if name not in (*common.base, common.silence)]

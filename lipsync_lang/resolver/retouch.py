@@ -43,13 +43,7 @@ class OpenPair:
 
     @classmethod
     def open(cls, library: "Library", language: str, character: str) -> Self:
-        """Compile a pair as `compile_pair` does, and keep its packs.
-
-        Raises
-        ------
-        PackError
-            A pack is missing or unsound, or two of them do not fit.
-        """
+        """Compile a pair as `compile_pair` does, and keep its packs; errors are as there."""
         shelf = PairPacks.open(library, language, character)
         packs: tuple[Pack[Any], ...] = (shelf.character, *shelf.own_banks, *shelf.banks)
         rows = PairRows.of(shelf)
@@ -59,15 +53,8 @@ class OpenPair:
         """Return the pair with bigrams from texts instead of their files.
 
         The result equals the pair compiled again, except that bigrams below an inserted or deleted
-        line keep the line number that they had.
-
-        Parameters
-        ----------
-        texts : files that changed
-
-        Returns
-        -------
-        None if more changed than bigrams of the pair's files: it must be compiled again
+        line keep the line number that they had. None means that more changed in the texts than
+        bigrams of the pair's files: it must be compiled again.
 
         Raises
         ------

@@ -21,43 +21,15 @@ if TYPE_CHECKING:
     from lipsync_lang.rigs.recognise import Match
 
 
-def plain_rig(
-    library: "Library", character: "Pack[models.Character]", poseset: "Pack[models.PoseSet]"
-) -> dict[str, Any] | None:
-    """Return the rig of a character as plain data; None if the character names none.
-
-    Raises
-    ------
-    PackFaults
-        The rig is unsound, or does not fit the pose set.
-    """
-    name = character.model.rig
-    return None if name is None else plain_channels_of(library, name, poseset)
-
-
-def plain_channels_of(
-    library: "Library", rig: str, poseset: "Pack[models.PoseSet]"
-) -> dict[str, Any]:
-    """Return a rig of a pose set as plain data.
-
-    Raises
-    ------
-    PackFaults
-        The rig is unsound, or does not fit the pose set.
-    """
+def plain_rig(library: "Library", rig: str, poseset: "Pack[models.PoseSet]") -> dict[str, Any]:
+    """Return a rig of a pose set as plain data; raise `PackFaults` as `load_rig` does."""
     model = load_rig(library, rig, poseset.model).model
     to = library.poseset(model.to).model if model.to is not None else None
     return {"name": model.name, "channels": plain_channels(model, to), "lost": dict(model.lost)}
 
 
 def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[models.RigPack]":
-    """Load a rig and check it against its pose set.
-
-    Raises
-    ------
-    PackFaults
-        It is not.
-    """
+    """Load a rig; raise `PackFaults` if it is unsound, or does not fit its pose set."""
     path = next(path for path in library.rigs_of(poseset.name) if path.stem == name)
     rig: Pack[Any] = library.load(path, "rig", name)
     known = {found.name for found in library.names("poseset")}
@@ -103,5 +75,5 @@ def on_model(
     """Put the compiled pair of a pose set on a model, through the rig of the match."""
     rig = None
     if match.rig is not None:
-        rig = plain_channels_of(library, match.rig, library.poseset(match.poseset))
+        rig = plain_rig(library, match.rig, library.poseset(match.poseset))
     return replace(compiled, character=path.stem, rig=rig, model=str(path.resolve()))
