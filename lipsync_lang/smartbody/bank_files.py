@@ -119,8 +119,8 @@ def read_smartbody(path: Path, remarks: ImportRemarks) -> Sets:
     PackError
         The file is unreadable, too large, or not text.
     """
-    text = _text(path)
     name = visible(str(path))
+    text = _text(path, name)
     words = next((line.split() for line in text.split("\n") if line.strip()), [""])
     if words[0] in {"Map", "Diphone"}:
         return _Export(name, remarks).read(text)
@@ -142,9 +142,8 @@ def visible(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
-def _text(path: Path) -> str:
+def _text(path: Path, shown: str) -> str:
     """Return the text of a file with normalised line ends."""
-    shown = visible(str(path))
     try:
         if path.stat().st_size > MAX_SCRIPT_BYTES:
             raise PackError(
@@ -197,7 +196,6 @@ class _Script:
             warnings.simplefilter("ignore")  # invalid escapes in script strings
             try:
                 for statement in _statements(text):
-                    self.line = statement.line
                     self._statement(statement)
             except tokenize.TokenError as error:
                 why, (line, _) = error.args
@@ -210,6 +208,7 @@ class _Script:
         self.remarks.add("statement", self.file, line or self.line, text)
 
     def _statement(self, statement: _Statement) -> None:
+        self.line = statement.line
         shown = visible(statement.text.strip().split("\n")[0][:KEPT])
         if statement.bound is not None:
             self._forget(statement.bound)
@@ -249,7 +248,9 @@ class _Script:
             case "addKey":
                 self._add_key(call)
             case "deleteDiphoneSet":
-                self._delete(call)
+                values = self._arguments(call, (str,))
+                if values is not None:
+                    self.sets.pop(str(values[0]), None)
             case _:
                 return False
         return True
@@ -277,11 +278,13 @@ class _Script:
             if inner is None or isinstance(inner, str):
                 return None
             return -inner if isinstance(node.op, ast.USub) else inner
-        if not isinstance(node, ast.Constant) or isinstance(node.value, bool):
+        value = node.value if isinstance(node, ast.Constant) else None
+        if isinstance(value, bool) or not isinstance(value, (str, int, float)):
             return None
-        if isinstance(node.value, str):
-            return node.value
-        return _number(node.value) if isinstance(node.value, (int, float)) else None
+        try:
+            return value if isinstance(value, str) else float(value)
+        except OverflowError:  # literals have no sign
+            return math.inf
 
     def _arguments(self, call: ast.Call, forms: tuple[type, ...]) -> list[LiteralValue] | None:
         """Return the arguments of a call; for a type mismatch, add a remark and return None."""
@@ -306,31 +309,27 @@ class _Script:
         return made
 
     def _add_key(self, call: ast.Call) -> None:
-        diphone = self._receiver(call.func)
-        if diphone is None:
-            return
+        receiver = call.func.value if isinstance(call.func, ast.Attribute) else None
+        if isinstance(receiver, ast.Call) and _called(receiver) == "createDiphone":
+            diphone = self._create(receiver)
+            if diphone is None:
+                return
+        else:
+            name = receiver.id if isinstance(receiver, ast.Name) else LAST
+            known = (receiver is None or name) and name in self.made
+            diphone = self.made[name] if known else None
+            if diphone is None:
+                why = "because the createDiphone before it was skipped"
+                self._tell(
+                    f"addKey is skipped, {why}"
+                    if known
+                    else "addKey is skipped: no createDiphone made its diphone"
+                )
+                return
         values = self._arguments(call, (str, float, float))
         if values is not None:
             time, weight = float(values[1]), float(values[2])
             _key(diphone, str(values[0]), time, weight, self.remarks, self.line)
-
-    def _receiver(self, function: ast.expr) -> Diphone | None:
-        """Return the diphone of an `addKey` call; if it has none, add a remark."""
-        value = function.value if isinstance(function, ast.Attribute) else None
-        if isinstance(value, ast.Call) and _called(value) == "createDiphone":
-            return self._create(value)
-        name = value.id if isinstance(value, ast.Name) else LAST
-        if (value is None or name) and name in self.made:
-            if self.made[name] is None:
-                self._tell("addKey is skipped, because the createDiphone before it was skipped")
-            return self.made[name]
-        self._tell("addKey is skipped: no createDiphone made its diphone")
-        return None
-
-    def _delete(self, call: ast.Call) -> None:
-        values = self._arguments(call, (str,))
-        if values is not None:
-            self.sets.pop(str(values[0]), None)
 
 
 def _called(call: ast.Call) -> str:
@@ -338,13 +337,6 @@ def _called(call: ast.Call) -> str:
     if isinstance(call.func, ast.Attribute):
         return call.func.attr
     return call.func.id if isinstance(call.func, ast.Name) else ""
-
-
-def _number(value: float) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf
 
 
 def _key(  # noqa: PLR0913, PLR0917 a key, and its place in the file
@@ -440,7 +432,13 @@ class _Export:
                 case ["Map", _, _]:
                     self.mapped += 1
                 case ["Diphone", first, second]:
-                    self._pair(number, (first.casefold(), second.casefold()))
+                    pair = (first.casefold(), second.casefold())
+                    self.now = Diphone(self.file, number)
+                    if pair in self.pairs:
+                        shown = visible("-".join(pair))
+                        what = f"{shown} is repeated, from another set; the first is kept"
+                        self.remarks.add("twice", self.file, number, what)
+                    self.pairs.setdefault(pair, self.now)
                 case ["Shape", *words] if self.now is not None:
                     self._shape(number, self.now, words)
                 case _:
@@ -452,13 +450,6 @@ class _Export:
 
     def _tell(self, line: int, text: str) -> None:
         self.remarks.add("statement", self.file, line, text)
-
-    def _pair(self, line: int, pair: DiphonePair) -> None:
-        self.now = Diphone(self.file, line)
-        if pair in self.pairs:
-            what = f"{visible('-'.join(pair))} is repeated, from another set; the first is kept"
-            self.remarks.add("twice", self.file, line, what)
-        self.pairs.setdefault(pair, self.now)
 
     def _shape(self, line: int, diphone: Diphone, words: list[str]) -> None:
         """Read a shape line: a name with possible spaces, a count, and that many numbers."""

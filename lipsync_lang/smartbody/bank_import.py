@@ -55,7 +55,7 @@ FEW = 24
 
 
 @dataclass(frozen=True)
-class Imported:
+class BankImport:
     """Result of an import."""
 
     path: Path
@@ -106,7 +106,7 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     style: str | None = None,
     interpolation: Interpolation = "linear",
     mapped: Mapping[str, str] | None = None,
-) -> Imported:
+) -> BankImport:
     """Import SmartBody banks into a bank of a pose set.
 
     Parameters
@@ -128,17 +128,26 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     remarks = ImportRemarks()
     sets = _merged([read_smartbody(path, remarks) for path in files], remarks)
     chosen = _chosen(sets, style, remarks)
-    _refuse_foreign(sets[chosen], poseset, names)
+    shapes = dict.fromkeys(shape for diphone in sets[chosen].values() for shape in diphone.shapes)
+    if shapes and names.poses.keys().isdisjoint(shapes):
+        raise LipsyncError(
+            f"no shape of this bank is a pose of {poseset.name}; select its pose set, or map its "
+            f"shapes with --map THEIRS=OURS. Its shapes: {shortlist(map(visible, shapes), FEW)}. "
+            f"The poses of {poseset.name}: {', '.join(poseset.poses)}"
+        )
     found = Conversion(names, remarks).fit(sets[chosen])
     if not found:
         raise LipsyncError(_nothing(remarks))
     manner = style or (NEUTRAL if chosen in USUAL else chosen)
-    path = to or _usual_path(poseset.name, files[0])
+    stem = re.sub(r"[^A-Za-z0-9_-]+", "-", files[0].stem).strip("-_")[:80] or "imported"
+    path = to or Path("posesets") / poseset.name / "banks" / f"{stem}.yaml"
     made = Made(poseset.name, found, STATUS, manner, interpolation)
-    new = _write(library, path, made, _header(files, chosen))
+    origin = ", ".join(visible(file.name) for file in files)
+    origin += f", set '{visible(chosen)}'" if chosen else ""
+    new = _write(library, path, made, f"# Imported from SmartBody: {origin}.\n")
     kept = tuple(key for key in found if key not in new)
     reach = _reach(found, interpolation)
-    return Imported(path, poseset.name, chosen, manner, tuple(new), kept, reach, remarks)
+    return BankImport(path, poseset.name, chosen, manner, tuple(new), kept, reach, remarks)
 
 
 def _reach(found: Mapping[str, ImportedCurves], interpolation: Interpolation) -> float:
@@ -210,35 +219,10 @@ def _chosen(sets: Sets, style: str | None, remarks: ImportRemarks) -> str:
     return fit[0]
 
 
-def _refuse_foreign(pairs: Mapping[Any, Any], poseset: "models.PoseSet", names: BankNames) -> None:
-    """Raise an error if no shape of the bank is a pose of the pose set."""
-    shapes = dict.fromkeys(shape for diphone in pairs.values() for shape in diphone.shapes)
-    if shapes and not any(shape in names.poses for shape in shapes):
-        listed = shortlist(map(visible, shapes), FEW)
-        raise LipsyncError(
-            f"no shape of this bank is a pose of {poseset.name}; select its pose set, or map its "
-            f"shapes with --map THEIRS=OURS. Its shapes: {listed}. The poses of "
-            f"{poseset.name}: {', '.join(poseset.poses)}"
-        )
-
-
 def _nothing(remarks: ImportRemarks) -> str:
     """Return the message for an empty import, with the first remarks."""
     why = [f"\n  {remark}" for remark in remarks.kept[:FEW]]
     return f"no bigram can be imported from these files{''.join(why)}"
-
-
-def _usual_path(poseset: str, file: Path) -> Path:
-    """Return the default path of a bank, relative to the project folder."""
-    name = re.sub(r"[^A-Za-z0-9_-]+", "-", file.stem).strip("-_")[:80] or "imported"
-    return Path("posesets") / poseset / "banks" / f"{name}.yaml"
-
-
-def _header(files: Sequence[Path], chosen: str) -> str:
-    """Return the header comment on the origin of the curves."""
-    listed = ", ".join(visible(file.name) for file in files)
-    of = f", set '{visible(chosen)}'" if chosen else ""
-    return f"# Imported from SmartBody: {listed}{of}.\n"
 
 
 def _write(library: "Library", path: Path, made: Made, header: str) -> list[str]:

@@ -14,7 +14,6 @@ from lipsync_lang.smartbody.bank_files import (
     Diphone,
     DiphonePair,
     ImportRemarks,
-    Point,
     visible,
 )
 
@@ -44,23 +43,14 @@ class BankNames:
     silence: str
 
 
-@dataclass(frozen=True)
-class _Stray:
-    """Keys of a bigram outside [0, 1]."""
-
-    key: str
-    diphone: Diphone
-    count: int
-    farthest: float
-
-
 class Conversion:
     """A foreign bank during its conversion to a bank pack."""
 
     def __init__(self, names: BankNames, remarks: ImportRemarks) -> None:
         self.names, self.remarks = names, remarks
         self.bigrams: dict[str, ImportedCurves] = {}
-        self.strays: list[_Stray] = []
+        self.strays: list[tuple[float, str, Diphone]] = []
+        """Bigrams with keys outside [0, 1]: the largest distance, a sentence, and the diphone."""
         self.unknown: dict[tuple[str, str], list[Diphone]] = {}
         """Unknown names as (kind, name), with the diphones that use them."""
 
@@ -80,7 +70,8 @@ class Conversion:
                 taken[key] = pair
                 self.bigrams[key] = curves
         self._tell_unknown()
-        self._tell_strays()
+        for _, what, diphone in sorted(self.strays, key=lambda one: -one[0]):
+            self._tell("stray", diphone, what)
         order = {key: number for number, key in enumerate(ours.values())}
         return dict(sorted(self.bigrams.items(), key=lambda one: order[one[0]]))
 
@@ -122,16 +113,9 @@ class Conversion:
             what = f"{key} is skipped: it has a curve of more than {MOST_KEYS} keys"
             self._tell("keys", diphone, what)
             return None
-        return self._drawn(key, diphone, known)
-
-    def _drawn(
-        self, key: str, diphone: Diphone, known: dict[str, list[Point]]
-    ) -> ImportedCurves | None:
-        order = list(self.names.poses)
         curves: ImportedCurves = {}
-        for shape in sorted(known, key=order.index):
-            pose = self.names.poses[shape]
-            points = self._points(key, diphone, shape, known[shape])
+        for shape in sorted(known, key=list(self.names.poses).index):
+            pose, points = self.names.poses[shape], self._points(key, diphone, shape)
             if len(points) < FEWEST_KEYS:
                 what = f"{key}: '{visible(shape)}' is skipped: a curve needs more than one key"
                 self._tell("empty", diphone, what)
@@ -142,11 +126,17 @@ class Conversion:
                 curves[pose] = points
         if not curves:
             return None
-        self._count_strays(key, diphone, [p for points in known.values() for p in points])
+        by = [max(0 - t, t - 1, 0 - v, v - 1) for points in known.values() for t, v in points]
+        strays = sum(distance > 0 for distance in by)
+        if strays:
+            noun = "key" if strays == 1 else "keys"
+            what = f"{key}: {strays} {noun} outside 0 to 1 clipped, by at most {max(by):.3g}"
+            self.strays.append((max(by), what, diphone))
         return {pose: points for pose, points in curves.items() if any(v for _, v in points)}
 
-    def _points(self, key: str, diphone: Diphone, shape: str, points: list[Point]) -> CurvePoints:
+    def _points(self, key: str, diphone: Diphone, shape: str) -> CurvePoints:
         """Sort keys by time, clip them to the unit square, and merge duplicates."""
+        points = diphone.shapes[shape]
         if any(after < before for (before, _), (after, _) in pairwise(points)):
             what = f"{key}: the times of '{visible(shape)}' do not rise; the keys are sorted"
             self._tell("order", diphone, what)
@@ -157,18 +147,6 @@ class Conversion:
             what = f"{key}: '{visible(shape)}' has repeated keys; {len(merged)} are kept"
             self._tell("repeat", diphone, what)
         return merged
-
-    def _count_strays(self, key: str, diphone: Diphone, points: list[Point]) -> None:
-        by = [max(0 - t, t - 1, 0 - v, v - 1) for t, v in points]
-        count = sum(distance > 0 for distance in by)
-        if count:
-            self.strays.append(_Stray(key, diphone, count, max(by)))
-
-    def _tell_strays(self) -> None:
-        for stray in sorted(self.strays, key=lambda one: -one.farthest):
-            keys = "key" if stray.count == 1 else "keys"
-            what = f"{stray.key}: {stray.count} {keys} outside 0 to 1 clipped, "
-            self._tell("stray", stray.diphone, f"{what}by at most {stray.farthest:.3g}")
 
     def _tell_unknown(self) -> None:
         for (kind, name), diphones in self.unknown.items():

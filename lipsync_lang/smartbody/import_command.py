@@ -4,15 +4,11 @@ import sys
 from argparse import Namespace
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
 from lipsync_lang.errors import LipsyncError
-
-if TYPE_CHECKING:
-    from lipsync_lang.smartbody.bank_files import ImportRemarks
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""
@@ -59,32 +55,20 @@ def import_(options: Namespace) -> int:
     from lipsync_lang.packs.library import Library
     from lipsync_lang.smartbody.bank_import import import_bank
 
+    mapped = {}
+    for pair in options.map:
+        theirs, _, ours = pair.rpartition("=")
+        if not theirs or not ours:
+            raise LipsyncError(f"--map {pair}: write THEIRS=OURS, such as --map z=s")
+        mapped[theirs] = ours
     imported = import_bank(
         Library(options.path), options.files, options.character,
-        to=options.to, style=options.style, interpolation=options.interpolation,
-        mapped=_mapped(options.map),
+        to=options.to, style=options.style, interpolation=options.interpolation, mapped=mapped,
     )  # fmt: skip
     if options.json:
         print(as_json(imported.to_dict()))
-    else:
-        _print_remarks(imported.remarks)
-        print(imported, file=sys.stderr)
-    return SOUND
-
-
-def _mapped(pairs: list[str]) -> dict[str, str]:
-    """Parse ``THEIRS=OURS`` pairs."""
-    mapped = {}
-    for pair in pairs:
-        theirs, equals, ours = pair.rpartition("=")
-        if not equals or not theirs or not ours:
-            raise LipsyncError(f"--map {pair}: write THEIRS=OURS, such as --map z=s")
-        mapped[theirs] = ours
-    return mapped
-
-
-def _print_remarks(remarks: "ImportRemarks") -> None:
-    """Print the first remarks of each kind and the count of the rest."""
+        return SOUND
+    remarks = imported.remarks
     kinds = list(remarks.counts)
     kept = sorted(remarks.kept, key=lambda remark: kinds.index(remark.kind))
     for kind, some in groupby(kept, key=lambda remark: remark.kind):
@@ -93,3 +77,5 @@ def _print_remarks(remarks: "ImportRemarks") -> None:
         if remarks.counts[kind] > SHOWN:
             more = remarks.counts[kind] - SHOWN
             print(f"  ... and {more} more like these (--json lists them)", file=sys.stderr)
+    print(imported, file=sys.stderr)
+    return SOUND
