@@ -65,22 +65,16 @@ def _add_accept(action: Add) -> None:
 
 def accept(options: Namespace) -> int:
     """List the items of a fit, accept some of them, or take accepted ones out again."""
-    from lipsync_lang.capture.fit_file import FITTED, split_item
+    from lipsync_lang.capture.accept_fit import accept_fit
+    from lipsync_lang.capture.fit_file import FITTED, read_fit, split_item
+    from lipsync_lang.packs.library import Library
 
     names = list(options.items)
     if options.remove:  # the file of the fit may be named too, but is not needed
         return _remove(options, [name for name in names if split_item(name)[0] in FITTED])
     if not names:
         raise LipsyncError("name the file of a fit: bank accept FIT.json -c CHARACTER")
-    return _accept(options, Path(names[0]), names[1:])
-
-
-def _accept(options: Namespace, file: Path, wanted: Sequence[str]) -> int:
-    from lipsync_lang.capture.accept_fit import accept_fit
-    from lipsync_lang.capture.fit_file import read_fit
-    from lipsync_lang.packs.library import Library
-
-    proposal = read_fit(file)
+    proposal, wanted = read_fit(Path(names[0])), names[1:]
     done = accept_fit(
         Library(options.path), proposal, options.character, wanted,
         every=options.all, confidence=options.confidence, anyway=options.anyway,
@@ -91,7 +85,14 @@ def _accept(options: Namespace, file: Path, wanted: Sequence[str]) -> int:
     elif wanted or options.all:
         _tell(done, dry=options.dry_run)
     else:
-        _print_review(proposal, done)
+        for line in columns([HEAD, *map(_cells, done.rows)], widest=MAX_VALUE_CHARS):
+            print(line)
+        if not proposal.verdict.accepted:
+            told = f": {proposal.verdict.why}" if proposal.verdict.why else ""
+            print(f"the fit does not generalise to held-out lines{told}", file=sys.stderr)
+        ready = sum(row.state == "ready" for row in done.rows)
+        items = count(len(done.rows), "item")
+        print(f"{ready} of {items} can be accepted with --all", file=sys.stderr)
     missed = [row for row in done.left if row.item.item in wanted and row.state != "same"]
     return FAULTS if missed else SOUND
 
@@ -114,17 +115,6 @@ def _remove(options: Namespace, wanted: Sequence[str]) -> int:
     _name(done.taken)
     print(f"{count(len(done.taken), 'item')} {verb} out of {shown(done.path)}", file=sys.stderr)
     return SOUND
-
-
-def _print_review(proposal: "FitProposal", done: "Acceptance") -> None:
-    """Print the items as a table, and the judgement of the fit."""
-    for line in columns([HEAD, *map(_cells, done.rows)], widest=MAX_VALUE_CHARS):
-        print(line)
-    if not proposal.verdict.accepted:
-        told = f": {proposal.verdict.why}" if proposal.verdict.why else ""
-        print(f"the fit does not generalise to held-out lines{told}", file=sys.stderr)
-    ready = sum(row.state == "ready" for row in done.rows)
-    print(f"{ready} of {count(len(done.rows), 'item')} can be accepted with --all", file=sys.stderr)
 
 
 def _cells(row: "ReviewedItem") -> tuple[str, ...]:

@@ -124,22 +124,28 @@ class ComparedMotion:
         clocks[:, 2] = speeds or 1.0
         size = len(self.times) * self.shown.shape[2] * len(clocks)
         parts = np.array_split(clocks, max(1, size // MAX_COMPARED_VALUES))
-        return np.concatenate([self._likenesses(part) for part in parts])
+        out = []
+        for part in parts:
+            each, weights = self._correlations(part)
+            total = weights.sum(axis=2)
+            out.append((each * weights).sum(axis=2) / np.where(total > 0, total, 1.0))
+        return np.concatenate(out)
 
     def signals(self) -> Floats:
         """Return r of each signal with its own curve, without correction: (S,)."""
         found: Floats = self._correlations(np.array([[0.0, 0.0, 1.0]]))[0][0, 0]
         return found
 
-    def _likenesses(self, clocks: Floats) -> Floats:
-        each, weights = self._correlations(clocks)
-        total = weights.sum(axis=2)
-        found: Floats = (each * weights).sum(axis=2) / np.where(total > 0, total, 1.0)
-        return found
-
     def _correlations(self, clocks: Floats) -> tuple[Floats, Floats]:
         """Return r and weight of each signal: (L, K, S) each; 0 if the signal or curve is still."""
-        recorded = self._recorded(clocks)
+        middle = (self.times[0] + self.times[-1]) / 2
+        along = (self.times - middle) / max(self.times[-1] - self.times[0], 1e-9)
+        offset, drift, speed = clocks.T[..., None]
+        seconds = (self.times + offset + along * drift) * speed
+        at = np.rint((seconds - self.line.times[0]) * CLOCK_FPS).astype(np.intp)
+        inside = (at >= 0) & (at < len(self._grid))
+        recorded = self._grid[np.clip(at, 0, len(self._grid) - 1)]  # (L, T, S)
+        recorded[~inside] = np.nan
         known = np.isfinite(recorded)
         counts = np.maximum(known.sum(axis=1), 1)
         x = np.where(known, recorded, 0.0)
@@ -154,18 +160,6 @@ class ComparedMotion:
         enough = known.mean(axis=1)[:, None] > LEAST_KNOWN
         return each, np.where(enough & (shown_size > STILL_SIZE), shown_size, 0.0)
 
-    def _recorded(self, clocks: Floats) -> Floats:
-        """Return the recorded values with each clock: (L, T, S)."""
-        middle = (self.times[0] + self.times[-1]) / 2
-        along = (self.times - middle) / max(self.times[-1] - self.times[0], 1e-9)
-        offset, drift, speed = clocks.T[..., None]
-        seconds = (self.times + offset + along * drift) * speed
-        at = np.rint((seconds - self.line.times[0]) * CLOCK_FPS).astype(np.intp)
-        inside = (at >= 0) & (at < len(self._grid))
-        out: Floats = self._grid[np.clip(at, 0, len(self._grid) - 1)]
-        out[~inside] = np.nan
-        return out
-
     @cached_property
     def _grid(self) -> Floats:
         """The recorded values at an even rate from the line's first time on."""
@@ -178,26 +172,20 @@ def compared(
     performer: "Performer", line: CapturedLine, schedules: "Sequence[Schedule]"
 ) -> ComparedMotion:
     """Combine the motion of a line with the curves of schedules with the same times."""
-    times = _near_sounds(performer, schedules[0])
+    start, end = spoken_span(performer, schedules[0])
+    times = np.arange(start - EDGE_SECONDS, end + EDGE_SECONDS, 1 / CLOCK_FPS)
+    sounds = sounds_of(performer, schedules[0])
+    starts, ends = schedules[0].times[sounds], schedules[0].times[sounds + 1]
+    before = np.searchsorted(starts, times, side="right") - 1
+    since = times - ends[np.maximum(before, 0)]
+    until = starts[np.minimum(before + 1, len(starts) - 1)] - times
+    # Long pauses are left out, except next to sounds.
+    times = times[(before < 0) | (since <= PAUSE_EDGE_SECONDS) | (until <= PAUSE_EDGE_SECONDS)]
     shown = []
     for animation in performer.perform_many(schedules, fps=CLOCK_FPS, intensity=None):
         weights = [np.interp(times, animation.times, one, 0, 0) for one in animation.weights.T]
         shown.append(np.column_stack(weights) @ line.gains.T)
     return ComparedMotion(times, np.array(shown), line)
-
-
-def _near_sounds(performer: "Performer", schedule: "Schedule") -> Floats:
-    """Return the frames of sounds and of pauses near them; long pauses are left out."""
-    start, end = spoken_span(performer, schedule)
-    times = np.arange(start - EDGE_SECONDS, end + EDGE_SECONDS, 1 / CLOCK_FPS)
-    sounds = sounds_of(performer, schedule)
-    starts, ends = schedule.times[sounds], schedule.times[sounds + 1]
-    before = np.searchsorted(starts, times, side="right") - 1
-    since = times - ends[np.maximum(before, 0)]
-    until = starts[np.minimum(before + 1, len(starts) - 1)] - times
-    far = (before >= 0) & (since > PAUSE_EDGE_SECONDS) & (until > PAUSE_EDGE_SECONDS)
-    found: Floats = times[~far]
-    return found
 
 
 def spoken_span(performer: "Performer", schedule: "Schedule") -> tuple[float, float]:
@@ -224,7 +212,10 @@ def read_clock(performer: "Performer", line: CapturedLine) -> tuple[ClockReading
     best = int(np.where(near, alike, -2).argmax())
     far = int(np.where(near, -2, alike).argmax())
     apart = near & (np.abs(offsets - offsets[best]) > APART_SECONDS)
-    drifting, drift = _drift(own, float(offsets[best]))
+    drifts = np.arange(-2 * DRIFT_SECONDS, 2 * DRIFT_SECONDS + 1e-9, 2 * DRIFT_STEP_SECONDS)
+    late, lost = _every(float(offsets[best]) + SEARCHED_OFFSETS_SECONDS, drifts)
+    drifted = own.likenesses(late, lost)[:, 0].tolist()
+    drifting, _, drift = max(zip(drifted, (-abs(one) for one in lost), lost, strict=True))
     few = np.arange(-NEAR_SECONDS, NEAR_SECONDS + 1e-9, DRIFT_STEP_SECONDS)
     chance = motion.likenesses(few.tolist())[:, 1:].max(axis=0)
     reading = ClockReading(
@@ -253,15 +244,6 @@ def _shuffles(performer: "Performer", line: CapturedLine) -> "list[Schedule]":
             labels[place] = line.schedule.labels[source]
         out.append(replace(line.schedule, labels=tuple(labels), words=(), stress=()))
     return out
-
-
-def _drift(motion: ComparedMotion, offset: float) -> tuple[float, float]:
-    """Return the best likeness with a drift, and that drift over the speech."""
-    drifts = np.arange(-2 * DRIFT_SECONDS, 2 * DRIFT_SECONDS + 1e-9, 2 * DRIFT_STEP_SECONDS)
-    late, drift = _every(offset + SEARCHED_OFFSETS_SECONDS, drifts)
-    alike = motion.likenesses(late, drift)[:, 0]
-    best = max(zip(alike.tolist(), (-abs(one) for one in drift), drift, strict=True))
-    return best[0], best[2]
 
 
 def best_speed(motion: ComparedMotion) -> tuple[float, float]:

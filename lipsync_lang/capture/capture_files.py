@@ -7,7 +7,7 @@ The files of a capture NAME lie side by side: `NAME.csv`, `NAME.TextGrid` or `NA
 import os
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -34,6 +34,9 @@ READ_OUT = "readout.yaml"
 
 MAX_CAPTURES = 20_000
 """Maximum number of captures in a fit."""
+
+MAX_WILDCARDS = 4
+"""Maximum number of `*` in a pattern, few so that matching is quick."""
 
 LIST_COLUMNS = ("capture", "timings", "text", "audio", "speaker", "start", "fps")
 """Columns of a list of captures; only the first is required."""
@@ -88,7 +91,15 @@ def find_captures(
     for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):
         if not path.exists():
             raise LipsyncError(f"{path}: no such file or folder; check the path")
-        for one in _below(path, aside) if path.is_dir() else _named(path, aside):
+        folder = path.parent
+        listed: Iterable[CaptureFiles]
+        if path.is_dir():
+            listed = _below(path, aside)
+        elif _lists_captures(path):
+            listed = _stated(path, _Neighbours(folder), folder, aside)
+        else:
+            listed = [_Neighbours(folder).files_of(path, folder)]
+        for one in listed:
             found.setdefault(os.path.realpath(one.capture), one)
         if len(found) > MAX_CAPTURES:
             raise LipsyncError(f"{path}: holds more than {MAX_CAPTURES} captures; give fewer")
@@ -97,14 +108,13 @@ def find_captures(
         raise LipsyncError(
             f"no captures in {places}; known: {', '.join(ANIMATION_READERS.suffixes())}"
         )
-    told = [one if one.speaker else _with_speaker(one, pattern) for one in found.values()]
-    return CaptureSearch(tuple(_uniquely_named(told)), tuple(aside))
+    return CaptureSearch(tuple(_uniquely_named(found.values(), pattern)), tuple(aside))
 
 
 def _pattern(text: str) -> re.Pattern[str]:
     """Return the regular expression of a pattern: `*` is any text, `{speaker}` the speaker."""
     before, mark, after = text.partition("{speaker}")
-    if not mark or text.count("*") > 4 or "{speaker}" in after:  # noqa: PLR2004 few, so that matching is quick
+    if not mark or text.count("*") > MAX_WILDCARDS or "{speaker}" in after:
         raise LipsyncError(
             f"{text}: a pattern has `{{speaker}}` once and at most four `*`, as in `{{speaker}}_*`"
         )
@@ -112,30 +122,24 @@ def _pattern(text: str) -> re.Pattern[str]:
     return re.compile("([^/]+?)".join(parts))
 
 
-def _with_speaker(one: CaptureFiles, pattern: re.Pattern[str] | None) -> CaptureFiles:
-    if pattern is None:
-        return replace(one, speaker=one.name.partition("/")[0] if "/" in one.name else "")
-    found = pattern.fullmatch(one.name) or pattern.fullmatch(one.name.rpartition("/")[2])
-    return replace(one, speaker=found[1] if found else "")
-
-
-def _uniquely_named(found: Sequence[CaptureFiles]) -> Iterator[CaptureFiles]:
-    """Yield captures with unique names; suffixes distinguish equal names."""
+def _uniquely_named(
+    found: Collection[CaptureFiles], pattern: re.Pattern[str] | None
+) -> Iterator[CaptureFiles]:
+    """Yield captures with their speakers, and with suffixes that distinguish equal names."""
     counts = Counter(one.name for one in found)
     seen: Counter[str] = Counter()
     for one in found:
+        speaker = one.speaker
+        if not speaker and pattern is None:
+            speaker = one.name.partition("/")[0] if "/" in one.name else ""
+        elif not speaker and pattern is not None:
+            last = one.name.rpartition("/")[2]
+            matched = pattern.fullmatch(one.name) or pattern.fullmatch(last)
+            speaker = matched[1] if matched else ""
         name = one.name if counts[one.name] == 1 else f"{one.name}{one.capture.suffix}"
         seen[name] += 1
-        yield replace(one, name=name if seen[name] == 1 else f"{name}-{seen[name]}")
-
-
-def _named(path: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
-    """Yield the capture of a file, or the captures that it lists."""
-    folder = _Neighbours(path.parent)
-    if _lists_captures(path):
-        yield from _stated(path, folder, path.parent, aside)
-    else:
-        yield folder.files_of(path, path.parent)
+        own = name if seen[name] == 1 else f"{name}-{seen[name]}"
+        yield replace(one, speaker=speaker, name=own)
 
 
 def _below(root: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
@@ -262,16 +266,14 @@ class _Neighbours:
     def is_capture(self, path: Path) -> bool:
         """Distinguish captures from timings by their content."""
         if path.name not in self._captures:
-            self._captures[path.name] = self._holds_motion(path)
+            suffix = path.suffix.lower()
+            if suffix not in ANIMATION_READERS.suffixes() or _lists_captures(path):
+                motion = False
+            else:
+                marked = suffix == ".json" and ANIMATION_MARK in _head(path)
+                motion = marked or not _is_timings(path)
+            self._captures[path.name] = motion
         return self._captures[path.name]
-
-    @staticmethod
-    def _holds_motion(path: Path) -> bool:
-        if path.suffix.lower() not in ANIMATION_READERS.suffixes() or _lists_captures(path):
-            return False
-        if path.suffix.lower() == ".json" and ANIMATION_MARK in _head(path):
-            return True
-        return not _is_timings(path)
 
     def files_of(self, capture: Path, root: Path) -> CaptureFiles:
         """Return a capture with its neighbours; the full stem precedes the name up to a dot."""
@@ -285,24 +287,16 @@ class _Neighbours:
         heard = (p for suffix in SOUND_SUFFIXES for p in beside if p.suffix.lower() == suffix)
         name = capture.with_name(base if base not in self._shared else stem)
         shown = name.relative_to(root) if name.is_relative_to(root) else Path(name.name)
+        above = [capture.parent, *capture.parent.parents]
+        above = above[: above.index(root) + 1] if root in above else above
         return CaptureFiles(
             capture,
             shown.as_posix(),
             timed[0] if timed else None,
             next((path for path in told if path not in timed), None),
             next(heard, None),
-            readout=_above(capture.parent, root),
+            readout=next((at / READ_OUT for at in above if (at / READ_OUT).is_file()), None),
         )
-
-
-def _above(folder: Path, root: Path) -> Path | None:
-    """Return the read-out of a folder, or of one above it up to the root."""
-    for at in (folder, *folder.parents):
-        if (at / READ_OUT).is_file():
-            return at / READ_OUT
-        if at == root:
-            break
-    return None
 
 
 def _is_timings(path: Path) -> bool:

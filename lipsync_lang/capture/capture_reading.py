@@ -66,13 +66,15 @@ def read_captures(  # noqa: PLR0913 facts that files may lack
         A path is missing, or the read-out is unsound. A fault of one capture sets that one aside.
     """
     found = find_captures(paths, speaker=speaker)
-    readouts = _ReadOuts(performer, None if readout is None else Path(readout))
+    stated = None if readout is None else load_readout(Path(readout))
+    load = cache(load_readout)
     timed = CaptureTimings(performer, aligner, notation)
     lines, aside = [], list(found.set_aside)
     spoken = timed.aligned([one for one in found.files if one.timings is None])
     for number, files in enumerate(found.files, 1):
         try:
-            lines.append(_line(performer, files, readouts, timed, spoken.get(files.name)))
+            own = load(files.readout) if stated is None and files.readout else stated
+            lines.append(_line(performer, files, own, timed, spoken.get(files.name)))
         except (LipsyncError, OSError) as error:
             aside.append(SetAside(line=files.name, why=str(error)))
         if progress is not None:
@@ -96,15 +98,19 @@ class _Moving(NamedTuple):
 def _line(
     performer: "Performer",
     files: CaptureFiles,
-    readouts: "_ReadOuts",
+    readout: "ReadOut | None",
     timed: CaptureTimings,
     spoken: "Schedule | LipsyncError | None",
 ) -> CapturedLine:
     """Read one capture."""
-    stated = readouts.of(files)
-    motion = _motion(performer, files, stated)
-    _check_rate(files, motion.times)
-    schedule = timed.schedule(files, stated, spoken or motion.schedule)
+    motion = _motion(performer, files, readout)
+    fps = (len(motion.times) - 1) / float(motion.times[-1] - motion.times[0])
+    if files.fps is not None and abs(fps / files.fps - 1) > FPS_TOLERANCE:
+        raise AnimationError(
+            f"{files.capture}: its times have {fps:.4g} frames per second, but the list states "
+            f"{files.fps:g}; correct the wrong one"
+        )
+    schedule = timed.schedule(files, readout, spoken or motion.schedule)
     schedule, more = readable(performer, schedule)
     return CapturedLine(
         files.name,
@@ -120,19 +126,12 @@ def _line(
     )
 
 
-def _check_rate(files: CaptureFiles, times: Floats) -> None:
-    """Raise an error for a capture whose times do not have the stated rate."""
-    fps = (len(times) - 1) / float(times[-1] - times[0])
-    if files.fps is not None and abs(fps / files.fps - 1) > FPS_TOLERANCE:
-        raise AnimationError(
-            f"{files.capture}: its times have {fps:.4g} frames per second, but the list states "
-            f"{files.fps:g}; correct the wrong one"
-        )
-
-
 def _motion(performer: "Performer", files: CaptureFiles, readout: "ReadOut | None") -> _Moving:
     """Read the motion of sensors if a read-out has the columns, or else of poses or channels."""
-    may_be_sensors = _may_be_sensors(files.capture)
+    may_be_sensors = files.capture.suffix.lower() == ".csv"
+    if may_be_sensors:  # unless it is a take of Live Link Face
+        with files.capture.open("rb") as stream:
+            may_be_sensors = not fits(stream.read(HEAD_BYTES))
     if readout is not None and may_be_sensors:
         sensed = read_sensors(files.capture, readout)
         if sensed is not None:
@@ -143,14 +142,6 @@ def _motion(performer: "Performer", files: CaptureFiles, readout: "ReadOut | Non
         if readout is not None or not may_be_sensors:
             raise
         raise AnimationError(f"{error} (for a table of sensors, give a read-out)") from None
-
-
-def _may_be_sensors(path: Path) -> bool:
-    """Distinguish tables of any columns from takes of Live Link Face and from other formats."""
-    if path.suffix.lower() != ".csv":
-        return False
-    with path.open("rb") as stream:
-        return not fits(stream.read(HEAD_BYTES))
 
 
 def _measured(performer: "Performer", path: Path, sensed: SensorSignals) -> _Moving:
@@ -200,18 +191,3 @@ def _weighted(performer: "Performer", recording: Recording) -> _Moving:
         remarks=remarks,
         schedule=recording.schedule,
     )
-
-
-class _ReadOuts:
-    """Cache of read-outs by file."""
-
-    def __init__(self, performer: "Performer", stated: Path | None) -> None:
-        self._performer = performer
-        self._stated = None if stated is None else load_readout(stated)
-        self._load = cache(load_readout)
-
-    def of(self, files: CaptureFiles) -> "ReadOut | None":
-        """Return the read-out of a capture: the given one, or that of its folder."""
-        if self._stated is not None or files.readout is None:
-            return self._stated
-        return self._load(files.readout)

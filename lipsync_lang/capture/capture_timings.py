@@ -1,6 +1,6 @@
 """Timings of captures, from files beside them or by alignment with their sound."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -49,7 +49,16 @@ class CaptureTimings:
     ) -> Schedule:
         """Return the phonemes of a capture: from its timings, alignment or own file."""
         if files.timings is not None:
-            return self._read(files, files.timings, readout)
+            from lipsync_lang.speech.filling import filled
+
+            quiet = {*self.performer.compiled.silences, *(readout.silences if readout else ())}
+            silences = frozenset(one.casefold() for one in quiet)
+            content = timing_bytes(files.timings)
+            found = timings_of(TimingFile(files.timings, content, silences=silences))
+            if isinstance(found, TimedWords):
+                return filled(self.performer.speaker, found, audio=files.audio)
+            notation = self.notation or (readout.notation if readout else None) or found.notation
+            return replace(found, notation=notation)
         if isinstance(spoken, LipsyncError):
             raise spoken
         if spoken is not None:
@@ -61,50 +70,32 @@ class CaptureTimings:
             f"{near.name}.txt and {near.name}.wav"
         )
 
-    def _read(self, files: CaptureFiles, path: Path, readout: "ReadOut | None") -> Schedule:
-        from lipsync_lang.speech.filling import filled
-
-        quiet = {*self.performer.compiled.silences, *(readout.silences if readout else ())}
-        silences = frozenset(one.casefold() for one in quiet)
-        found = timings_of(TimingFile(path, timing_bytes(path), silences=silences))
-        if isinstance(found, TimedWords):
-            return filled(self.performer.speaker, found, audio=files.audio)
-        notation = self.notation or (readout.notation if readout else None) or found.notation
-        return replace(found, notation=notation)
-
     def aligned(self, files: Sequence[CaptureFiles]) -> "dict[str, Schedule | LipsyncError]":
         """Align the captures that have a text and a sound; return schedules or errors by name."""
         from lipsync_lang.speech.hearing.alignment import align_many
 
-        known = [one for one in files if one.text is not None and one.audio is not None]
-        told: dict[str, str] = {}
+        pairs: dict[str, tuple[Path, str]] = {}
         out: dict[str, Schedule | LipsyncError] = {}
-        for one in known:
+        for one in files:
+            text = one.text
+            if text is None or one.audio is None:
+                continue
             try:
-                told[one.name] = _text(one.text)
+                if isinstance(text, Path):
+                    content = read_input(text, MAX_TEXT_BYTES, mend="give the text of one line")
+                    text = content.decode("utf-8-sig").strip()
+                pairs[one.name] = one.audio, text
             except LipsyncError as error:
                 out[one.name] = error
-        pairs = [(one, told[one.name]) for one in known if one.name in told]
+            except UnicodeDecodeError as error:
+                out[one.name] = LipsyncError(
+                    f"{one.text}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+                )
         if pairs:
-            sounds = ((one.audio, text) for one, text in pairs if one.audio is not None)
-            found: Iterator[Schedule | LipsyncError] = align_many(
-                self.performer.speaker, sounds, aligner=self.aligner
-            )
-            out |= zip((one.name for one, _ in pairs), found, strict=True)
+            speaker = self.performer.speaker
+            found = align_many(speaker, pairs.values(), aligner=self.aligner)
+            out |= zip(pairs, found, strict=True)
         return out
-
-
-def _text(text: str | Path | None) -> str:
-    """Return a text, or the content of a text file."""
-    if not isinstance(text, Path):
-        return text or ""
-    content = read_input(text, MAX_TEXT_BYTES, mend="give the text of one line")
-    try:
-        return content.decode("utf-8-sig").strip()
-    except UnicodeDecodeError as error:
-        raise LipsyncError(
-            f"{text}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-        ) from None
 
 
 def readable(performer: "Performer", schedule: Schedule) -> tuple[Schedule, tuple[str, ...]]:

@@ -86,9 +86,8 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
     """
     if find_spec("scipy") is None:
         raise LipsyncError(f"a fit needs scipy: {install_line('capture')}")
-    laid = _laid(performer, captured, set_aside)
     progress("fitting all lines")
-    task, full, strays = _without_strays(pair, laid)
+    task, full, strays = _without_strays(pair, performer, captured, set_aside)
     parts = folds(task.lines)
     fits = []
     for number, fit in enumerate(run_fits(task, [part.kept for part in parts], workers), 1):
@@ -138,9 +137,20 @@ def _proposal(
 
 
 def _without_strays(
-    pair: "OpenPair", lines: tuple[FitLine, ...]
+    pair: "OpenPair",
+    performer: "Performer",
+    captured: "Sequence[CapturedLine]",
+    set_aside: Sequence[SetAside],
 ) -> tuple[FitTask, FitValues, tuple[SetAside, ...]]:
     """Fit all lines, and then again without the outliers."""
+    if not captured:
+        reasons = "".join(f"\n  {one.line}: {one.why}" for one in set_aside)
+        raise LipsyncError(f"no capture can be used; {len(set_aside)} were set aside{reasons}")
+    lines = lay_lines(performer, without_rest(performer, captured), fit_rate(captured))
+    if not any(line.seen.any() for line in lines):
+        raise LipsyncError(
+            "the captures have no motion during the speech; check that the timings belong to them"
+        )
     task = FitTask(FitFace.of(pair, lines), lines, motion_groups(pair))
     full = task.fit(range(len(lines)))
     names = [line.captured.name for line in lines]
@@ -151,20 +161,6 @@ def _without_strays(
     kept = tuple(line for line in lines if line.captured.name not in aside)
     task = FitTask(FitFace.of(pair, kept), kept, task.groups)
     return task, task.fit(range(len(kept))), strays
-
-
-def _laid(
-    performer: "Performer", captured: "Sequence[CapturedLine]", set_aside: Sequence[SetAside]
-) -> tuple[FitLine, ...]:
-    if not captured:
-        reasons = "".join(f"\n  {one.line}: {one.why}" for one in set_aside)
-        raise LipsyncError(f"no capture can be used; {len(set_aside)} were set aside{reasons}")
-    lines = lay_lines(performer, without_rest(performer, captured), fit_rate(captured))
-    if not any(line.seen.any() for line in lines):
-        raise LipsyncError(
-            "the captures have no motion during the speech; check that the timings belong to them"
-        )
-    return lines
 
 
 def motion_groups(pair: "OpenPair") -> MotionGroups:

@@ -4,6 +4,7 @@ import os
 import sys
 from argparse import Namespace
 from collections.abc import Iterator
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, tell_wri
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_pair
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.reports.text_table import columns
 from lipsync_lang.terminal import progress, wipe
 
@@ -70,7 +71,9 @@ def _add_fit(action: Add) -> None:
 
 def fit(options: Namespace) -> int:
     """Fit a pair to captures; print the result, and write proposal and page."""
-    from lipsync_lang.files import write_all
+    from lipsync_lang.capture.fit_file import write_fit
+    from lipsync_lang.capture.fit_page import fit_page
+    from lipsync_lang.capture.shown_lines import shown_lines
 
     if options.page is not None and options.page == options.output:
         raise LipsyncError(f"{options.page}: the proposal and the page need different files")
@@ -78,9 +81,11 @@ def fit(options: Namespace) -> int:
     proposal = found.proposal
     writers = {}
     if options.output is not None:
-        writers[options.output] = _proposal(proposal)
+        text = StringIO()
+        write_fit(text, proposal)
+        writers[options.output] = _writer(text.getvalue())
     if options.page is not None:
-        writers[options.page] = _page(found)
+        writers[options.page] = _writer(fit_page(shown_lines(found.followed), proposal))
     write_all(writers)
     words = sys.stderr if STANDARD_STREAM in writers else sys.stdout
     if options.json:
@@ -94,6 +99,10 @@ def fit(options: Namespace) -> int:
     if options.output is not None and options.output != STANDARD_STREAM:
         print(f"accept values with: lipsync-lang bank accept {options.output}", file=sys.stderr)
     return SOUND
+
+
+def _writer(text: str) -> "Callable[[BinaryIO], object]":
+    return lambda stream: stream.write(text.encode())
 
 
 def _fitted(options: Namespace) -> "CaptureFit":
@@ -137,24 +146,6 @@ def _fitted(options: Namespace) -> "CaptureFit":
         wipe()
 
 
-def _proposal(proposal: "FitProposal") -> "Callable[[BinaryIO], object]":
-    from io import StringIO
-
-    from lipsync_lang.capture.fit_file import write_fit
-
-    text = StringIO()
-    write_fit(text, proposal)
-    return lambda stream: stream.write(text.getvalue().encode())
-
-
-def _page(found: "CaptureFit") -> "Callable[[BinaryIO], object]":
-    from lipsync_lang.capture.fit_page import fit_page
-    from lipsync_lang.capture.shown_lines import shown_lines
-
-    text = fit_page(shown_lines(found.followed), found.proposal)
-    return lambda stream: stream.write(text.encode())
-
-
 def told(proposal: "FitProposal") -> Iterator[str]:
     """Yield the printed lines of a proposal."""
     who = f"{proposal.language} on {proposal.character}"
@@ -164,15 +155,11 @@ def told(proposal: "FitProposal") -> Iterator[str]:
     for remark in proposal.remarks:
         yield f"  {remark}"
     yield f"{'accepted' if proposal.verdict.accepted else 'REFUSED'}: {proposal.verdict.why}"
-    rows = [
+    folds = [
         (f"  without {one.by} {one.held_out}", f"{one.before:.4f}", f"{one.after:.4f}")
         for one in proposal.verdict.folds
     ]
-    yield from columns([("  held out", "before", "after"), *rows])
-    yield from _items(proposal)
-
-
-def _items(proposal: "FitProposal") -> Iterator[str]:
+    yield from columns([("  held out", "before", "after"), *folds])
     items = sorted(proposal.items, key=lambda one: -one.confidence * one.occurrences)
     rows = [
         (

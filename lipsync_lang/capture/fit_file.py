@@ -43,7 +43,7 @@ from lipsync_lang.packs.models.pose_models import AnticipateSeconds, Softness, T
 from lipsync_lang.packs.models.validation import validated_as
 from lipsync_lang.packs.splicing import plain
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
-from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, Data, YamlSource, read_yaml
+from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, Data, read_yaml
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 FIT_FORMAT = 1
@@ -243,29 +243,21 @@ def read_fit(path: Path) -> FitProposal:
     """
     content = read_input(path, MAX_PACK_BYTES, error=PackError, mend="split the proposal")
     try:
-        return _proposal(read_yaml(path, content))
+        source = read_yaml(path, content)
     except PackFaults as error:
         raise PackFaults(error.faults[:MAX_LISTED_FAULTS]) from None
-
-
-def _proposal(source: YamlSource) -> FitProposal:
-    _refuse_other(source)
-    proposal, faults = validated_as(source, FitProposal)
-    if proposal is None:
-        raise PackFaults(faults)
-    return proposal
-
-
-def _refuse_other(source: YamlSource) -> None:
-    """Raise an error for a file that is not a proposal, or of a later format."""
     data = source.data
     if not isinstance(data, dict) or data.get("kind") != "fit":
-        raise PackError(f"{shown(source.path)}: is not a result of a fit; the form is {FIT_FORM}")
+        raise PackError(f"{shown(path)}: is not a result of a fit; the form is {FIT_FORM}")
     number = data.get("format")
     if type(number) is int and number > FIT_FORMAT:
         what = f"the fit is in format {number}; this program reads format {FIT_FORMAT}"
-        fault = source.fault(("format",), "P110", what, "use a newer version of the program")
-        raise PackFaults([fault])
+        hint = "use a newer version of the program"
+        raise PackFaults([source.fault(("format",), "P110", what, hint)])
+    proposal, faults = validated_as(source, FitProposal)
+    if proposal is None:
+        raise PackFaults(faults[:MAX_LISTED_FAULTS])
+    return proposal
 
 
 def write_fit(stream: TextIO, proposal: FitProposal) -> None:

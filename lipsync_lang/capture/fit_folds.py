@@ -104,27 +104,15 @@ def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iter
         yield from map(task.fit, kept)
         return
     try:
-        with child_pool(min(workers, len(kept)), _begin, task) as pool:
+        with child_pool(min(workers, len(kept))) as pool:
             with deaf_to_interrupts():
-                found = pool.map(_fit, kept)
+                found = pool.map(task.fit, kept)
             yield from found
     except BrokenProcessPool:
         raise LipsyncError(
             "a process of the fit ended early, perhaps for lack of memory; fit in one process "
             '(workers=1). In a script, put the call under `if __name__ == "__main__":`'
         ) from None
-
-
-_TASK: list[FitTask] = []
-"""The task of a worker process, sent once."""
-
-
-def _begin(task: FitTask) -> None:
-    _TASK[:] = [task]
-
-
-def _fit(kept: Sequence[int]) -> FitValues:
-    return _TASK[0].fit(kept)
 
 
 def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> FitShares:

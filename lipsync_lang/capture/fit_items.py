@@ -8,8 +8,8 @@ the change d of each of its numbers and that change's standard error s over the 
 A confidence of 1 is a change in every part of the lines; 0.5 is a change as large as its error.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from lipsync_lang.capture.fit_folds import FitTask
 from lipsync_lang.capture.fit_values import FitFace, FitValues
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs import models
     from lipsync_lang.resolver.retouch import OpenPair
 
 ITEM_DECIMALS = 3
@@ -99,9 +98,6 @@ def confidence(start: Floats, value: Floats, others: Sequence[Floats]) -> float:
     return round(change / (change + noise), 3) if change else 0.0
 
 
-# Targets
-
-
 def _target_items(
     pair: "OpenPair", evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
 ) -> Iterator[FitItem]:
@@ -117,10 +113,14 @@ def _target_items(
         meant = {n for n, p in enumerate(shelf.numbered) if shelf.targeted(p) == name}
         chosen, count = _frames(evidence.task, [meant])
         before, after = evidence.of(chosen)
+        was = []
+        for step in shelf.face.targets[name]:
+            stated: Any = dict(step.dominance) or step.overall
+            was.append({**step.weights, **({} if stated is None else {"dominance": stated})})
         yield FitItem(
             item=f"targets.{name}",
             value=_target(pair, face, number, values),
-            was=[_stated(step) for step in shelf.face.targets[name]],
+            was=was,
             occurrences=count,
             residual_before=before,
             residual_after=after,
@@ -142,10 +142,12 @@ def _target(
     stated = shelf.face.targets[face.names[number]]
     out: list[dict[str, Any]] = []
     for step, now, was in zip(stated, weights, before, strict=True):
-        own: dict[str, Any] = {
-            pose: _weight(float(now[poses.index(pose)]), moved=was[poses.index(pose)] > 0)
-            for pose in step.weights
-        }
+        own: dict[str, Any] = {}
+        for pose in step.weights:
+            weight, moved = float(now[poses.index(pose)]), was[poses.index(pose)] > 0
+            # A pose that moved stays faintly there, and an unchanged 0 stays 0.
+            faint = not moved and weight < FAINTEST
+            own[pose] = 0.0 if faint else round(max(weight, FAINTEST), ITEM_DECIMALS)
         missing = values.mentioned[number] & (now >= FAINTEST)
         own |= {
             pose: round(float(now[n]), ITEM_DECIMALS)
@@ -162,19 +164,6 @@ def _target(
     return out
 
 
-def _weight(weight: float, *, moved: bool) -> float:
-    """Return a weight in the form of a pack; an unchanged 0 is kept."""
-    if moved:
-        return round(max(weight, FAINTEST), ITEM_DECIMALS)
-    return 0.0 if weight < FAINTEST else round(weight, ITEM_DECIMALS)
-
-
-def _stated(step: "models.PhonemeTarget") -> dict[str, Any]:
-    """Return one step of a target in its flat form."""
-    dominance: Any = dict(step.dominance) or step.overall
-    return {**step.weights, **({} if dominance is None else {"dominance": dominance})}
-
-
 def _frames(task: FitTask, meant: Sequence[set[int]]) -> tuple[list[Bools], int]:
     """Return the frames of a sequence of common phonemes, and its number of occurrences."""
     chosen, count = [], 0
@@ -189,9 +178,6 @@ def _frames(task: FitTask, meant: Sequence[set[int]]) -> tuple[list[Bools], int]
         chosen.append(frames)
         count += int(fits.sum())
     return chosen, count
-
-
-# Motion
 
 
 def _motion_items(
@@ -230,14 +216,9 @@ def _motion_items(
             )
 
 
-# Bigrams
-
-
 def _bigram_items(
     pair: "OpenPair", evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
 ) -> Iterator[FitItem]:
-    from dataclasses import replace
-
     task, face = evidence.task, evidence.task.face
     if not values.bigrams:
         return
@@ -254,21 +235,16 @@ def _bigram_items(
             continue
         still = np.zeros(change.shape)
         rest = [one.bigrams.get(row, still).ravel() for one in others]
+        curves = {
+            pose: [[float(t), float(v)] for t, v in zip(TIMES, line, strict=True)]
+            for pose, line in zip(pair.shelf.poses, controls[row].round(ITEM_DECIMALS), strict=True)
+            if line.any()
+        }
         yield FitItem(
             item=f"bigrams.{first}-{second}",
-            value={"boundary": 0.5, "curves": _curves(pair, controls[row])},
+            value={"boundary": 0.5, "curves": curves},
             occurrences=count,
             residual_before=before,
             residual_after=after,
             confidence=confidence(still.ravel(), change.ravel(), rest),
         )
-
-
-def _curves(pair: "OpenPair", controls: Floats) -> Mapping[str, list[list[float]]]:
-    """Return the control points of the poses that move."""
-    rounded = controls.round(ITEM_DECIMALS)
-    return {
-        pose: [[float(t), float(v)] for t, v in zip(TIMES, line, strict=True)]
-        for pose, line in zip(pair.shelf.poses, rounded, strict=True)
-        if line.any()
-    }

@@ -136,22 +136,18 @@ def lay_lines(
         times = frames.times()
         wanted = resampled(times, line.times, line.values)
         wanted[(times < line.times[0]) | (times > line.times[-1])] = np.nan
-        wanted[~_spoken(made.track, times, tables.silence)] = np.nan
+        # Sounds and short pauses count whole, and long pauses next to sounds.
+        sounding = made.track.ids != tables.silence
+        starts, ends = made.track.bounds[:-1], made.track.bounds[1:]
+        counts = sounding | ((ends - starts) < LONG_PAUSE_SECONDS)
+        counts[[0, -1]] &= sounding[[0, -1]]
+        spoken = np.zeros(len(times), bool)
+        for start, end in zip(starts[counts], ends[counts], strict=True):
+            spoken |= (times >= start - EDGE_SECONDS) & (times <= end + EDGE_SECONDS)
+        wanted[~spoken] = np.nan
         rig = DrivenChannels.of(performer, line.signals) if line.rigged else None
         laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains, rig))
     return _scaled(tuple(laid), tables, motion)
-
-
-def _spoken(track: "Track", times: Floats, silence: int) -> Bools:
-    """Return True for frames of speech, short pauses, and the edges of long ones: (T,)."""
-    sounds = track.ids != silence
-    starts, ends = track.bounds[:-1], track.bounds[1:]
-    counts = sounds | ((ends - starts) < LONG_PAUSE_SECONDS)
-    counts[[0, -1]] &= sounds[[0, -1]]
-    out = np.zeros(len(times), bool)
-    for start, end in zip(starts[counts], ends[counts], strict=True):
-        out |= (times >= start - EDGE_SECONDS) & (times <= end + EDGE_SECONDS)
-    return out
 
 
 def _scaled(lines: tuple[FitLine, ...], tables: "Tables", motion: "Motion") -> tuple[FitLine, ...]:
@@ -169,27 +165,22 @@ def _scaled(lines: tuple[FitLine, ...], tables: "Tables", motion: "Motion") -> t
         for name, curves in curves_of.items()
     }
     even = {name: FREE_SPREAD / one if one > 0 else 0.0 for name, one in deviations.items()}
-    return tuple(
-        _rescaled(line, shown[id(line)], even) if line.captured.free else line for line in lines
-    )
-
-
-def _rescaled(line: FitLine, shown: Floats, even: dict[str, float]) -> FitLine:
-    factors = np.array([even[signal] for signal in line.captured.signals])
-    wanted = line.wanted.copy()
-    for number, seen in enumerate(line.seen.T):
-        factor, offset = _scale(shown[seen, number], wanted[seen, number])
-        wanted[:, number] = (wanted[:, number] * factor + offset) * factors[number]
-    return replace(line, wanted=wanted, gains=line.gains * factors[:, None])
-
-
-def _scale(shown: Floats, recorded: Floats) -> tuple[float, float]:
-    """Return the factor and offset that match recorded to performed values."""
-    spread = float(recorded.std()) if recorded.size else 0.0
-    if spread <= 0:
-        return 0.0, float(shown.mean()) if shown.size else 0.0
-    factor = float(shown.std()) / spread
-    return factor, float(shown.mean()) - factor * float(recorded.mean())
+    out = []
+    for line in lines:
+        if not line.captured.free:
+            out.append(line)
+            continue
+        factors = np.array([even[signal] for signal in line.captured.signals])
+        wanted = line.wanted.copy()
+        for number, seen in enumerate(line.seen.T):
+            curve, recorded = shown[id(line)][seen, number], wanted[seen, number]
+            spread = float(recorded.std()) if recorded.size else 0.0
+            factor = float(curve.std()) / spread if spread > 0 else 0.0
+            offset = float(curve.mean()) if curve.size else 0.0
+            offset -= factor * float(recorded.mean()) if spread > 0 else 0.0
+            wanted[:, number] = (wanted[:, number] * factor + offset) * factors[number]
+        out.append(replace(line, wanted=wanted, gains=line.gains * factors[:, None]))
+    return tuple(out)
 
 
 def occurrences(lines: Iterable[FitLine], rows: int) -> Ints:

@@ -6,7 +6,6 @@ available width, with the phonemes as text above them.
 
 import json
 from collections.abc import Sequence
-from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -84,29 +83,6 @@ def fit_page(lines: Sequence[ShownLine], proposal: "FitProposal | None" = None) 
     lines : captured lines with their curves; at most `MAX_DRAWN_LINES` are drawn, the worst first
     proposal : the result of the fit, with its verdict; None for a page of lines only
     """
-    worst = sorted(lines, key=lambda line: (-line.rms_after, line.name))
-    items = () if proposal is None else proposal.items
-    values = {
-        "lines": worst,
-        "proposal": proposal,
-        "items": sorted(items, key=lambda one: (-one.confidence * one.occurrences, one.item)),
-        "drawings": [_drawing(line) for line in worst[:MAX_DRAWN_LINES]],
-        "r": [_mean([getattr(line, name) for line in worst]) for name in ("r_before", "r_after")],
-        "rms": [_mean([getattr(line, f"rms_{when}") for line in worst]) for when in _WHEN],
-    }
-    return _environment().page("fit.html", values, "fit.css")
-
-
-_WHEN = ("before", "after")
-
-
-def _mean(values: Sequence[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return sum(known) / len(known) if known else None
-
-
-@cache
-def _environment() -> PageEnvironment:
     environment = PageEnvironment(__package__, "page_templates")
     environment.filters["number"] = lambda value: "–" if value is None else f"{value:.3f}"
     environment.filters["value"] = _value
@@ -117,7 +93,23 @@ def _environment() -> PageEnvironment:
         "OPEN_LINES": OPEN_LINES,
         "MAX_DRAWN_SIGNALS": MAX_DRAWN_SIGNALS,
     }
-    return environment
+    worst = sorted(lines, key=lambda line: (-line.rms_after, line.name))
+    items = () if proposal is None else proposal.items
+    both = ("before", "after")
+    values = {
+        "lines": worst,
+        "proposal": proposal,
+        "items": sorted(items, key=lambda one: (-one.confidence * one.occurrences, one.item)),
+        "drawings": [_drawing(line) for line in worst[:MAX_DRAWN_LINES]],
+        "r": [_mean([getattr(line, f"r_{when}") for line in worst]) for when in both],
+        "rms": [_mean([getattr(line, f"rms_{when}") for line in worst]) for when in both],
+    }
+    return environment.page("fit.html", values, "fit.css")
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
 
 
 def _value(value: object) -> str:
@@ -128,7 +120,10 @@ def _value(value: object) -> str:
 
 def _drawing(line: ShownLine) -> LineDrawing:
     """Return the drawing of a line."""
-    start, end = _window(line)
+    start, end = float(line.times[0]), float(line.times[-1])
+    known = line.times[np.isfinite(line.captured).any(axis=1)]
+    if len(known):
+        start, end = known[0] - DRAWN_MARGIN_SECONDS, known[-1] + DRAWN_MARGIN_SECONDS
     length = max(end - start, 1e-9)
     at = [(float(bound) - start) / length for bound in line.bounds]
     inside = [share for share in at if 0 <= share <= 1]
@@ -142,14 +137,6 @@ def _drawing(line: ShownLine) -> LineDrawing:
         tuple(labels[:MAX_DRAWN_LABELS]),
         max(20.0, LABEL_REM * len(labels[:MAX_DRAWN_LABELS])),
     )
-
-
-def _window(line: ShownLine) -> tuple[float, float]:
-    """Return the seconds in a drawing: the captured part with a margin."""
-    known = line.times[np.isfinite(line.captured).any(axis=1)]
-    if not len(known):
-        return float(line.times[0]), float(line.times[-1])
-    return float(known[0]) - DRAWN_MARGIN_SECONDS, float(known[-1]) + DRAWN_MARGIN_SECONDS
 
 
 def _signal(line: ShownLine, figures: SignalFigures, start: float, end: float) -> SignalDrawing:

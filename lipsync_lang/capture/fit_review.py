@@ -9,12 +9,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from lipsync_lang.capture.fit_file import FitItem
-from lipsync_lang.capture.fitted_values import fitted_items, place_of, settings
+from lipsync_lang.capture.fit_file import FitItem, split_item
+from lipsync_lang.capture.fitted_values import fitted_items, settings
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.splicing import get, plain
 from lipsync_lang.packs.yaml.faults import shown
-from lipsync_lang.resolver.layers import DRAFTED, FITTED, NEUTRAL, BigramRow, PairPacks
+from lipsync_lang.resolver.layers import DRAFTED, FITTED, NEUTRAL, PairPacks
 
 if TYPE_CHECKING:
     from lipsync_lang.capture.fit_file import FitProposal
@@ -80,32 +80,30 @@ def review(
 
 
 def _reviewed(shelf: PairPacks, item: FitItem, confidence: float) -> ReviewedItem:
-    unknown = next(_unknown(shelf, item), "")
-    if unknown:
-        return ReviewedItem(item, "refused", unknown)
-    owner = _owner(shelf, item)
-    if owner:
-        return ReviewedItem(item, "stays", owner)
-    data = shelf.character.source.data
+    known = {"phoneme": shelf.known, "pose": shelf.poses}
+    regions = {pose.region for pose in shelf.poseset.model.poses.values() if pose.region}
+    for what, name in _names(item):
+        there = known.get(what, regions)
+        if name not in there:
+            told = f"unknown {what} '{name}'; {did_you_mean(name, there)}"
+            return ReviewedItem(item, "refused", told)
+    pack, loc = shelf.character, split_item(item.item)
+    if item.kind == "bigrams":
+        first, second = item.name.split("-")
+        files = (file.rows.get((first, second)) for file in shelf.drawn if file.style == NEUTRAL)
+        for row in (*files, shelf.authored((first, second))):
+            if row is not None and row.origin.status not in {DRAFTED, FITTED}:
+                told = f"a person drew it: {row.origin.status} in {row.place}"
+                return ReviewedItem(item, "stays", told)
+    elif pack.source.known(loc) == len(loc) and item.item not in fitted_items(pack.model):
+        return ReviewedItem(item, "stays", f"a person wrote it: {pack.where(loc, key=True)}")
+    data = pack.source.data
     if all(get(data, loc) == plain(value) for loc, value in settings(item, data)):
         return ReviewedItem(item, "same", "already accepted")
     if item.confidence < confidence:
         told = f"confidence {item.confidence:.2f} is below {confidence:g}; name it to accept it"
         return ReviewedItem(item, "doubtful", told)
     return ReviewedItem(item, "ready")
-
-
-# What the pose set knows
-
-
-def _unknown(shelf: PairPacks, item: FitItem) -> Iterator[str]:
-    """Yield a message for each name of an item that its character does not know."""
-    known = {"phoneme": shelf.known, "pose": shelf.poses}
-    regions = {pose.region for pose in shelf.poseset.model.poses.values() if pose.region}
-    for what, name in _names(item):
-        there = known.get(what, regions)
-        if name not in there:
-            yield f"unknown {what} '{name}'; {did_you_mean(name, there)}"
 
 
 def _names(item: FitItem) -> Iterator[tuple[str, str]]:
@@ -121,30 +119,3 @@ def _names(item: FitItem) -> Iterator[tuple[str, str]]:
         yield "pose", item.name
     elif item.kind == "softness":
         yield "region", item.name
-
-
-# What a person wrote
-
-
-def _owner(shelf: PairPacks, item: FitItem) -> str:
-    """Return the reason why an item is a person's; empty if it is not."""
-    if item.kind == "bigrams":
-        row = _drawn(shelf, item.name)
-        return "" if row is None else f"a person drew it: {row.origin.status} in {row.place}"
-    pack, loc = shelf.character, place_of(item.item)
-    if pack.source.known(loc) < len(loc) or item.item in fitted_items(pack.model):
-        return ""
-    return f"a person wrote it: {pack.where(loc, key=True)}"
-
-
-def _drawn(shelf: PairPacks, key: str) -> BigramRow | None:
-    """Return the row of a bigram that a person drew, in any layer; None without one."""
-    first, second = key.split("-")
-    files = (file.rows.get((first, second)) for file in shelf.drawn if file.style == NEUTRAL)
-    found = next((row for row in files if row is not None and _by_person(row)), None)
-    row = found or shelf.authored((first, second))
-    return row if row is not None and _by_person(row) else None
-
-
-def _by_person(row: BigramRow) -> bool:
-    return row.origin.status not in {DRAFTED, FITTED}

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.banks.draft import TIMES, Target, shape
 from lipsync_lang.capture.fit_lines import FitLine
 from lipsync_lang.capture.fit_values import FitFace, FitValues
@@ -68,11 +68,19 @@ def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLin
 
     made = line.perform(tables, motion)
     stages = {stage.name: stage.curves.T for stage in made.stages(0, line.frames.count)}
-    level, eased, passed = _passes(stages)
+    stitched = stages["stitch"]
+    dialled = stages.get("dial", stages.get("overlay", stitched))
+    level = np.where(stitched > PASSED, dialled / np.maximum(stitched, PASSED), 1.0)
+    ahead = stages.get("anticipate", dialled)
+    eased = stages.get("ease", ahead)
+    last = stages.get("limit", eased)
+    if list(stages).index("constrain") > list(stages).index("limit"):
+        last = stages["constrain"]
+    same = (np.abs(ahead - dialled) < PASSED) & (np.abs(last - eased) < PASSED)
     raw = _raw_slopes(face, tables, line, made.track, level)
     if made.prepared.wide:
         raw = _kernel_matrix(made.prepared.wide, len(tables.priority), line.frames.count) @ raw
-    out = sparse.diags((eased & passed).ravel().astype(float)) @ raw
+    out = sparse.diags(same.ravel().astype(float)) @ raw
     if made.prepared.shared:
         kernel = _kernel_matrix(made.prepared.shared, len(tables.priority), line.frames.count)
         out = kernel @ out
@@ -83,19 +91,6 @@ def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLin
         apart = np.abs(line.signals(weights, motion) - weights @ line.gains.T)
         observed = sparse.diags((apart < BOUND).ravel().astype(float)) @ observed
     return sparse.csr_matrix(observed @ out)
-
-
-def _passes(stages: dict[str, Floats]) -> tuple[Floats, Bools, Bools]:
-    """Return dial levels, and masks of curves that the stages around easing leave unchanged."""
-    stitched = stages["stitch"]
-    dialled = stages.get("dial", stages.get("overlay", stitched))
-    level = np.where(stitched > PASSED, dialled / np.maximum(stitched, PASSED), 1.0)
-    ahead = stages.get("anticipate", dialled)
-    eased = stages.get("ease", ahead)
-    last = stages.get("limit", eased)
-    if list(stages).index("constrain") > list(stages).index("limit"):
-        last = stages["constrain"]
-    return level, np.abs(ahead - dialled) < PASSED, np.abs(last - eased) < PASSED
 
 
 def _raw_slopes(
@@ -171,9 +166,15 @@ def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
     parts: list[tuple[Floats, Ints, Ints]] = []
     for ends, side in ((face.first, 0), (face.second, 1)):
         for step in range(most):
-            tried = [_weights_moved(target, step) for target in targets]
-            size = np.array([change for _, change in tried])[ends]
-            moved = [one for one, _ in tried]
+            moved, changes = [], []
+            for target in targets:
+                tried, change = target.weights.copy(), np.ones(poses)
+                if step < len(tried):  # towards the middle
+                    change = np.where(tried[step] > 0.5, -WEIGHT_STEP, WEIGHT_STEP)  # noqa: PLR2004 half
+                    tried[step] += change
+                moved.append(Target(tried, target.dominance))
+                changes.append(change)
+            size = np.array(changes)[ends]
             slope = _difference(face, targets, moved, side, now, size)
             parts.append((slope, index, (ends[row] * most + step) * poses + pose))
         moved = [Target(t.weights, t.dominance * np.exp(DOMINANCE_STEP)) for t in targets]
@@ -184,16 +185,6 @@ def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
     kept = data != 0
     shape_ = rows * poses * points, weights + values.dominance.size
     return sparse.csr_matrix((data[kept], (at[kept], columns[kept])), shape=shape_)
-
-
-def _weights_moved(target: Target, step: int) -> tuple[Target, Floats]:
-    """Return a target with one step's weights moved towards the middle, and the changes: (P,)."""
-    if step >= len(target.weights):
-        return target, np.ones(target.weights.shape[1])
-    change = np.where(target.weights[step] > 0.5, -WEIGHT_STEP, WEIGHT_STEP)  # noqa: PLR2004 half
-    weights = target.weights.copy()
-    weights[step] += change
-    return Target(weights, target.dominance), change
 
 
 def _difference(  # noqa: PLR0913, PLR0917 two sets of targets, and their difference

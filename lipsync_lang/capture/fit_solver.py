@@ -57,13 +57,23 @@ def solve(
     errors : function from values to (O,) errors of the full pipeline
     slopes : function from values to the sparse (O, K) matrix of slopes
     """
+    from scipy import sparse
+    from scipy.sparse.linalg import lsmr
+
     low, high = np.minimum(bounds[0], start), np.maximum(bounds[1], start)
     now, found = start.copy(), errors(start)
     cost = robust_cost(found)
     for _ in range(MAX_LINEARISATIONS):
-        matrix, before = slopes(now), cost
+        before = cost
+        share = (1 + (found / SCALE) ** 2) ** -0.25  # the root of each error's weight
+        rows = sparse.vstack((sparse.diags(share) @ slopes(now), prior), format="csr")
+        wanted = -np.concatenate((share * found, prior @ (now - start)))
+        size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=0)).ravel())
+        size[size == 0] = 1
+        even = rows @ sparse.diags(1 / size)
         for damping in DAMPINGS:
-            tried = np.clip(now + _step(matrix, found, prior, now - start, damping), low, high)
+            step = lsmr(even, wanted, damp=damping**0.5, atol=EXACT, btol=EXACT)[0] / size
+            tried = np.clip(now + step, low, high)
             after = errors(tried)
             total = robust_cost(after) + float(((prior @ (tried - start)) ** 2).sum())
             if total < cost:
@@ -72,18 +82,3 @@ def solve(
         if before - cost < ENOUGH_DECREASE * cost:
             break
     return now
-
-
-def _step(matrix: Any, found: Floats, prior: Any, moved: Floats, damping: float) -> Floats:
-    """Return the change of parameters with the lowest cost for linear errors: (K,)."""
-    from scipy import sparse
-    from scipy.sparse.linalg import lsmr
-
-    share = (1 + (found / SCALE) ** 2) ** -0.25  # the root of each error's weight
-    rows = sparse.vstack((sparse.diags(share) @ matrix, prior), format="csr")
-    wanted = -np.concatenate((share * found, prior @ moved))
-    size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=0)).ravel())
-    size[size == 0] = 1
-    even = rows @ sparse.diags(1 / size)
-    step: Floats = lsmr(even, wanted, damp=damping**0.5, atol=EXACT, btol=EXACT)[0] / size
-    return step

@@ -7,9 +7,8 @@ Conventions: N targets of at most M steps, P poses, K parameters. The first and 
 value of a bigram are always at rest.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, Self
 
 import numpy as np
@@ -54,8 +53,6 @@ TRIALS = 9
 
 WORTH = 0.01
 """Minimum reduction of the cost by a change of motion, as a share; smaller ones are noise."""
-
-_FitChange = Callable[[FitValues, float], FitValues]
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,33 +177,32 @@ def fit_motion(
     """Return values with the motion of the lowest error on some lines."""
     from scipy.optimize import minimize_scalar
 
+    seen = seen_poses(lines)
+    soft, ahead = groups.softness.values(), groups.anticipate.values()
+    changes = [
+        *(("softness", poses, 0.0, MOST_SOFTNESS) for poses in soft if seen[poses].any()),
+        *(("anticipate", poses, 0.0, MOST_ANTICIPATION) for poses in ahead if seen[poses].any()),
+        ("speed", np.arange(0), LEAST_SPEED, MOST_SPEED),
+    ]
     now, cost = base, robust_cost(face.errors(base, lines))
-    for bounds, change in _motion_changes(groups, seen_poses(lines)):
+    for name, poses, *bounds in changes:
 
-        def tried(value: float, change: _FitChange = change, now: FitValues = now) -> float:
-            return robust_cost(face.errors(change(now, value), lines))
+        def cost_of(
+            value: float, name: str = name, poses: Ints = poses, now: FitValues = now
+        ) -> float:
+            return robust_cost(face.errors(_changed(now, name, poses, value), lines))
 
-        found = minimize_scalar(tried, bounds=bounds, method="bounded", options={"maxiter": TRIALS})
+        options = {"maxiter": TRIALS}
+        found = minimize_scalar(cost_of, bounds=bounds, method="bounded", options=options)
         if found.fun < cost * (1 - WORTH):
-            now, cost = change(now, float(found.x)), float(found.fun)
+            now, cost = _changed(now, name, poses, float(found.x)), float(found.fun)
     return now
 
 
-def _motion_changes(
-    groups: MotionGroups, seen: Bools
-) -> Iterator[tuple[tuple[float, float], _FitChange]]:
-    """Yield the bounds of each value of motion with a recorded effect, and how to change it."""
-    for name, regions, most in (
-        ("softness", groups.softness, MOST_SOFTNESS),
-        ("anticipate", groups.anticipate, MOST_ANTICIPATION),
-    ):
-        for poses in regions.values():
-            if seen[poses].any():
-                yield (0.0, most), partial(_with_poses, name, poses)
-    yield (LEAST_SPEED, MOST_SPEED), lambda values, speed: replace(values, speed=speed)
-
-
-def _with_poses(name: str, poses: Ints, values: FitValues, value: float) -> FitValues:
+def _changed(values: FitValues, name: str, poses: Ints, value: float) -> FitValues:
+    """Return values with another speed limit, or another softness or anticipation of poses."""
+    if name == "speed":
+        return replace(values, speed=value)
     changed: Floats = getattr(values, name).copy()
     changed[poses] = value
     found: FitValues = replace(values, **{name: changed})  # type: ignore[arg-type]  # a field by name

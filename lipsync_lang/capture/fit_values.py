@@ -4,14 +4,14 @@ Conventions: N targets of at most M steps, P poses, R drafted rows of n control 
 occurrences. Weights are in [0, 1], dominance is kept as its natural logarithm.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft, shape
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
@@ -111,14 +111,7 @@ class FitFace:
         order = {name: number for number, name in enumerate(known)}
         numbers = np.array([[order[named[p]] for p in pair] for pair in ends], np.intp)
         first, second = numbers.reshape(-1, 2).T
-        start = FitValues(
-            *_stacked(list(known.values()), len(shelf.poses)),
-            _mentioned(shelf, known),
-            tables.softness,
-            tables.anticipate,
-            compiled.motion.speed_limit,
-            {},
-        )
+        start = _start_values(shelf, known, tables, compiled.motion)
         silence = shelf.common.model.silence
         steps = [0 if name == silence else len(t.weights) for name, t in known.items()]
         spoken = {phoneme: order[name] for phoneme, name in named.items() if phoneme != silence}
@@ -162,11 +155,12 @@ class FitFace:
 
     def moved(self, values: FitValues) -> Tables:
         """Return tables with curves and motion from some values."""
-        base, curves = self._base(values), self._curves(values)
-        return base.with_curves(curves)
-
-    def _curves(self, values: FitValues) -> Singles:
-        """Return the samples of every row; the latest are cached for the search for motion."""
+        motion = values.softness.tobytes(), values.anticipate.tobytes()
+        if motion not in self._bases:
+            self._bases.clear()
+            base = replace(self.tables, softness=values.softness, anticipate=values.anticipate)
+            self._bases[motion] = base
+        # The search for motion leaves the curves as they are.
         key = values.weights, values.dominance, values.bigrams
         if not self._latest or any(a is not b for a, b in zip(key, self._latest[0], strict=True)):
             curves = self.tables.curves.copy()
@@ -174,8 +168,7 @@ class FitFace:
                 sampled = self.controls(values) @ self._basis
                 curves[self.rows] = sampled.swapaxes(1, 2).clip(0, 1)
             self._latest[:] = [key, curves]
-        found: Singles = self._latest[1]
-        return found
+        return self._bases[motion].with_curves(self._latest[1])
 
     @cached_property
     def _latest(self) -> list[Any]:
@@ -205,36 +198,29 @@ class FitFace:
         """Cache of the tables of the latest softness and anticipation, with derived settings."""
         return {}
 
-    def _base(self, values: FitValues) -> Tables:
-        key = values.softness.tobytes(), values.anticipate.tobytes()
-        if key not in self._bases:
-            self._bases.clear()
-            self._bases[key] = replace(
-                self.tables, softness=values.softness, anticipate=values.anticipate
-            )
-        return self._bases[key]
-
     def __getstate__(self) -> dict[str, Any]:
         """Return only the fields, for pickling."""
         return {name: vars(self)[name] for name in self.__dataclass_fields__}
 
 
-def _stacked(targets: Sequence[Target], poses: int) -> tuple[Floats, Floats]:
-    """Return the weights and the logarithms of the dominance of targets."""
+def _start_values(
+    shelf: "PairPacks", known: Mapping[str, Target], tables: Tables, motion: Motion
+) -> FitValues:
+    """Return the values of a pair with some targets by name."""
+    targets, poses = list(known.values()), len(shelf.poses)
     most = max((len(target.weights) for target in targets), default=1)
     weights = np.zeros((len(targets), most, poses))
     for number, target in enumerate(targets):
         weights[number, : len(target.weights)] = target.weights
     dominance = np.array([target.dominance for target in targets]).reshape(len(targets), poses)
-    return weights, np.log(dominance)
-
-
-def _mentioned(shelf: "PairPacks", names: Collection[str]) -> Bools:
-    """Return True for poses that the stated targets of names mention: (N, P)."""
-    stated = shelf.face.targets
-    each = [{p for step in stated.get(name, ()) for p in step.weights} for name in names]
-    found = [[pose in mentioned for pose in shelf.poses] for mentioned in each]
-    return np.array(found, bool).reshape(len(each), len(shelf.poses))
+    stated = (
+        {p for step in shelf.face.targets.get(one, ()) for p in step.weights} for one in known
+    )
+    mentioned = np.array([[pose in named for pose in shelf.poses] for named in stated], bool)
+    return FitValues(
+        weights, np.log(dominance), mentioned.reshape(len(targets), poses), tables.softness,
+        tables.anticipate, motion.speed_limit, {},
+    )  # fmt: skip
 
 
 def with_mentions(face: FitFace, values: FitValues, lines: "Sequence[FitLine]") -> FitValues:

@@ -9,7 +9,6 @@ from lipsync_lang.resolver.layers import FITTED
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Character
-    from lipsync_lang.packs.yaml.source import Loc
 
 Data = Any
 """Plain data of a character's file."""
@@ -28,14 +27,9 @@ def fitted_items(model: "Character") -> Iterator[str]:
             yield f"bigrams.{key}"
 
 
-def place_of(item: str) -> "Loc":
-    """Return the place of an item in a character."""
-    return split_item(item)
-
-
 def settings(item: FitItem, data: Data) -> list[Change]:
     """Return the changes that set an item in a character's file with some data."""
-    loc, value = place_of(item.item), rounded(item.value)
+    loc, value = split_item(item.item), rounded(item.value)
     if item.kind == "targets":
         steps = value if isinstance(value, list) else [value]
         steps = [{key: one for key, one in step.items() if key != "status"} for step in steps]
@@ -69,7 +63,7 @@ def removals(items: Sequence[str], data: Data) -> list[Change]:
     A field is removed together with its last entry.
     """
     made: list[Change] = []
-    for loc in (loc for item in items for loc in (place_of(item), ("fitted", item))):
+    for loc in (loc for item in items for loc in (split_item(item), ("fitted", item))):
         if get(data, loc) is not ABSENT:
             data = put(data, loc, ABSENT)
             last = not data[loc[0]]

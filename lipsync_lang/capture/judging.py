@@ -122,7 +122,13 @@ def judge_captures(
     seen: dict[str, str] = {}
     for number, line in enumerate(captures.lines, 1):
         try:
-            _check_repeated(line, seen)
+            told = repr((line.signals, line.values.shape)).encode()
+            digest = sha256(told + np.round(line.values, 3).tobytes()).hexdigest()
+            if digest in seen:
+                raise AnimationError(
+                    f"its motion is identical to that of '{seen[digest]}'; remove one"
+                )
+            seen[digest] = line.name
             kept.append(_judged(performer, line))
         except LipsyncError as error:
             aside.append(SetAside(line=line.name, why=str(error)))
@@ -156,21 +162,23 @@ def _unlike_the_others(
     ]
 
 
-def _check_repeated(line: "CapturedLine", seen: dict[str, str]) -> None:
-    """Raise an error for a line with the motion of an earlier line."""
-    told = repr((line.signals, line.values.shape)).encode()
-    digest = sha256(told + np.round(line.values, 3).tobytes()).hexdigest()
-    if digest in seen:
-        raise AnimationError(f"its motion is identical to that of '{seen[digest]}'; remove one")
-    seen[digest] = line.name
-
-
 def _judged(
     performer: "Performer", line: "CapturedLine"
 ) -> "tuple[CapturedLine, ClockReading | None]":
     """Return a corrected line with its clock; raise an error for an unsound line."""
-    _check_rate(line)
-    _check_covered(performer, line)
+    fps = 1 / float(np.median(np.diff(line.times)))
+    if fps < LEAST_CAPTURE_FPS * 0.99:
+        raise AnimationError(
+            f"has {fps:.3g} frames per second, too few for closures of the lips; record at least "
+            f"{LEAST_CAPTURE_FPS:g}"
+        )
+    start, end = spoken_span(performer, line.schedule)
+    first, last = float(line.times[0]), float(line.times[-1])
+    if (min(end, last) - max(start, first)) / (end - start) < LEAST_COVERED:
+        raise AnimationError(
+            f"the capture lasts from {first:.2f} to {last:.2f} s, but the speech lasts from "
+            f"{start:.2f} to {end:.2f} s; check that the timings are of this line"
+        )
     line = _without_stuck(performer, line)
     line = _moving(performer, line)
     count = len(sounds_of(performer, line.schedule))
@@ -178,32 +186,19 @@ def _judged(
         return _remarked(line, f"has only {count} sounds, too few to judge its clock"), None
     reading, motion = read_clock(performer, line)
     _check_words(reading, motion, FEW_CHANCES if count < FEW_SOUNDS else CHANCES)
-    _check_clock(reading)
-    return _forwards(_in_time(line, reading), motion), reading
+    line = _in_time(line, reading)
+    each = motion.signals()
+    wrong = (each < REVERSED) & line.free
+    if wrong.any() and not wrong.all():  # sensors with the wrong sign
+        names = np.array(line.signals)[wrong]
+        told = ", ".join(f"{n} (r {r:.2f})" for n, r in zip(names, each[wrong], strict=True))
+        line = _remarked(line, f"signals left out, because they move against their curves: {told}")
+        line = _selected(line, ~wrong)
+    return line, reading
 
 
 def _remarked(line: "CapturedLine", told: str) -> "CapturedLine":
     return replace(line, remarks=(*line.remarks, f"{line.name}: {told}"))
-
-
-def _check_rate(line: "CapturedLine") -> None:
-    fps = 1 / float(np.median(np.diff(line.times)))
-    if fps < LEAST_CAPTURE_FPS * 0.99:
-        raise AnimationError(
-            f"has {fps:.3g} frames per second, too few for closures of the lips; record at least "
-            f"{LEAST_CAPTURE_FPS:g}"
-        )
-
-
-def _check_covered(performer: "Performer", line: "CapturedLine") -> None:
-    start, end = spoken_span(performer, line.schedule)
-    first, last = float(line.times[0]), float(line.times[-1])
-    covered = (min(end, last) - max(start, first)) / (end - start)
-    if covered < LEAST_COVERED:
-        raise AnimationError(
-            f"the capture lasts from {first:.2f} to {last:.2f} s, but the speech lasts from "
-            f"{start:.2f} to {end:.2f} s; check that the timings are of this line"
-        )
 
 
 def _speech(performer: "Performer", line: "CapturedLine") -> "Bools":
@@ -255,13 +250,12 @@ def _moving(performer: "Performer", line: "CapturedLine") -> "CapturedLine":
         raise AnimationError(f"all signals are {which} during the speech")
     line = _named(line, lost, "lost in most of the speech")
     line = _named(line, frozen, "frozen")
-    kept = ~(lost | frozen)
-    return replace(
-        line,
-        signals=tuple(np.array(line.signals)[kept].tolist()),
-        values=line.values[:, kept],
-        gains=line.gains[kept],
-    )
+    return _selected(line, ~(lost | frozen))
+
+
+def _selected(line: "CapturedLine", kept: "Bools") -> "CapturedLine":
+    signals = tuple(np.array(line.signals)[kept].tolist())
+    return replace(line, signals=signals, values=line.values[:, kept], gains=line.gains[kept])
 
 
 def _named(line: "CapturedLine", which: "Bools", what: str) -> "CapturedLine":
@@ -297,8 +291,8 @@ def _check_words(reading: ClockReading, motion: ComparedMotion, chances: float) 
     )
 
 
-def _check_clock(reading: ClockReading) -> None:
-    """Raise an error for a clock with a drift or with an uncertain offset."""
+def _in_time(line: "CapturedLine", reading: ClockReading) -> "CapturedLine":
+    """Correct the offset of a line; raise an error for a drift or an uncertain offset."""
     if abs(reading.drift) >= LEAST_DRIFT_SECONDS and reading.drifting > reading.near + LEAST_GAIN:
         how = "loses" if reading.drift > 0 else "gains"
         raise AnimationError(
@@ -306,46 +300,19 @@ def _check_clock(reading: ClockReading) -> None:
             f"{reading.drifting:.2f} with that drift, {reading.near:.2f} without); "
             "correct its times"
         )
-    if _is_offset(reading) and reading.near < reading.rival + CLEARLY:
+    large = abs(reading.offset) >= LEAST_OFFSET_SECONDS
+    if not large or reading.near <= reading.likeness + LEAST_GAIN:  # normal movement
+        return line
+    if reading.near < reading.rival + CLEARLY:
         raise AnimationError(
             f"its offset is uncertain: {reading.offset:+.2f} s has likeness {reading.near:.2f}, "
             f"another {reading.rival:.2f}; state its start in a list of captures"
         )
-
-
-def _is_offset(reading: ClockReading) -> bool:
-    """Distinguish an offset of the clock from normal movement."""
-    large = abs(reading.offset) >= LEAST_OFFSET_SECONDS
-    return large and reading.near > reading.likeness + LEAST_GAIN
-
-
-def _in_time(line: "CapturedLine", reading: ClockReading) -> "CapturedLine":
-    """Correct the offset of a line."""
-    if not _is_offset(reading):
-        return line
     told = (
         f"its motion is {abs(reading.offset):.2f} s {'late' if reading.offset > 0 else 'early'} "
         f"and was shifted (likeness {reading.near:.2f}, {reading.likeness:.2f} before)"
     )
     return _remarked(replace(line, times=line.times - reading.offset), told)
-
-
-def _forwards(line: "CapturedLine", motion: ComparedMotion) -> "CapturedLine":
-    """Leave out inverted signals of sensors, which have the wrong sign."""
-    if not line.free:
-        return line
-    each = motion.signals()
-    wrong = each < REVERSED
-    if not wrong.any() or wrong.all():
-        return line
-    names = np.array(line.signals)
-    told = ", ".join(f"{n} (r {r:.2f})" for n, r in zip(names[wrong], each[wrong], strict=True))
-    kept = ~wrong
-    line = _remarked(line, f"signals left out, because they move against their curves: {told}")
-    return replace(
-        line, signals=tuple(names[kept].tolist()), values=line.values[:, kept],
-        gains=line.gains[kept],
-    )  # fmt: skip
 
 
 def outlying_lines(residuals: Mapping[str, float]) -> tuple[SetAside, ...]:

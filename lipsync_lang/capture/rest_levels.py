@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from lipsync_lang.arrays import Floats
     from lipsync_lang.capture.captured_line import CapturedLine
     from lipsync_lang.performing.performer import Performer
 
@@ -41,42 +40,27 @@ def without_rest(
     """
     resting: dict[tuple[str, str], list[Floats]] = {}
     speaking: dict[tuple[str, str], list[Floats]] = {}
-    for line, rest in zip(captured, _rests(performer, captured), strict=True):
+    read = performer.labels.read([line.schedule for line in captured]) if captured else []
+    for line, sounds in zip(captured, read, strict=True):
+        spoken = sounds.ids != performer.compiled.tables.silence
+        starts, ends = sounds.times[:-1][spoken], sounds.times[1:][spoken]
+        at = line.times[:, None]
+        rest = ~((at > starts - AWAY_SECONDS) & (at < ends + AWAY_SECONDS)).any(axis=1)
         for name, values in zip(line.signals, line.values.T, strict=True):
             known = np.isfinite(values)
             resting.setdefault((line.speaker, name), []).append(values[known & rest])
             speaking.setdefault((line.speaker, name), []).append(values[known & ~rest])
     fps = max(((len(one.times) - 1) / np.ptp(one.times) for one in captured), default=1.0)
-    levels = {
-        key: _level(np.concatenate(resting[key]), np.concatenate(speaking[key]), float(fps))
-        for key in resting
-    }
+    levels = {}
+    for key, parts in resting.items():
+        at_rest, speech = np.concatenate(parts), np.concatenate(speaking[key])
+        level = 0.0
+        if len(at_rest) >= ENOUGH_SECONDS * float(fps):
+            level = float(np.median(at_rest))
+        elif len(speech):
+            level = float(np.quantile(speech, LOWEST_SHARE))
+        levels[key] = level if LEAST_LEVEL <= level <= MOST_LEVEL else 0.0
     return [line if line.free else _lowered(line, levels) for line in captured]
-
-
-def _rests(performer: "Performer", captured: "Sequence[CapturedLine]") -> list[Bools]:
-    """Return True for samples far from every sound: (T,) for each line."""
-    silence = performer.compiled.tables.silence
-    out = []
-    read = performer.labels.read([line.schedule for line in captured]) if captured else []
-    for line, sounds in zip(captured, read, strict=True):
-        spoken = sounds.ids != silence
-        starts, ends = sounds.times[:-1][spoken], sounds.times[1:][spoken]
-        at = line.times[:, None]
-        near = (at > starts - AWAY_SECONDS) & (at < ends + AWAY_SECONDS)
-        out.append(~near.any(axis=1))
-    return out
-
-
-def _level(resting: Floats, speaking: Floats, fps: float) -> float:
-    """Return the weight at rest to subtract; 0 for none."""
-    if len(resting) >= ENOUGH_SECONDS * fps:
-        level = float(np.median(resting))
-    elif len(speaking):
-        level = float(np.quantile(speaking, LOWEST_SHARE))
-    else:
-        return 0.0
-    return level if LEAST_LEVEL <= level <= MOST_LEVEL else 0.0
 
 
 def _lowered(line: "CapturedLine", levels: dict[tuple[str, str], float]) -> "CapturedLine":

@@ -61,7 +61,13 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
     if wanted.isdisjoint(names):
         return None
     _check_times(path, times)
-    known, lacking = _with_columns(readout, names)
+    lacking = {
+        measure: column
+        for measure, sums in readout.measures.items()
+        for column in sums
+        if column not in names
+    }
+    known = [measure for measure in readout.measures if measure not in lacking]
     if not known:
         column = min(wanted - set(names))
         fail(path, f"has no column '{column}'", did_you_mean(column, names))
@@ -83,17 +89,6 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
         ]
     )
     return SensorSignals(times, tuple(known), values, tuple(remarks))
-
-
-def _with_columns(readout: ReadOut, names: tuple[str, ...]) -> tuple[list[str], dict[str, str]]:
-    """Return the measures with all columns, and a missing column of each other measure."""
-    lacking = {
-        measure: column
-        for measure, sums in readout.measures.items()
-        for column in sums
-        if column not in names
-    }
-    return [measure for measure in readout.measures if measure not in lacking], lacking
 
 
 def _check_times(path: Path, times: Floats) -> None:
