@@ -95,17 +95,15 @@ class AnswerLog:
         self.path = path
         self._study = study
         self._lock = Lock()
-        self._known = self._lines()
-
-    def _lines(self) -> set[bytes]:
-        """Return the digests of the lines in the file."""
+        content = b""
         try:
-            content = self.path.read_bytes()
+            content = path.read_bytes()
         except FileNotFoundError:
-            return set()
+            pass
         except OSError as error:
-            raise LipsyncError(f"{self.path}: cannot be read: {error.strerror}") from None
-        return {_digest(line) for line in content.split(b"\n") if line}
+            raise LipsyncError(f"{path}: cannot be read: {error.strerror}") from None
+        self._known = {_digest(line) for line in content.split(b"\n") if line}
+        """Digests of the lines in the file."""
 
     def add(self, content: bytes) -> tuple[HTTPStatus, str]:
         """Append a submission, and return the HTTP status and an error message.
@@ -120,23 +118,20 @@ class AnswerLog:
         if faults:
             return HTTPStatus.UNPROCESSABLE_ENTITY, faults[0]
         line = as_text(submission).encode()
-        with self._lock:
-            return self._append(line)
-
-    def _append(self, line: bytes) -> tuple[HTTPStatus, str]:
         digest = _digest(line.rstrip(b"\n"))
-        if digest in self._known:
-            return HTTPStatus.OK, ""
-        handle = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
-        with os.fdopen(handle, "rb+", buffering=0) as file:
-            size = file.seek(0, os.SEEK_END)
-            if size + len(line) > MAX_ANSWERS_BYTES:
-                return HTTPStatus.INSUFFICIENT_STORAGE, "the file of answers is full"
-            if size and file.seek(size - 1) and file.read(1) != b"\n":
-                line = b"\n" + line  # a write before was cut off
-            file.write(line)
-            os.fsync(file.fileno())
-        self._known.add(digest)
+        with self._lock:
+            if digest in self._known:
+                return HTTPStatus.OK, ""
+            handle = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
+            with os.fdopen(handle, "rb+", buffering=0) as file:
+                size = file.seek(0, os.SEEK_END)
+                if size + len(line) > MAX_ANSWERS_BYTES:
+                    return HTTPStatus.INSUFFICIENT_STORAGE, "the file of answers is full"
+                if size and file.seek(size - 1) and file.read(1) != b"\n":
+                    line = b"\n" + line  # a write before was cut off
+                file.write(line)
+                os.fsync(file.fileno())
+            self._known.add(digest)
         return HTTPStatus.CREATED, ""
 
 
@@ -218,13 +213,26 @@ class StudySite:
     async def take_answers(self, request: Request) -> Response:
         """Store the answers of a rater."""
         self._refuse_other_sites(request)
-        _refuse_unfit(request)
+        # A post that cannot be a submission is refused before its content arrives.
+        if request.headers.get("Content-Type", "").partition(";")[0].strip() != "application/json":
+            raise HTTPException(415, "send the answers as application/json")
+        length = request.headers.get("Content-Length")
+        if length is None:
+            raise HTTPException(411, "the header Content-Length is missing")
+        if int(length) > MAX_SUBMISSION_BYTES:  # h11 accepts only decimal digits
+            raise HTTPException(413, "the answers are too long")
         try:
             content = await request.body()
         except ClientDisconnect:
             raise HTTPException(408, "the answers did not arrive in full") from None
-        if self._hurried(request.client.host if request.client else ""):
+        now = time.monotonic()
+        if len(self._recent) > MAX_ADDRESSES:
+            self._recent.clear()
+        address = request.client.host if request.client else ""
+        times = self._recent.setdefault(address, deque(maxlen=MAX_PER_MINUTE))
+        if len(times) == MAX_PER_MINUTE and times[0] > now - 60:
             raise HTTPException(429, "too many answers; wait a minute")
+        times.append(now)
         try:
             status, fault = await run_in_threadpool(self._log.add, content)
         except OSError:
@@ -239,28 +247,6 @@ class StudySite:
             raise HTTPException(421, "this address is not that of the study")
         if origin is not None and origin not in {f"http://{host}", *self._origins}:
             raise HTTPException(403, "requests from other sites are refused")
-
-    def _hurried(self, address: str) -> bool:
-        """Return True if an address has sent too many submissions in the last minute."""
-        now = time.monotonic()
-        if len(self._recent) > MAX_ADDRESSES:
-            self._recent.clear()
-        times = self._recent.setdefault(address, deque(maxlen=MAX_PER_MINUTE))
-        if len(times) == MAX_PER_MINUTE and times[0] > now - 60:
-            return True
-        times.append(now)
-        return False
-
-
-def _refuse_unfit(request: Request) -> None:
-    """Refuse a post that cannot be a submission, before its content arrives."""
-    if request.headers.get("Content-Type", "").partition(";")[0].strip() != "application/json":
-        raise HTTPException(415, "send the answers as application/json")
-    length = request.headers.get("Content-Length")
-    if length is None:
-        raise HTTPException(411, "the header Content-Length is missing")
-    if int(length) > MAX_SUBMISSION_BYTES:  # h11 accepts only decimal digits
-        raise HTTPException(413, "the answers are too long")
 
 
 def _is_numeric(host: str) -> bool:

@@ -19,7 +19,6 @@ from lipsync_lang.study.study_file import (
     MAX_PAIRS,
     PairAnswer,
     Study,
-    StudyPair,
 )
 
 MIN_COPIED_ANSWERS = 5
@@ -30,6 +29,9 @@ MIN_ALIKE_ANSWERS = 10
 
 UNKNOWN_CLIP_SECONDS = 1.0
 """Minimum time for a pair of clips of unknown length."""
+
+MAX_NAMED = 5
+"""Maximum number of raters or pairs in a sentence."""
 
 MAX_RATER_CHARS = 64
 """Maximum length of a rater's number."""
@@ -120,7 +122,6 @@ class _Rater:
     finished: bool
     given: list[Any]
     answers: list[PairAnswer] = field(default_factory=list)
-    kept: list[PairAnswer] = field(default_factory=list)
     dropped: list[tuple[str, str]] = field(default_factory=list)
     """Reason and words of each answer that does not count."""
 
@@ -271,7 +272,7 @@ class _Sorting:
                 alike[untimed].append(one)
         self._told.suspicious += [
             f"{len(same)} raters gave the same {len(pattern)} choices and strengths at different "
-            f"speeds: {_named(one.rater for one in same)}"
+            f"speeds: {shortlist((one.rater for one in same), MAX_NAMED)}"
             for pattern, same in alike.items()
             if len(same) > 1
         ]
@@ -283,22 +284,34 @@ class _Sorting:
         if fault:
             self._aside(*fault)
             return
-        self._drop_fast(one)
-        if all(self._pairs[answer.pair].check for answer in one.kept):
+        fast = self._fast(one)
+        told = self._told
+        choices: list[Choice] = []
+        checks = 0
+        for answer in one.answers:
+            pair = self._pairs[answer.pair]
+            if answer.pair in fast:
+                one.dropped.append(("too fast", f"{answer.pair}: {fast[answer.pair]:g} s"))
+            elif pair.check:
+                checks += 1
+            else:
+                left = answer.choice == "left"
+                chosen, other = (pair.left, pair.right) if left else (pair.right, pair.left)
+                choices.append(
+                    Choice(
+                        one.rater, pair.pair, pair.line, pair.character, answer.question,
+                        chosen, other, answer.strength,
+                    )
+                )  # fmt: skip
+        if not choices:
             first = one.dropped[0][1] if one.dropped else "the rater gave no answers"
             self._aside("nothing left", one, first)
             return
-        told = self._told
         told.raters += 1
         told.unfinished += not self._complete(one)
-        tested = [answer for answer in one.kept if self._pairs[answer.pair].check]
-        told.checks += len(tested)
-        told.unchecked += not tested and any(pair.check for pair in self._study.pairs)
-        told.choices += [
-            _choice(one.rater, answer, self._pairs[answer.pair])
-            for answer in one.kept
-            if not self._pairs[answer.pair].check
-        ]
+        told.checks += checks
+        told.unchecked += not checks and any(pair.check for pair in self._study.pairs)
+        told.choices += choices
         dropped: dict[str, list[str]] = defaultdict(list)
         for reason, words in one.dropped:
             dropped[reason].append(words)
@@ -312,7 +325,7 @@ class _Sorting:
         """Return the reason to set a rater aside, if there is one."""
         failed = {a.pair for a in one.answers if self._pairs[a.pair].check not in (None, a.choice)}
         if len(failed) > self._rules.failed_checks:
-            return "failed checks", one, f"failed at {_named(sorted(failed))}"
+            return "failed checks", one, f"failed at {shortlist(sorted(failed), MAX_NAMED)}"
         pairs, fast = {a.pair for a in one.answers}, self._fast(one)
         if fast and 2 * len(fast) > len(pairs):
             return "fast rater", one, f"{len(fast)} of {len(pairs)} pairs were too fast"
@@ -334,34 +347,10 @@ class _Sorting:
             < (self._pairs[pair].seconds or UNKNOWN_CLIP_SECONDS if stated is None else stated)
         }
 
-    def _drop_fast(self, one: _Rater) -> None:
-        fast = self._fast(one)
-        for answer in one.answers:
-            if answer.pair in fast:
-                words = f"{answer.pair}: {fast[answer.pair]:g} s"
-                one.dropped.append(("too fast", words))
-            else:
-                one.kept.append(answer)
-
 
 def raw_pair(raw: Any) -> str:
     """Return the name of the pair in an answer, valid or not."""
     return str(raw.get("pair")) if isinstance(raw, dict) else ""
-
-
-def _choice(rater: str, answer: PairAnswer, pair: StudyPair) -> Choice:
-    left = answer.choice == "left"
-    chosen, other = (pair.left, pair.right) if left else (pair.right, pair.left)
-    return Choice(
-        rater,
-        pair.pair,
-        pair.line,
-        pair.character,
-        answer.question,
-        chosen,
-        other,
-        answer.strength,
-    )
 
 
 def _pattern(one: _Rater, *, timed: bool) -> tuple[Any, ...]:
@@ -371,10 +360,6 @@ def _pattern(one: _Rater, *, timed: bool) -> tuple[Any, ...]:
             for a in one.answers
         )
     )
-
-
-def _named(names: Iterable[str], shown: int = 5) -> str:
-    return shortlist(names, shown)
 
 
 def _shown(value: Any, most: int = 40) -> str:

@@ -58,18 +58,14 @@ def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]
             continue
         content = content.strip()
         lines = content.split(b"\n")
-        if len(lines) == 1 or not any(_is_document(line) for line in lines):
+        documents = (parse_document(line)[2] for line in lines)
+        # JSON lines have a whole document in some line; an indented document has none.
+        if len(lines) == 1 or not any(isinstance(one, dict) and "kind" in one for one in documents):
             yield str(path), content
             continue
         for number, line in enumerate(lines, 1):
             if line.strip():
                 yield f"{path}:{number}", line
-
-
-def _is_document(text: bytes) -> bool:
-    """Return True if a line is a complete document, as in JSON lines."""
-    found = parse_document(text)[2]
-    return isinstance(found, dict) and "kind" in found
 
 
 def _is_report(path: Path) -> bool:

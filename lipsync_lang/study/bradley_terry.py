@@ -13,12 +13,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.study.comparisons import ALL_CHARACTERS, Choice
-from lipsync_lang.study.distributions import (
-    NORMAL_QUANTILE,
-    Interval,
-    chi_square_tail,
-    t_quantile,
-)
+from lipsync_lang.study.distributions import Interval, chi_square_tail, t_quantile
 
 FLIPS, FLIPS_AT_ONCE = 20_000, 1_000
 """Number of random sign vectors in the test over raters; their seed is fixed."""
@@ -192,7 +187,22 @@ def _information(wins: Floats, strengths: Floats) -> Floats:
 def _described(
     choices: Sequence[Choice], methods: Sequence[str], wins: Floats, strengths: Floats
 ) -> list[MethodStrength]:
-    errors, quantile = _standard_errors(choices, methods, wins, strengths)
+    """Describe each method, with intervals by raters if there are several raters.
+
+    The standard errors are a sandwich of the information around the gradients of raters, and no
+    smaller than those of independent choices.
+    """
+    by_rater = _by_rater(choices, {method: number for number, method in enumerate(methods)})
+    raters = len(by_rater)
+    intervals: list[Interval | None] = [None] * len(methods)
+    if raters > 1:
+        inverse = np.linalg.pinv(_information(wins, strengths))
+        gradients = np.array([_gradient(one, strengths) for one in by_rater])
+        clustered = inverse @ (gradients.T @ gradients) @ inverse * (raters / (raters - 1))
+        errors = np.sqrt(np.maximum(np.diag(clustered), np.diag(inverse)))
+        half = t_quantile(raters - 1) * errors
+        ends = zip((strengths - half).tolist(), (strengths + half).tolist(), strict=True)
+        intervals = [Interval(*both) for both in ends]
     others = (_chances(strengths).sum(axis=1) - 0.5) / (len(methods) - 1)
     return [
         MethodStrength(
@@ -200,35 +210,11 @@ def _described(
             wins=int(wins[n].sum()),
             choices=int(wins[n].sum() + wins[:, n].sum()),
             strength=float(strengths[n]),
-            interval=None
-            if errors is None
-            else Interval(
-                float(strengths[n] - quantile * errors[n]),
-                float(strengths[n] + quantile * errors[n]),
-            ),
+            interval=intervals[n],
             beats_others=float(others[n]),
         )
         for n, method in enumerate(methods)
     ]
-
-
-def _standard_errors(
-    choices: Sequence[Choice], methods: Sequence[str], wins: Floats, strengths: Floats
-) -> tuple[Floats | None, float]:
-    """Return standard errors, and the quantile for intervals.
-
-    The errors are a sandwich of the information around the gradients of raters, and no smaller
-    than those of independent choices.
-    """
-    by_rater = _by_rater(choices, {method: number for number, method in enumerate(methods)})
-    raters = len(by_rater)
-    if raters == 1:
-        return None, NORMAL_QUANTILE
-    inverse = np.linalg.pinv(_information(wins, strengths))
-    gradients = np.array([_gradient(one, strengths) for one in by_rater])
-    clustered = inverse @ (gradients.T @ gradients) @ inverse * (raters / (raters - 1))
-    errors: Floats = np.sqrt(np.maximum(np.diag(clustered), np.diag(inverse)))
-    return errors, t_quantile(raters - 1)
 
 
 def _problem(wins: Floats, methods: Sequence[str]) -> str:

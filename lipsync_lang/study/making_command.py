@@ -3,6 +3,7 @@
 import argparse
 import sys
 from argparse import Namespace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,8 +25,7 @@ from lipsync_lang.terminal import progress, wipe
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.study.methods import Method, StudyCharacter
-    from lipsync_lang.study.study_lines import StudyLine
-    from lipsync_lang.study.study_maker import NewStudy, StudyPlan
+    from lipsync_lang.study.study_maker import StudyPlan
     from lipsync_lang.study.study_page import PageTexts
 
 MAX_CONSENT_BYTES = 100_000
@@ -58,7 +58,6 @@ def add_new(action: Add) -> None:
         "-o study",
     )
     _add_lines(new_)
-    _add_compared(new_)
     _add_clips(new_)
     _add_page(new_.add_argument_group("text and questions of the page"))
     new_.add_argument(
@@ -66,8 +65,9 @@ def add_new(action: Add) -> None:
         help="the folder of the study; it must not hold another study",
     )  # fmt: skip
     new_.add_argument(
-        "--workers", metavar="N", type=_positive, help="number of processes [one per core]"
-    )
+        "--workers", metavar="N", type=partial(_number, 1),
+        help="number of processes [one per core]",
+    )  # fmt: skip
     add_json(new_)
 
 
@@ -117,8 +117,8 @@ def _add_lines(made: argparse.ArgumentParser) -> None:
     lines.add_argument("--tts", metavar="ENGINE", help="speech engine [the language's]")
 
 
-def _add_compared(made: argparse.ArgumentParser) -> None:
-    """Add the methods, and the number of pairs of clips."""
+def _add_clips(made: argparse.ArgumentParser) -> None:
+    """Add the methods and characters, and the options of the clips."""
     compared = made.add_argument_group("comparison")
     compared.add_argument(
         "--method", metavar="METHOD", action="append", default=[],
@@ -126,23 +126,20 @@ def _add_compared(made: argparse.ArgumentParser) -> None:
         "NAME=character:OTHER, NAME=bank:FILE or NAME=motion:PRESET; give two or more",
     )  # fmt: skip
     compared.add_argument(
-        "--pairs", metavar="N", type=_positive, help="largest number of pairs, chosen evenly [all]"
-    )
+        "--pairs", metavar="N", type=partial(_number, 1),
+        help="largest number of pairs, chosen evenly [all]",
+    )  # fmt: skip
     compared.add_argument(
-        "--checks", metavar="N", type=_whole,
+        "--checks", metavar="N", type=partial(_number, 0),
         help="number of attention checks [one for every ten pairs]",
     )  # fmt: skip
     compared.add_argument(
-        "--raters-see", metavar="N", type=_positive,
+        "--raters-see", metavar="N", type=partial(_number, 1),
         help="number of pairs that each rater sees [all]",
     )  # fmt: skip
     compared.add_argument(
         "--seed", metavar="N", type=int, default=1, help="seed of all random choices [1]"
     )
-
-
-def _add_clips(made: argparse.ArgumentParser) -> None:
-    """Add the characters, and the options of the clips."""
     clips = made.add_argument_group("clips")
     clips.add_argument(
         "-c", "--character", metavar="CHARACTER", action="append", default=[],
@@ -184,15 +181,7 @@ def _add_page(page: argparse._ArgumentGroup) -> None:
     )
 
 
-def _positive(text: str) -> int:
-    return _number(text, 1)
-
-
-def _whole(text: str) -> int:
-    return _number(text, 0)
-
-
-def _number(text: str, least: int) -> int:
+def _number(least: int, text: str) -> int:
     if not (text.isascii() and text.isdecimal() and int(text) >= least):
         raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of {least} or more")
     return int(text)
@@ -212,41 +201,48 @@ def new(options: Namespace) -> int:
         )
     finally:
         wipe()
+    checks = sum(pair.check is not None for pair in made.study.pairs)
     key, page = options.output / KEY, options.output / PAGE
     if options.json:
         facts = {
             "study": made.study.study,
             "pairs": len(made.study.pairs),
-            "checks": sum(pair.check is not None for pair in made.study.pairs),
+            "checks": checks,
             "rendered": made.rendered,
             "page_bytes": made.page_bytes,
             "left_out": made.remarks,
         }
         print(as_json(facts))
-    print(_summary(made), file=sys.stderr)
-    print(f"wrote {key} for you and {page} for raters", file=sys.stderr)
-    return FAULTS if made.remarks else SOUND
-
-
-def _summary(made: "NewStudy") -> str:
-    checks = sum(pair.check is not None for pair in made.study.pairs)
-    pairs = count(len(made.study.pairs) - checks, "pair")
     told = (
-        f"{pairs}, {count(checks, 'attention check')}, "
+        f"{count(len(made.study.pairs) - checks, 'pair')}, {count(checks, 'attention check')}, "
         f"{count(made.rendered, 'clip')} rendered, page of {made.page_bytes / 1e6:.1f} MB"
     )
     if made.page_bytes > MAX_PAGE_BYTES:
         told += f"\nthe page is larger than {MAX_PAGE_BYTES // 10**6} MB; give fewer --pairs"
-    return "\n".join((told, *made.remarks))
+    print("\n".join((told, *made.remarks)), file=sys.stderr)
+    print(f"wrote {key} for you and {page} for raters", file=sys.stderr)
+    return FAULTS if made.remarks else SOUND
 
 
 def _plan(options: Namespace) -> "StudyPlan":
+    from lipsync_lang.lines import read_lines
     from lipsync_lang.study.methods import parse_methods
+    from lipsync_lang.study.study_lines import study_lines
     from lipsync_lang.study.study_maker import StudyPlan
 
+    def remark(text: str) -> None:
+        print(text, file=sys.stderr)
+
     methods = parse_methods(options.method)
+    found = read_lines(
+        options.lines,
+        column=options.column,
+        encoding=options.encoding,
+        remark=remark,
+        cleaning=cleaning(options),
+    )
     return StudyPlan(
-        _lines(options),
+        study_lines(found, options.text, options.audio, remark),
         tuple(_cast(options, name) for name in dict.fromkeys(options.character)),
         methods,
         options.title,
@@ -258,23 +254,6 @@ def _plan(options: Namespace) -> "StudyPlan":
         options.seed,
         options.tts,
     )
-
-
-def _lines(options: Namespace) -> "tuple[StudyLine, ...]":
-    from lipsync_lang.lines import read_lines
-    from lipsync_lang.study.study_lines import study_lines
-
-    def remark(text: str) -> None:
-        print(text, file=sys.stderr)
-
-    found = read_lines(
-        options.lines,
-        column=options.column,
-        encoding=options.encoding,
-        remark=remark,
-        cleaning=cleaning(options),
-    )
-    return study_lines(found, options.text, options.audio, remark)
 
 
 def _texts(options: Namespace) -> "PageTexts":

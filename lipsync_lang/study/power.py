@@ -95,7 +95,12 @@ def plan_study(question: PowerQuestion) -> PowerPlan:
         sizes = [(pairs_for(needed, raters, correlation), raters)]
     else:
         sizes = [(one, raters_for(needed, one, correlation)) for one in PAIRS_SHOWN]
-    return PowerPlan(question, needed, tuple(_row(question, *size) for size in sizes))
+    rows = []
+    for each, number in sizes:
+        effective = effective_choices(number, each, correlation)
+        power = exact_power(effective, question.share, question.alpha)
+        rows.append(PowerRow(each, number, number * each, effective, power))
+    return PowerPlan(question, needed, tuple(rows))
 
 
 def _check(question: PowerQuestion) -> None:
@@ -119,12 +124,6 @@ def _check(question: PowerQuestion) -> None:
         raise LipsyncError(
             f"more than {MAX_CHOICES:,} choices are too many; give fewer raters or pairs"
         )
-
-
-def _row(question: PowerQuestion, pairs: int, raters: int) -> PowerRow:
-    effective = effective_choices(raters, pairs, question.correlation)
-    power = exact_power(effective, question.share, question.alpha)
-    return PowerRow(pairs, raters, raters * pairs, effective, power)
 
 
 def effective_choices(raters: int, pairs: int, correlation: float) -> int:

@@ -3,7 +3,7 @@
 import sys
 from argparse import Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
 from lipsync_lang.commands.registry import Add, command
@@ -103,10 +103,14 @@ def add_power(action: Add) -> None:
 
 def report(options: Namespace) -> int:
     """Print or write the report of a study; no choices to count are a fault."""
+    from lipsync_lang.files import write_all
     from lipsync_lang.study.answer_sorting import SortingRules
     from lipsync_lang.study.study_report import report_study
 
-    form = _form(options)
+    suffix = options.output.suffix.lower() if options.output else ""
+    form: str = options.format or SUFFIXES.get(suffix, "text")
+    if form not in FORMS:
+        raise LipsyncError(f"--format {form}: {did_you_mean(form, FORMS)}")
     for name in ("failed_checks", "least_seconds", "one_side"):
         value = getattr(options, name)
         if value is not None and not 0 <= value < float("inf"):
@@ -124,7 +128,9 @@ def report(options: Namespace) -> int:
     if options.output in (None, STANDARD_STREAM):
         sys.stdout.write(text)
     else:
-        _write(options, text)
+        content = text.encode("utf-8", "backslashreplace")
+        write_all({options.output: lambda stream: stream.write(content)})
+        tell_written(options.output)
     if not found.answers.choices:
         print(
             "no choice counts; the report lists the excluded answers and the reasons",
@@ -132,14 +138,6 @@ def report(options: Namespace) -> int:
         )
         return FAULTS
     return SOUND
-
-
-def _form(options: Namespace) -> str:
-    suffix = options.output.suffix.lower() if options.output else ""
-    form: str = options.format or SUFFIXES.get(suffix, "text")
-    if form not in FORMS:
-        raise LipsyncError(f"--format {form}: {did_you_mean(form, FORMS)}")
-    return form
 
 
 def _refuse_inputs(options: Namespace, found: "StudyReport") -> None:
@@ -165,16 +163,6 @@ def _written(found: "StudyReport", form: str) -> str:
     from lipsync_lang.study.study_text import report_text
 
     return report_text(found)
-
-
-def _write(options: Namespace, text: str) -> None:
-    from lipsync_lang.files import write_all
-
-    def encoded(stream: BinaryIO) -> None:
-        stream.write(text.encode("utf-8", "backslashreplace"))
-
-    write_all({options.output: encoded})
-    tell_written(options.output)
 
 
 def power(options: Namespace) -> int:

@@ -57,11 +57,12 @@ def study_lines(
     LipsyncError
         There are no lines or too many, or two lines have the same name.
     """
-    lines = [
-        StudyLine(_name(line), line.text, line.schedule)
-        for line in found
-        if line.text.strip() or line.schedule is not None
-    ]
+    lines = []
+    for line in found:
+        if line.text.strip() or line.schedule is not None:
+            file, _, row = line.place.rpartition(":")
+            own = line.name or f"{Path(file).stem}_{row}"
+            lines.append(StudyLine(own[:MAX_LINE_NAME_CHARS], line.text, line.schedule))
     lines += [StudyLine(f"text_{number}", text) for number, text in enumerate(texts, 1)]
     if not lines:
         raise LipsyncError("there is no line to show; name a file of lines, or give a text")
@@ -89,12 +90,6 @@ def _recorded(
             "name each recording after its line"
         )
     return tuple(replace(line, recording=only_file(files[line.name])) for line in found)
-
-
-def _name(line: "Line") -> str:
-    """Return the name of a line, or of its file with the number of its row."""
-    file, _, row = line.place.rpartition(":")
-    return (line.name or f"{Path(file).stem}_{row}")[:MAX_LINE_NAME_CHARS]
 
 
 def files_by_stem(folder: Path) -> dict[str, list[Path]]:

@@ -30,7 +30,6 @@ from lipsync_lang.study.study_pairs import (
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.schedules.schedule import Schedule
 
 KEY, PAGE, CLIPS = "study.json", "page.html", "clips"
 """Names in the folder of a study: key, page for raters, and rendered clips."""
@@ -148,40 +147,32 @@ class _PairMaker:
         for pair in in_balanced_order(found, plan.seed):
             if plan.most is not None and len(pairs) >= plan.most:
                 break
-            if self._can_show(pair):
+            made = (self._animation(pair.line, pair.character, one) for one in pair.methods)
+            fault = next((one for one in made if isinstance(one, LipsyncError)), None)
+            if fault is None:
                 pairs.append(pair)
                 self._told("line", len(pairs), plan.most or len(pairs))
+                continue
+            remark = f"{pair.line} on {pair.character}: {fault}; left out"
+            if remark not in self.remarks:
+                self.remarks.append(remark)
         if not pairs:
             raise LipsyncError("\n".join(("no pair can be shown", *self.remarks)))
         return pairs
-
-    def _can_show(self, pair: ClipPair) -> bool:
-        for method in pair.methods:
-            made = self._animation(pair.line, pair.character, method)
-            if isinstance(made, LipsyncError):
-                remark = f"{pair.line} on {pair.character}: {made}; left out"
-                if remark not in self.remarks:
-                    self.remarks.append(remark)
-                return False
-        return True
 
     def _animation(self, line: str, character: str, method: str) -> "Animation | LipsyncError":
         key = (line, character, method)
         if key not in self._made:
             cast = self._characters[character]
             try:
-                own = self._frames(line, cast)
+                if (line, character) not in self._own:
+                    schedule = timed(self._lines[line], cast.performer, engine=self._plan.engine)
+                    self._own[line, character] = cast.frames(schedule)
+                own = self._own[line, character]
                 self._made[key] = cast.animate(self._methods[method], line, own)
             except LipsyncError as error:
                 self._made[key] = error
         return self._made[key]
-
-    def _frames(self, line: str, cast: StudyCharacter) -> "Animation":
-        key = (line, cast.name)
-        if key not in self._own:
-            schedule: Schedule = timed(self._lines[line], cast.performer, engine=self._plan.engine)
-            self._own[key] = cast.frames(schedule)
-        return self._own[key]
 
     def clips(self, pairs: Sequence[StudyPair]) -> Iterator[tuple[str, tuple[Clip, Clip]]]:
         """Yield the name and the clips of each pair, left and right."""

@@ -145,9 +145,13 @@ def study_page(
     """
     texts.refuse_faults()
     script, style = _static("answering.js"), _static("answering.css")
+    hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in (script, style)]
+    allowed = "'self'" if texts.post is None else origin_of(texts.post)
     document = json.dumps(_document(study, texts), separators=(",", ":"), ensure_ascii=False)
     parts = {
-        "POLICY": _policy(script, style, texts.post),
+        "POLICY": f"default-src 'none'; script-src 'sha256-{hashes[0]}'; "
+        f"style-src 'sha256-{hashes[1]}'; media-src blob:; connect-src {allowed}; "
+        "img-src data:; base-uri 'none'; form-action 'none'",
         "STYLE": style,
         "SCRIPT": script,
         "DOCUMENT": document.replace("<", "\\u003c"),
@@ -172,6 +176,14 @@ def _static(name: str) -> str:
 
 
 def _document(study: Study, texts: PageTexts) -> dict[str, Any]:
+    names = [pair.pair for pair in study.pairs]
+    checks = [pair.pair for pair in study.pairs if pair.check]
+    groups = [{"take": len(names), "pairs": names}]
+    if study.raters_see is not None and study.raters_see < len(names):
+        # A rater who sees a part of the pairs sees every attention check.
+        others = [name for name in names if name not in set(checks)]
+        some = ((checks, len(checks)), (others, max(1, study.raters_see - len(checks))))
+        groups = [{"take": take, "pairs": group} for group, take in some if group]
     return {
         "post": texts.post,
         "study": study.study,
@@ -183,29 +195,5 @@ def _document(study: Study, texts: PageTexts) -> dict[str, Any]:
         "questions": [
             {"key": key, **DEFINITIONS[key]} for key in QUESTIONS if key in study.questions
         ],
-        "groups": _groups(study),
+        "groups": groups,
     }
-
-
-def _groups(study: Study) -> list[dict[str, Any]]:
-    """Return groups of pairs, of which each rater sees some.
-
-    A rater who sees a part of the pairs sees every attention check.
-    """
-    names = [pair.pair for pair in study.pairs]
-    if study.raters_see is None or study.raters_see >= len(names):
-        return [{"take": len(names), "pairs": names}]
-    checks = [pair.pair for pair in study.pairs if pair.check]
-    others = [name for name in names if name not in set(checks)]
-    groups = ((checks, len(checks)), (others, max(1, study.raters_see - len(checks))))
-    return [{"take": take, "pairs": some} for some, take in groups if some]
-
-
-def _policy(script: str, style: str, post: str | None) -> str:
-    hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in (script, style)]
-    allowed = "'self'" if post is None else origin_of(post)
-    return (
-        f"default-src 'none'; script-src 'sha256-{hashes[0]}'; style-src 'sha256-{hashes[1]}'; "
-        f"media-src blob:; connect-src {allowed}; img-src data:; base-uri 'none'; "
-        "form-action 'none'"
-    )

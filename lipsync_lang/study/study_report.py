@@ -101,8 +101,15 @@ def report_study(
     """
     file = study / STUDY_NAME if study.is_dir() else study
     known = read_study(file)
-    files = answer_files(answers or _beside(file))
-    return report_answers(known, files, rules)
+    beside = file.parent
+    inside = beside / ANSWERS_FOLDER
+    places = list(answers) or [beside]
+    if not answers and inside.is_dir():
+        try:
+            places = [*answer_files([beside]), inside]
+        except LipsyncError:  # all answers are in the folder of answers
+            places = [inside]
+    return report_answers(known, answer_files(places), rules)
 
 
 def report_answers(
@@ -122,17 +129,6 @@ def report_answers(
         tuple(rankings),
         tuple(_notes(study, answers, comparisons)),
     )
-
-
-def _beside(study: Path) -> list[Path]:
-    folder = study.parent
-    inside = folder / ANSWERS_FOLDER
-    if not inside.is_dir():
-        return [folder]
-    try:
-        return [*answer_files([folder]), inside]
-    except LipsyncError:
-        return [inside]
 
 
 def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Comparison]) -> list[str]:

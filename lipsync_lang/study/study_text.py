@@ -1,6 +1,6 @@
 """Texts of a study's report and plan for a terminal."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from lipsync_lang.reports.text_table import columns
 from lipsync_lang.study.answer_sorting import reasons
@@ -22,25 +22,31 @@ SMALLEST_P = 1e-4
 
 def report_text(report: StudyReport) -> str:
     """Return the report as text."""
-    blocks = [
-        list(_heading(report)),
-        list(_set_aside(report)),
-        *(_question(report, question) for question in report.study.questions),
-        *(list(_ranking(one)) for one in report.rankings),
-        ["notes", *(f"  {note}" for note in report.notes)],
-    ]
-    return "\n\n".join("\n".join(lines) for lines in blocks if lines) + "\n"
-
-
-def _heading(report: StudyReport) -> Iterator[str]:
-    answers = report.answers
-    yield f"{report.study.title or 'study'} ({report.study.study})"
-    yield f"methods: {', '.join(report.study.methods)}"
-    yield (
-        f"{count(answers.raters, 'rater')} and {count(len(answers.choices), 'choice')} counted, of "
-        f"{count(answers.submissions, 'submission')} with {count(answers.answers, 'answer')}; "
+    answers, study = report.answers, report.study
+    counted = (
+        f"{count(answers.raters, 'rater')} and {count(len(answers.choices), 'choice')} counted, "
+        f"of {count(answers.submissions, 'submission')} with {count(answers.answers, 'answer')}; "
         f"{count(answers.checks, 'answer')} to attention checks"
     )
+    heading = [
+        f"{study.title or 'study'} ({study.study})",
+        f"methods: {', '.join(study.methods)}",
+        counted,
+    ]
+    blocks: list[Iterable[str]] = [heading, _set_aside(report)]
+    cells = dict.fromkeys((one.question, one.first, one.second) for one in report.comparisons)
+    for question, first, second in sorted(cells, key=lambda cell: study.questions.index(cell[0])):
+        rows = [
+            one
+            for one in report.comparisons
+            if (one.question, one.first, one.second) == (question, first, second)
+        ]
+        preferences = (f"  {line}" for line in columns(_preferences(rows)))
+        blocks.append((f"{question}: {first} against {second}", *preferences))
+        blocks.append(f"  {line}" for line in columns(_strengths(rows)))
+    blocks += map(_ranking, report.rankings)
+    blocks.append(("notes", *(f"  {note}" for note in report.notes)))
+    return "\n\n".join(map("\n".join, blocks)) + "\n"
 
 
 def _set_aside(report: StudyReport) -> Iterator[str]:
@@ -61,18 +67,6 @@ def _set_aside(report: StudyReport) -> Iterator[str]:
         if len(found) > MAX_LISTED_ASIDE:
             yield f"  ... and {len(found) - MAX_LISTED_ASIDE} more; the JSON report lists all"
     yield from (f"  suspicious, but counted: {one}" for one in report.answers.suspicious)
-
-
-def _question(report: StudyReport, question: str) -> list[str]:
-    """Return the tables of one question, two for each pair of methods."""
-    lines: list[str] = []
-    found = [one for one in report.comparisons if one.question == question]
-    for pair in dict.fromkeys((one.first, one.second) for one in found):
-        rows = [one for one in found if (one.first, one.second) == pair]
-        lines += ["", f"{question}: {pair[0]} against {pair[1]}"]
-        lines += [f"  {line}" for line in columns(_preferences(rows))]
-        lines += [""] + [f"  {line}" for line in columns(_strengths(rows))]
-    return lines[1:]
 
 
 def _preferences(found: Sequence[Comparison]) -> Iterator[Sequence[str]]:
