@@ -1,6 +1,5 @@
 """The command that reports the bigram coverage of a corpus and the gaps to author next."""
 
-import argparse
 import sys
 from argparse import Namespace
 from io import TextIOWrapper
@@ -13,7 +12,7 @@ from lipsync_lang.commands.coverage_corpus import (
     shown_names,
     weights_of,
 )
-from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
+from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (
     add_json_form,
@@ -22,7 +21,6 @@ from lipsync_lang.commands.shared_options import (
     add_values,
     cleaning,
 )
-from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.coverage.forms import FORMS
 from lipsync_lang.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.files import STANDARD_STREAM, argument_path
@@ -50,7 +48,19 @@ def add_coverage(add: Add) -> None:
         "show which bigrams a script needs, and what to author next",
         "coverage script.txt -l english -c facefx",
     )
-    _add_corpus(coverage_)
+    coverage_.add_argument(
+        "corpus", metavar="CORPUS", type=argument_path, nargs="*",
+        help="a file of lines, a folder, or - for standard input [the project's lines]",
+    )  # fmt: skip
+    coverage_.set_defaults(words={}, lines=(), text_column=None, speaker_column=None, cast=None)
+    for short, name, what in (
+        ("-l", "language", "name or tag of a language"),
+        ("-c", "character", "a character or a pose set that speaks every line"),
+    ):
+        coverage_.add_argument(
+            short, f"--{name}", metavar=name.upper(), action="append", default=[],
+            help=f"{what} [the project's]; may be repeated",
+        )  # fmt: skip
     coverage_.add_argument(
         "--format",
         metavar="NAME",
@@ -76,34 +86,12 @@ def add_coverage(add: Add) -> None:
         help="exit with 1 if less of the speech is authored",
     )  # fmt: skip
     coverage_.add_argument(
-        "--against",
-        metavar="OLD.json",
-        type=Path,
+        "--against", metavar="OLD.json", type=Path,
         help="show the changes since an older JSON report",
-    )
+    )  # fmt: skip
     coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
     add_values(coverage_)
     add_path(coverage_)
-
-
-def _add_corpus(made: argparse.ArgumentParser) -> None:
-    """Add the texts, and the languages and characters that speak them."""
-    made.add_argument(
-        "corpus",
-        metavar="CORPUS",
-        type=argument_path,
-        nargs="*",
-        help="a file of lines, a folder, or - for standard input [the project's lines]",
-    )
-    made.set_defaults(words={}, lines=(), text_column=None, speaker_column=None, cast=None)
-    for short, name, what in (
-        ("-l", "language", "name or tag of a language"),
-        ("-c", "character", "a character or a pose set that speaks every line"),
-    ):
-        made.add_argument(
-            short, f"--{name}", metavar=name.upper(), action="append", default=[],
-            help=f"{what} [the project's]; may be repeated",
-        )  # fmt: skip
 
 
 def coverage(options: Namespace) -> int:
@@ -120,7 +108,14 @@ def coverage(options: Namespace) -> int:
     if old:
         found = since(old, found, shown_names([options.against])(str(options.against)))
     _write(options, found)
-    return _judged(found, options.fail_under)
+    under = [one for one in found.reports if one.authored.percent < (options.fail_under or 0)]
+    for one in under:
+        print(
+            f"{one.label} on {one.character}: {one.authored.percent:g} % are authored, under "
+            f"{options.fail_under:g} %",
+            file=sys.stderr,
+        )
+    return FAULTS if under else SOUND
 
 
 def _counted(options: Namespace) -> "Coverage":
@@ -155,19 +150,11 @@ def _counted(options: Namespace) -> "Coverage":
         )
         documents.append((part.column, found))
     found = joined(documents, weights)
-    _tell_speakers(found, options.character)
-    return found
-
-
-def _tell_speakers(found: "Coverage", default: list[str]) -> None:
-    """Remark on speakers that have no character of their own."""
-    others = found.corpus.other_speakers
+    others = [f"{one.what} ({one.count})" for one in found.corpus.other_speakers]
     if others:
-        names = shortlist((f"{one.what} ({one.count})" for one in others), MAX_NAMES)
-        print(
-            f"speakers that `cast` does not name get {' and '.join(default)}: {names}",
-            file=sys.stderr,
-        )
+        default, names = " and ".join(options.character), shortlist(others, MAX_NAMES)
+        print(f"speakers that `cast` does not name get {default}: {names}", file=sys.stderr)
+    return found
 
 
 class _CoverageRemarks:
@@ -195,13 +182,13 @@ def _shown(lines: "Iterable[Line]", every: int = 1000) -> "Iterator[Line]":
 
 
 def _write(options: Namespace, found: "Coverage") -> None:
-    from lipsync_lang.coverage.forms import FORMS, Asked
+    from lipsync_lang.coverage.forms import FORMS, FormOptions
     from lipsync_lang.coverage.forms.report_forms import SUFFIXES
     from lipsync_lang.files import write_all
 
     suffix = options.output.suffix.lower() if options.output else ""
     write = FORMS.find(options.format or SUFFIXES.get(suffix, "text"))
-    asked = Asked(everything=options.all, fail_under=options.fail_under)
+    asked = FormOptions(everything=options.all, fail_under=options.fail_under)
     if options.output is None:
         write(found, sys.stdout, asked)
         return
@@ -213,15 +200,3 @@ def _write(options: Namespace, found: "Coverage") -> None:
 
     write_all({options.output: encoded})
     tell_written(options.output)
-
-
-def _judged(found: "Coverage", fail_under: float | None) -> int:
-    """Print the reports below the required coverage and return the exit code."""
-    under = [one for one in found.reports if one.authored.percent < (fail_under or 0)]
-    for one in under:
-        print(
-            f"{one.label} on {one.character}: {one.authored.percent:g} % are authored, under "
-            f"{fail_under:g} %",
-            file=sys.stderr,
-        )
-    return FAULTS if under else SOUND

@@ -7,7 +7,6 @@ from pydantic import ValidationError
 from lipsync_lang.coverage.report import (
     COVERAGE_FORMAT,
     Coverage,
-    CoverageReport,
     ReportChange,
     Since,
 )
@@ -46,39 +45,34 @@ def since(old: Coverage, new: Coverage, file: str) -> Coverage:
         {(report.label, report.character): report for report in document.reports}
         for document in (old, new)
     )
-    both = [pair for pair in now if pair in before]
-    return new.model_copy(
-        update={
-            "since": Since(
-                file=file,
-                reports=tuple(_change(before[pair], now[pair]) for pair in both),
-                unmatched=tuple(
-                    f"{report.label} on {report.character}"
-                    for pair, report in (before | now).items()
-                    if (pair in before) != (pair in now)
-                ),
-                script=tuple(script_changes(old.corpus.script, new.corpus.script)),
-                # both with the minutes per bigram of the newer one
-                left=(
-                    total_of(old.reports, new.minutes).left,
-                    total_of(new.reports, new.minutes).left,
-                ),
+    reports: list[ReportChange] = []
+    for pair in (pair for pair in now if pair in before):
+        one, other = before[pair], now[pair]
+        was, has = ({b.bigram for b in r.bigrams if b.authored} for r in (one, other))
+        needed, needs = ([b.bigram for b in r.bigrams] for r in (one, other))
+        reports.append(
+            ReportChange(
+                language=other.language,
+                character=other.character,
+                percent=(one.authored.percent, other.authored.percent),
+                left=(one.left.bigrams, other.left.bigrams),
+                authored=tuple(name for name in needs if name in has - was),
+                lost=tuple(name for name in needed if name in was - has and name in needs),
+                new=tuple(name for name in needs if name not in needed),
+                gone=tuple(name for name in needed if name not in needs),
+                column=other.column,
             )
-        }
+        )
+    changes = Since(
+        file=file,
+        reports=tuple(reports),
+        unmatched=tuple(
+            f"{report.label} on {report.character}"
+            for pair, report in (before | now).items()
+            if (pair in before) != (pair in now)
+        ),
+        script=tuple(script_changes(old.corpus.script, new.corpus.script)),
+        # both with the minutes per bigram of the newer one
+        left=(total_of(old.reports, new.minutes).left, total_of(new.reports, new.minutes).left),
     )
-
-
-def _change(old: CoverageReport, new: CoverageReport) -> ReportChange:
-    was, has = ({one.bigram for one in r.bigrams if one.authored} for r in (old, new))
-    needed, needs = ([one.bigram for one in report.bigrams] for report in (old, new))
-    return ReportChange(
-        language=new.language,
-        character=new.character,
-        percent=(old.authored.percent, new.authored.percent),
-        left=(old.left.bigrams, new.left.bigrams),
-        authored=tuple(name for name in needs if name in has - was),
-        lost=tuple(name for name in needed if name in was - has and name in needs),
-        new=tuple(name for name in needs if name not in needed),
-        gone=tuple(name for name in needed if name not in needs),
-        column=new.column,
-    )
+    return new.model_copy(update={"since": changes})

@@ -14,13 +14,7 @@ if TYPE_CHECKING:
 def joined(
     documents: Sequence[tuple[str | None, Coverage]], weights: Mapping[str, float] | None = None
 ) -> Coverage:
-    """Join the documents of a table's columns into one.
-
-    Parameters
-    ----------
-    documents : column and document; reports name their column if a language is in several
-    weights : weights of languages in the total, by name; the default is 1
-    """
+    """Join the documents of columns into one; reports name theirs if a language is in several."""
     if len(documents) == 1:
         return documents[0][1]
     corpora = [document.corpus for _, document in documents]

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from lipsync_lang.arrays import Ints
-    from lipsync_lang.coverage.scripts import TextSpans
     from lipsync_lang.lines import Line
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.speech.speaking.transcripts import Transcript
@@ -133,21 +132,17 @@ Takes = Callable[["Line"], bool]
 
 
 class Reading(NamedTuple):
-    """A reading of lines: a language with its pronunciations.
-
-    Parameters
-    ----------
-    performer : reads the lines; its character contributes pronunciations and trigrams
-    scripts : scripts of the language; empty if unknown
-    takes : predicate of the lines to count; None for all
-    """
+    """A reading of lines: a language with its pronunciations."""
 
     performer: "Performer"
+    """Reads the lines; its character contributes pronunciations and trigrams."""
     scripts: "Iterable[str]" = ()
+    """Scripts of the language; empty if unknown."""
     takes: Takes | None = None
+    """Predicate of the lines to count; None for all."""
 
 
-class SaidLine(NamedTuple):
+class LinePhonemes(NamedTuple):
     """A spoken line: ids of common phonemes and breaks, and words."""
 
     ids: list[int]
@@ -187,7 +182,14 @@ class Count:
         own = {n: line for n, line in enumerate(lines, start) if self._takes(line)}
         written = [line for line in own.values() if line.schedule is None]
         spelled = self.others.spelled(written)
-        cut = [_parts(line, spans) for line, spans in zip(written, spelled, strict=True)]
+        cut: list[list[str]] = []
+        for one, spans in zip(written, spelled, strict=True):
+            # Gaps and spelled words have unknown sounds; the line is cut at them.
+            parts, at = [], 0
+            for first, last in sorted([*spans, *((gap, gap) for gap in one.gaps)]):
+                parts.append(one.text[at:first].strip())
+                at = max(at, last)
+            cut.append([*parts, one.text[at:].strip()])
         texts = [text for parts in cut for text in parts if text]
         heard = self._speaker.transcribe(texts) if texts else iter(())
         left = iter(cut)
@@ -206,7 +208,7 @@ class Count:
                     dict.fromkeys(w for w in said.words if len(w) <= MAX_EXAMPLE_CHARS)
                 )
 
-    def _count(self, number: int, said: SaidLine) -> bool:
+    def _count(self, number: int, said: LinePhonemes) -> bool:
         """Count a line; return True if any of its bigrams is new."""
         ids = np.array(said.ids, np.int64)
         codes = ids[:-1] * self.size + ids[1:]
@@ -242,7 +244,7 @@ class Count:
 
     def _joined(
         self, parts: "Sequence[str]", heard: "Iterator[Transcript]", place: str
-    ) -> SaidLine:
+    ) -> LinePhonemes:
         """Join the parts of a line with breaks between them."""
         ids: list[int] = [SILENT]
         words: list[str] = []
@@ -255,9 +257,9 @@ class Count:
                 words += said.words
             if number + 1 < len(parts) and part[-1:] in PAUSES:
                 ids.append(SILENT)
-        return SaidLine([*ids, SILENT], words)
+        return LinePhonemes([*ids, SILENT], words)
 
-    def _transcribed(self, transcript: "Transcript", place: str) -> SaidLine:
+    def _transcribed(self, transcript: "Transcript", place: str) -> LinePhonemes:
         words = [word for word in transcript.words if word.labels]
         for what in transcript.dropped:
             self.dropped.add(what, place)
@@ -270,7 +272,7 @@ class Count:
             for label in (label for word in words for label in word.labels):
                 if label in missing:
                     self.unmapped.add(label, place)
-        return SaidLine(
+        return LinePhonemes(
             self._ids(transcript), [text for word in words for text in word.text.split()]
         )
 
@@ -280,7 +282,7 @@ class Count:
             ids.insert(gap, BREAK)
         return ids
 
-    def _scheduled(self, line: "Line") -> SaidLine:
+    def _scheduled(self, line: "Line") -> LinePhonemes:
         schedule = line.schedule
         assert schedule is not None  # noqa: S101 only lines with one come here
         notation = self._performer.notation(schedule)
@@ -292,7 +294,7 @@ class Count:
             BREAK if number == SILENT and label in missing else number
             for number, label in zip(ids.tolist(), source.tolist(), strict=True)
         ]
-        return SaidLine([SILENT, *said, SILENT], [word.text for word in schedule.words])
+        return LinePhonemes([SILENT, *said, SILENT], [word.text for word in schedule.words])
 
     def examples(self) -> dict[int, str]:
         """Return an example word by code, for bigrams within a word."""
@@ -304,28 +306,13 @@ class Count:
         return examples
 
 
-def _parts(line: "Line", spelled: "TextSpans") -> list[str]:
-    """Cut a line at parts with unknown sounds: gaps and spelled words."""
-    parts, at = [], 0
-    for start, stop in sorted([*spelled, *((gap, gap) for gap in line.gaps)]):
-        parts.append(line.text[at:start].strip())
-        at = max(at, stop)
-    return [*parts, line.text[at:].strip()]
-
-
 def count(
     lines: "Iterable[Line]",
     readings: "Sequence[Reading]",
     pages: Pages,
     faces: SpeakerFaces | None = None,
 ) -> tuple[Corpus, list[Count]]:
-    """Count lines in several languages at once.
-
-    Parameters
-    ----------
-    pages : receives text and place of each line
-    faces : the characters of the speakers; None if every character speaks every line
-    """
+    """Count lines in several languages at once; `pages` receive text and place of each line."""
     totals = CorpusTotals(faces=faces)
     counts = [Count(reading) for reading in readings]
     for one in counts[:1]:

@@ -93,12 +93,7 @@ def _names(given: str | Path | Iterable[str | Path]) -> list[str | Path]:
 
 
 class Readings:
-    """The distinct readings of the lines; pairs with equal counts share one.
-
-    Parameters
-    ----------
-    faces : the characters of the speakers; None if every character speaks every line
-    """
+    """The distinct readings of the lines; pairs with equal counts share one."""
 
     def __init__(self, faces: SpeakerFaces | None) -> None:
         self.found: list[Reading] = []

@@ -61,12 +61,7 @@ class CountFigures:
         names: Sequence[str],
         within: Mapping[str, int],
     ) -> tuple[BigramNeed, ...]:
-        """Return the ranked bigrams with layer and status of each.
-
-        Parameters
-        ----------
-        within : occurrences covered by authored trigrams, by bigram
-        """
+        """Return the ranked bigrams; `within` counts the occurrences in authored trigrams."""
         total, running = int(counts.sum()), 0
         found = []
         for code in plan.ranked(counts):
@@ -112,9 +107,7 @@ def report_of(
 
     Parameters
     ----------
-    performer : performer of the counted language
     minutes : minutes of work for a bigram
-    title : title of the language
     sentences : False for no short list of lines, which takes most of the time
     """
     counted, phonemes = counted_lines.count, performer.compiled.counted

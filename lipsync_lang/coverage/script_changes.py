@@ -85,28 +85,22 @@ def script_changes(
     groups: dict[ScriptChange, list[str]] = {}
     for now in new:
         was = before.get((now.languages, now.column))
-        if was is not None:
-            groups.setdefault(_change(was, now), []).extend(now.languages)
+        if was is None:
+            continue
+        come = Counter(now.unnamed.values()) - Counter(was.unnamed.values())
+        gone = Counter(was.unnamed.values()) - Counter(now.unnamed.values())
+        change = ScriptChange(
+            languages=(),
+            lines=(len(was.named) + len(was.unnamed), len(now.named) + len(now.unnamed)),
+            added=(*(name for name in now.named if name not in was.named), *_places(now, come)),
+            removed=(*(name for name in was.named if name not in now.named), *_places(was, gone)),
+            changed=tuple(
+                name for name, digest in now.named.items() if was.named.get(name, digest) != digest
+            ),
+        )
+        groups.setdefault(change, []).extend(now.languages)
     for change, languages in groups.items():
         yield change.model_copy(update={"languages": tuple(dict.fromkeys(languages))})
-
-
-def _change(was: ScriptLines, now: ScriptLines) -> ScriptChange:
-    come = Counter(now.unnamed.values()) - Counter(was.unnamed.values())
-    gone = Counter(was.unnamed.values()) - Counter(now.unnamed.values())
-    return ScriptChange(
-        languages=(),
-        lines=(_count(was), _count(now)),
-        added=(*(name for name in now.named if name not in was.named), *_places(now, come)),
-        removed=(*(name for name in was.named if name not in now.named), *_places(was, gone)),
-        changed=tuple(
-            name for name, digest in now.named.items() if was.named.get(name, digest) != digest
-        ),
-    )
-
-
-def _count(lines: ScriptLines) -> int:
-    return len(lines.named) + len(lines.unnamed)
 
 
 def _places(lines: ScriptLines, wanted: Counter[str]) -> Iterator[str]:

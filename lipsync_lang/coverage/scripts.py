@@ -57,13 +57,7 @@ def scripts_of(language: "Language") -> frozenset[str]:
 
 
 class OtherScripts:
-    """Words of lines in other scripts, read or spelled.
-
-    Parameters
-    ----------
-    speaker : reads the lines
-    own : scripts of the language; if empty, no other scripts are reported
-    """
+    """Words of lines in other scripts, read or spelled; none if `own` scripts are unknown."""
 
     def __init__(self, speaker: "Speaker", own: Iterable[str]) -> None:
         self._speaker = speaker
@@ -78,7 +72,7 @@ class OtherScripts:
         for line in lines:
             foreign = self._own and any(map(self._foreign, set(line.text)))
             shape = "".join(map(self._class, line.text)) if foreign else ""
-            spans.append([found.span() for found in _PHRASE.finditer(shape)])
+            spans.append([match.span() for match in _PHRASE.finditer(shape)])
         self._judge(
             {
                 _judged(line.text[slice(*span)])
@@ -86,10 +80,20 @@ class OtherScripts:
                 for span in found
             }
         )
-        return [
-            [span for span in found if self._named(line.text[slice(*span)], line.place)]
-            for line, found in zip(lines, spans, strict=True)
-        ]
+        spelled_spans: list[TextSpans] = []
+        for line, found in zip(lines, spans, strict=True):
+            spelled_spans.append([])
+            for span in found:
+                phrase = line.text[slice(*span)]
+                is_spelled = self._spells[_judged(phrase)]
+                if is_spelled:
+                    spelled_spans[-1].append(span)
+                for word in (piece.text for piece in pieces(phrase)):
+                    if any(map(script, word)) and plain(word) not in self._speaker.manner.words:
+                        short = len(word) <= MAX_PHRASE_CHARS
+                        what = word if short else word[: MAX_PHRASE_CHARS - 1] + "…"
+                        (self._spelled if is_spelled else self._read).add(what, line.place)
+        return spelled_spans
 
     def tallies(self) -> tuple[OtherScript, ...]:
         """Return the words, most frequent first."""
@@ -127,18 +131,6 @@ class OtherScripts:
             spelled = [sound for c in phrase for sound in names.get(c, ())]
             like = SequenceMatcher(None, sounds, spelled, autojunk=False).ratio()
             self._spells[phrase] = like >= SPELLED_SIMILARITY
-
-    def _named(self, phrase: str, place: str) -> bool:
-        """Count the words of a phrase; return True if the phrase is spelled."""
-        spelled = self._spells[_judged(phrase)]
-        counter = self._spelled if spelled else self._read
-        for piece in pieces(phrase):
-            if any(map(script, piece.text)) and plain(piece.text) not in self._speaker.manner.words:
-                short = len(piece.text) <= MAX_PHRASE_CHARS
-                counter.add(
-                    piece.text if short else piece.text[: MAX_PHRASE_CHARS - 1] + "…", place
-                )
-        return spelled
 
 
 def _judged(phrase: str) -> str:

@@ -83,13 +83,7 @@ class Total(TotalFigures):
 def total_of(
     reports: "Sequence[CoverageReport]", minutes: float, weights: Mapping[str, float] | None = None
 ) -> Total:
-    """Return the total of some reports.
-
-    Parameters
-    ----------
-    minutes : minutes of work for a bigram
-    weights : weights of languages by name; the default is 1
-    """
+    """Return the total of reports, with minutes per bigram; a language without a weight has 1."""
     stated = weights or {}
     full = {report.language: float(stated.get(report.language, 1)) for report in reports}
     ranking = _ranking(reports, full)

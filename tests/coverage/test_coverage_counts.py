@@ -14,7 +14,7 @@ from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage
 from lipsync_lang.coverage.document_schema import written
 from lipsync_lang.coverage.facts import authored
-from lipsync_lang.coverage.forms import FORMS, Asked
+from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.report import Coverage
 from lipsync_lang.lines import Line, read_lines
 
@@ -66,7 +66,7 @@ def test_trigrams_are_told(packs, form):
     write(packs / "posesets/facefx/banks/three.yaml", BANK_OF_THREE)
     out = io.StringIO()
     found = coverage(lines("tata ta"), "toy", "facefx")
-    FORMS.find(form)(found, out, Asked())
+    FORMS.find(form)(found, out, FormOptions())
     assert "d-aa-d" in out.getvalue()
 
 

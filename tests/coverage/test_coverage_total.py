@@ -16,7 +16,7 @@ from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage
 from lipsync_lang.coverage.changes import since
 from lipsync_lang.coverage.facts import Authored, Left, NextHour
-from lipsync_lang.coverage.forms import FORMS, Asked
+from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.forms.total_text import draft_calls
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport
 from lipsync_lang.coverage.script_changes import ScriptDigests, script_changes
@@ -504,7 +504,7 @@ def test_the_text_tells_of_the_script_in_all_languages(two, packs):
 def test_a_document_without_a_total_is_still_written(form):
     old = coverage(lines("ta"), "toy", ["crab", "facefx"]).model_copy(update={"total": None})
     out = io.StringIO()
-    FORMS.find(form)(old, out, Asked())
+    FORMS.find(form)(old, out, FormOptions())
     assert "toy" in out.getvalue().lower()
 
 

@@ -24,7 +24,7 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.coverage.facts import Authored, Left, NextHour
-from lipsync_lang.coverage.forms import FORMS, Asked
+from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.report import (
     BigramNeed,
     Corpus,
@@ -282,7 +282,7 @@ def odd_coverage():
 
 def covered(form):
     out = StringIO(newline="")
-    FORMS.find(form)(odd_coverage(), out, Asked(everything=True))
+    FORMS.find(form)(odd_coverage(), out, FormOptions(everything=True))
     return out.getvalue()
 
 

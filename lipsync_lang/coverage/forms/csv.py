@@ -10,7 +10,7 @@ formula, so such text gets an apostrophe in front, as OWASP recommends.
 import csv
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
 from lipsync_lang.coverage.total import piece_of
 
 if TYPE_CHECKING:
@@ -27,9 +27,9 @@ FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 
 
 @FORMS.register("csv")
-def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
+def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     """Write a row for each bigram that occurs; bigrams with silence come last."""
-    del asked  # it is always whole
+    del options  # it is always whole
     rows = csv.writer(out, lineterminator="\n")
     rows.writerow(CSV_HEAD)
     total = coverage.total

@@ -2,16 +2,16 @@
 
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import Coverage
 
 
 @FORMS.register("html")
-def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
+def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     """Write the page."""
     from lipsync_lang.coverage.page import page
 
-    del asked  # it is always whole
+    del options  # it is always whole
     out.write(page(coverage.to_dict()))

@@ -3,16 +3,16 @@
 import json
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import Coverage
 
 
 @FORMS.register("json")
-def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
+def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     """Write the document."""
-    del asked  # it is always whole
+    del options  # it is always whole
     holds_all = (getattr(out, "encoding", None) or "utf-8").lower().startswith("utf")
     json.dump(coverage.to_dict(), out, ensure_ascii=not holds_all, indent=2)
     out.write("\n")

@@ -7,7 +7,7 @@ its properties are the figures of the total. Each suite has its figures as prope
 
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
 from lipsync_lang.coverage.forms.total_text import headline
 from lipsync_lang.reports.junit import JunitCase, JunitSuite, junit_text
 from lipsync_lang.reports.percentages import percentage_text
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 @FORMS.register("junit")
-def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
+def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     """Write the suites."""
-    suites = [_suite(report, asked.fail_under) for report in coverage.reports]
+    suites = [_suite(report, options.fail_under) for report in coverage.reports]
     if coverage.total is not None and len(suites) > 1:
         name = "all reports together"
         summary = f"{percentage_text(coverage.total.authored.percent)} of the speech is authored"

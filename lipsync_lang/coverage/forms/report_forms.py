@@ -11,20 +11,16 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """Options of a report's form.
-
-    Parameters
-    ----------
-    everything : True for all rows, instead of shortened lists
-    fail_under : percentage that must be authored; None for no minimum
-    """
+class FormOptions:
+    """Options of a report's form."""
 
     everything: bool = False
+    """True for all rows, instead of shortened lists."""
     fail_under: float | None = None
+    """Percentage that must be authored; None for no minimum."""
 
 
-Write = Callable[["Coverage", TextIO, Asked], None]
+Write = Callable[["Coverage", TextIO, FormOptions], None]
 
 FORMS: Extensions[Write] = Extensions(
     "coverage_forms",

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
 from lipsync_lang.coverage.facts import authored
-from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
 from lipsync_lang.coverage.forms.total_text import headline, total_lines
 from lipsync_lang.errors import shortlist
 from lipsync_lang.reports.percentages import percentage_text, ranked_text
@@ -24,7 +24,7 @@ MAX_SENTENCES = 3
 
 
 @FORMS.register("text")
-def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
+def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     """Write all reports; several reports are preceded by their total and a table."""
     corpus = coverage.corpus
     read = (len(corpus.files), "file"), (corpus.lines, "line"), (corpus.words, "word")
@@ -36,13 +36,16 @@ def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     if len(coverage.reports) > 1:
         if coverage.total is not None:
             blocks[0].insert(0, headline(coverage.total))
-            rows = None if asked.everything else MAX_RANKING_ROWS
+            rows = None if options.everything else MAX_RANKING_ROWS
             blocks += [list(total_lines(coverage, coverage.total, rows))]
         blocks += [_matrix(coverage.reports)]
-    blocks += [
-        _report(report, coverage.minutes, everything=asked.everything)
-        for report in coverage.reports
-    ]
+    for report in coverage.reports:
+        met = f"{_count(report.occurrences, 'bigram')} of {_count(len(report.bigrams), 'kind')}"
+        block = [f"{report.label} on {report.character}: {met}"]
+        block += [f"  {line}" for line in _next(report, coverage.minutes)]
+        block += ["", *(f"  {line}" for line in _table(report, everything=options.everything))]
+        block += ["", *(f"  {line}" for line in _facts(report, everything=options.everything))]
+        blocks.append(block)
     shared = list(_shared(coverage))
     blocks += [shared] if shared else []
     blocks += [_since(coverage.since)] if coverage.since else []
@@ -62,18 +65,6 @@ def _matrix(reports: "Sequence[CoverageReport]") -> list[str]:
         for r in reports
     ]
     return list(columns(rows))
-
-
-def _report(report: "CoverageReport", minutes: float, *, everything: bool) -> list[str]:
-    met = f"{_count(report.occurrences, 'bigram')} of {_count(len(report.bigrams), 'kind')}"
-    return [
-        f"{report.label} on {report.character}: {met}",
-        *(f"  {line}" for line in _next(report, minutes)),
-        "",
-        *(f"  {line}" for line in _table(report, everything=everything)),
-        "",
-        *(f"  {line}" for line in _facts(report, everything=everything)),
-    ]
 
 
 def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:

@@ -18,12 +18,7 @@ MAX_ROW_LANGUAGES = 3
 
 
 def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Iterator[str]:
-    """Yield the total of several reports.
-
-    Parameters
-    ----------
-    rows : number of rows of the ranking; None for all
-    """
+    """Yield the total of several reports, with some rows of the ranking or all."""
     yield (
         f"all reports together: {total.authored.bigrams} of {total.needed} bigrams, "
         f"{percentage_text(total.authored.percent)} of the speech; shared work counts once"
@@ -66,8 +61,8 @@ def draft_calls(items: "Sequence[WorkItem]") -> Iterator[str]:
     for item in items:
         if not item.bank:
             left.setdefault(item.poseset, []).append(item)
-    for poseset, asked in left.items():
-        missing = asked
+    for poseset, own in left.items():
+        missing = own
         while missing:
             counts = Counter(name for item in missing for name in item.languages)
             best = max(counts, key=counts.__getitem__)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from itertools import groupby
 from typing import Any
 
@@ -27,6 +26,20 @@ PARTS = (
 )  # fmt: skip
 """Macros of `parts.html`; each writes one part of a report."""
 
+ENVIRONMENT = PageEnvironment(__package__, "templates")
+ENVIRONMENT.globals |= {
+    "percent": percent,
+    "ranked_text": ranked_text,
+    "hours": hours,
+    "status": status,
+    "STATUSES": STATUSES,
+    "LAYERS": LAYER_MEANINGS,
+    "HEIGHT": CHART_HEIGHT,
+    "TITLE": TITLE,
+    "MOST_ITEMS": MOST_ITEMS,
+    "MOST_NAMES": MOST_NAMES,
+}
+
 
 @dataclass(frozen=True)
 class MatrixRow:
@@ -39,13 +52,7 @@ class MatrixRow:
 
 
 class PartStore:
-    """The distinct parts of all reports, with the states of the first report.
-
-    Parameters
-    ----------
-    reports : at least one
-    macros : the module of `parts.html`
-    """
+    """The distinct parts of all reports, with the states of the first report."""
 
     def __init__(self, reports: Sequence[ReportView], macros: object) -> None:
         self.first = _parts(replace(reports[0], painted=True), macros)
@@ -66,12 +73,7 @@ class PartStore:
 
 
 def page(document: Mapping[str, Any]) -> str:
-    """Return a coverage document as one self-contained HTML page.
-
-    Parameters
-    ----------
-    document : in the form "lipsync-lang coverage 1"
-    """
+    """Return a document in the form "lipsync-lang coverage 1" as one self-contained HTML page."""
     corpus, minutes = document["corpus"], document["minutes"]
     root = folder(corpus["files"])
     states = States.of(
@@ -83,8 +85,15 @@ def page(document: Mapping[str, Any]) -> str:
         """Return the occurrences that the next hour of drawing covers, times 100."""
         return float(report.document["next_hour"]["percent"] * report.document["occurrences"])
 
-    environment = _environment()
-    macros = environment.get_template("parts.html").module
+    macros = ENVIRONMENT.get_template("parts.html").module
+    titles = {one.document["language"]: one.language for one in reports}
+    adding: dict[str, list[str]] = {}
+    for one in sorted(document["shared"], key=lambda one: bool(one["bigrams"])):
+        adding.setdefault(_addition(one), []).append(titles.get(one["language"], one["language"]))
+    shared = (
+        f"{listed(names, MAX_SENTENCE_LANGUAGES)} {'add' if len(names) > 1 else 'adds'} {addition}"
+        for addition, names in adding.items()
+    )
     values = {
         "document": document,
         "files": listed([name.removeprefix(root) for name in corpus["files"]]),
@@ -92,7 +101,7 @@ def page(document: Mapping[str, Any]) -> str:
         "states": states,
         "reports": reports,
         "best": max(reports, key=gain, default=None),
-        "shared": _shared(document, reports),
+        "shared": "; ".join(shared),
         "characters": list(dict.fromkeys(one.document["character"] for one in reports)),
         "matrix": _matrix(document, reports),
         "options": [
@@ -101,41 +110,11 @@ def page(document: Mapping[str, Any]) -> str:
         ],
         "store": PartStore(reports, macros) if reports else None,
     }
-    return environment.page("page.html", values, script="script.js")
-
-
-@cache
-def _environment() -> PageEnvironment:
-    environment = PageEnvironment(__package__, "templates")
-    environment.globals |= {
-        "percent": percent,
-        "ranked_text": ranked_text,
-        "hours": hours,
-        "status": status,
-        "STATUSES": STATUSES,
-        "LAYERS": LAYER_MEANINGS,
-        "HEIGHT": CHART_HEIGHT,
-        "TITLE": TITLE,
-        "MOST_ITEMS": MOST_ITEMS,
-        "MOST_NAMES": MOST_NAMES,
-    }
-    return environment
+    return ENVIRONMENT.page("page.html", values, script="script.js")
 
 
 def _parts(report: ReportView, macros: object) -> dict[str, Markup]:
     return {name: getattr(macros, name)(report) for name in PARTS}
-
-
-def _shared(document: Mapping[str, Any], reports: Iterable[ReportView]) -> str:
-    """Return the languages without additional bigrams, and the additions of the others."""
-    titles = {one.document["language"]: one.language for one in reports}
-    groups: dict[str, list[str]] = {}
-    for one in sorted(document["shared"], key=lambda one: bool(one["bigrams"])):
-        groups.setdefault(_addition(one), []).append(titles.get(one["language"], one["language"]))
-    return "; ".join(
-        f"{listed(names, MAX_SENTENCE_LANGUAGES)} {'add' if len(names) > 1 else 'adds'} {addition}"
-        for addition, names in groups.items()
-    )
 
 
 def _addition(shared: Mapping[str, Any] | None) -> str:

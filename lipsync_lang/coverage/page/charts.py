@@ -63,11 +63,18 @@ def distribution(rows: Sequence[StateRow], codes: str, needed: Mapping[str, int]
     most = max((row["percent"] for row in rows), default=0) or 1
     step = _step(most)
     top = ceil(round(most / step, 6)) * step
+    outlines = dict.fromkeys(sorted(set(codes)), "")
+    rank = 0
+    for code, group in groupby(zip(rows, codes, strict=True), key=lambda pair: pair[1]):
+        heights = [CHART_HEIGHT - round(row["percent"] * CHART_HEIGHT / top) for row, _ in group]
+        steps = "".join(f"V{height}h1" for height in heights)  # adjacent bars share a piece
+        outlines[code] += f"M{rank} {CHART_HEIGHT}{steps}V{CHART_HEIGHT}z"
+        rank += len(heights)
     return Chart(
         "Distribution",
         "Occurrences of each bigram, most frequent first, coloured by status.",
         len(rows),
-        [(f"s{code}", _outline(rows, codes, code, top)) for code in sorted(set(codes))],
+        [(f"s{code}", outline) for code, outline in outlines.items()],
         [_tick(n * step, n * step / top) for n in range(round(top / step) + 1)],
         _marks(needed, len(rows), STANDING_HEIGHTS, standing=True),
         _ranks(len(rows)),
@@ -108,18 +115,6 @@ def heat_map(
         return Cell(numbers[bigram], ceil(SHADES * (row["count"] / most) ** GAMMA), row)
 
     return axis, [[cell(f"{first}-{second}") for second in axis] for first in axis]
-
-
-def _outline(rows: Sequence[StateRow], codes: str, code: str, top: float) -> str:
-    """Return the outline of the bars of one status; adjacent bars share a piece."""
-    pieces, rank = [], 0
-    for key, group in groupby(zip(rows, codes, strict=True), key=lambda pair: pair[1]):
-        heights = [CHART_HEIGHT - round(row["percent"] * CHART_HEIGHT / top) for row, _ in group]
-        if key == code:
-            steps = "".join(f"V{height}h1" for height in heights)
-            pieces.append(f"M{rank} {CHART_HEIGHT}{steps}V{CHART_HEIGHT}z")
-        rank += len(heights)
-    return "".join(pieces)
 
 
 def _step(most: float) -> float:

@@ -16,24 +16,20 @@ MAX_PLACES = 3
 
 @dataclass(frozen=True, eq=False)
 class ReportView:
-    """A report of the document, ready for the templates.
+    """A report of the document, as JSON data, ready for the templates.
 
     Two reports may hold the same figures, so the page tells views apart by identity.
-
-    Parameters
-    ----------
-    document : the report as JSON data
-    states : states of all reports
-    minutes : minutes of work for a bigram
-    folder : common folder of all files, which places omit
-    painted : True to show the states of single bigrams; the script adds them to other reports
     """
 
     document: Mapping[str, Any]
     states: States
+    """States of all reports."""
     minutes: float
+    """Minutes of work for a bigram."""
     folder: str
+    """Common folder of all files, which places omit."""
     painted: bool = False
+    """True to show the states of single bigrams; the script adds them to other reports."""
 
     @cached_property
     def name(self) -> str:
@@ -54,16 +50,6 @@ class ReportView:
     def rows(self) -> Sequence[StateRow]:
         """The bigrams, most frequent first."""
         return self.document["bigrams"]  # type: ignore[no-any-return]  # JSON
-
-    @property
-    def trigrams(self) -> Sequence[StateRow]:
-        """The drawn trigrams, most frequent first."""
-        return self.document.get("trigrams", ())  # type: ignore[no-any-return]  # JSON
-
-    @cached_property
-    def silence(self) -> Sequence[StateRow]:
-        """The bigrams with silence, most frequent first."""
-        return self.document["silence"]  # type: ignore[no-any-return]  # JSON
 
     @cached_property
     def shares(self) -> dict[str, tuple[int, int]]:

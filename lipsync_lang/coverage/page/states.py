@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from string import ascii_lowercase, digits
 from typing import Any, Self
 
-from lipsync_lang.coverage.facts import AUTHORED
-from lipsync_lang.coverage.facts import BORROWED_LAYER as LENT
+from lipsync_lang.coverage.facts import AUTHORED, BORROWED_LAYER
 
 StateRow = Mapping[str, Any]
 """A bigram of a report in the document."""
@@ -32,7 +31,7 @@ LAYER_MEANINGS = {
     "character": "the character's own",
     "language": "of the language",
     "shared": "shared by all languages",
-    LENT: "borrowed from a similar sound",
+    BORROWED_LAYER: "borrowed from a similar sound",
     "draft": "drafted from the targets",
     GAP_STATUS: "no curves at all",
 }
@@ -88,6 +87,6 @@ class States:
 
 def status(row: StateRow) -> str:
     """Return the status of a bigram: `borrowed` and `gap` are distinguished."""
-    if row["layer"] == LENT and row["status"] in AUTHORED:
+    if row["layer"] == BORROWED_LAYER and row["status"] in AUTHORED:
         return BORROWED_STATUS
     return str(row["status"] or GAP_STATUS)
