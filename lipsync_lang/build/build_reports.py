@@ -28,17 +28,9 @@ def report(
     paths: Sequence[Path],
     most: int,
 ) -> tuple[BuildTally, list[BuiltLine]]:
-    """Write the reports of a build, and count its lines.
+    """Write the reports of a build; return counts of all lines, and the worst past a limit.
 
-    Parameters
-    ----------
-    refused : lines of pairs whose packs have faults
-    paths : reports to write; none may be
-    most : how many of the lines past a limit to return
-
-    Returns
-    -------
-    Counts over all lines, and the worst lines past a limit of the project
+    Lines are `refused` if the packs of their pair have faults.
     """
     if paths:
         named = "name" in project.project.model_fields_set

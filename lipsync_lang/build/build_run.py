@@ -121,8 +121,6 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
 
     Parameters
     ----------
-    maker : performs and writes batches of lines
-    needs : performer and needs of each pair
     workers : processes; None for one per processor, where there are lines enough
     scheduler : address of a Dask scheduler whose workers make the lines
     tell : receives `line` and `progress` events

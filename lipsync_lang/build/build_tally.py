@@ -28,23 +28,15 @@ ZERO_SCALE = 10
 
 @dataclass(frozen=True)
 class BuildHeading:
-    """Counts of a build as a whole, for the head of its reports.
-
-    Parameters
-    ----------
-    project : name of the project
-    built : lines made by this build
-    up_to_date : lines that an earlier build made
-    failed : lines that could not be made
-    kept : outputs that were left alone, because somebody changed them
-    seconds : time of this build
-    """
+    """Counts of a build as a whole, for the head of its reports."""
 
     project: str
     built: int
+    """Lines made by this build."""
     up_to_date: int
     failed: int
     kept: tuple[str, ...] = ()
+    """Outputs that were left alone, because somebody changed them."""
     seconds: float = 0.0
 
 
@@ -111,12 +103,7 @@ class PairTally:
 
 
 class BuildTally:
-    """Counts over all lines of a build, and the worst lines.
-
-    Parameters
-    ----------
-    most : lines that are kept in full
-    """
+    """Counts over all lines of a build, and the worst `most` lines in full."""
 
     def __init__(self, most: int = MAX_WORST) -> None:
         self.most = most

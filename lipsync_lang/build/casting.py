@@ -49,12 +49,18 @@ class Cast:
         stated = stated_faces(project)
         if not stated:
             faults.add(FILE, "names no character; state `character: NAME` or `cast: {...}`")
-        self._faces = SpeakerFaces(
-            {
-                speaker: unique(_character(finder, name, faults) for name in names)
-                for speaker, names in stated.items()
-            }
-        )
+        faces: dict[str, tuple[str, ...]] = {}
+        for speaker, names in stated.items():
+            own: list[str] = []
+            for name in names:
+                found = finder.lookup("character", name) or finder.lookup("poseset", name)
+                if found:
+                    path = Path(found[0])
+                    own.append(path.parent.name if path.name == POSESET else path.stem)
+                else:
+                    faults.add_error(f"{FILE}: {finder.unknown(name, 'character', 'poseset')}")
+            faces[speaker] = unique(own)
+        self._faces = SpeakerFaces(faces)
         self.characters = self._faces.characters
         """Every character once."""
         self.faults = faults
@@ -84,12 +90,3 @@ class Cast:
             for speaker in self._faces.stated
             if speaker != OTHERS and speaker.casefold() not in self.met
         )
-
-
-def _character(finder: Finder, name: str, faults: ScriptFaults) -> str:
-    found = finder.lookup("character", name) or finder.lookup("poseset", name)
-    if not found:
-        faults.add_error(f"{FILE}: {finder.unknown(name, 'character', 'poseset')}")
-        return name
-    path = Path(found[0])
-    return path.parent.name if path.name == POSESET else path.stem

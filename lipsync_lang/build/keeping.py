@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 from lipsync_lang.build.archives import rewrite, split_archive
 from lipsync_lang.build.making import MadeLine
@@ -28,12 +28,7 @@ MAX_WAITING_LINES = 10_000
 
 @dataclass
 class OutputKeeper:
-    """Keeper of a build's outputs; at its end, it deletes waiting outputs.
-
-    Parameters
-    ----------
-    steps : the planned steps by key
-    """
+    """Keeper of a build's outputs; at its end, it deletes waiting outputs."""
 
     folder: Path
     records: Records
@@ -79,7 +74,15 @@ class OutputKeeper:
                 self.records.packed(one.needs),
                 outputs,
                 one.built.verdict,
-                as_json(result_of(one.built)),
+                as_json(
+                    {
+                        "outcome": one.built.outcome,
+                        "message": one.built.message,
+                        "seconds": one.built.seconds,
+                        "confidence": one.built.confidence,
+                        "figures": one.built.figures,
+                    }
+                ),
             )
             self._rows.append((one.built.line.key, row))
         if not self._members or len(self._rows) >= MAX_WAITING_LINES:
@@ -114,17 +117,6 @@ def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
     standing.delete(deleted)
     records.forget(key for key, _ in plan.gone)
     return deleted
-
-
-def result_of(built: BuiltLine) -> dict[str, Any]:
-    """Return the result of a made line as JSON data for its record."""
-    return {
-        "outcome": built.outcome,
-        "message": built.message,
-        "seconds": built.seconds,
-        "confidence": built.confidence,
-        "figures": [list(figure) for figure in built.figures],
-    }
 
 
 def restored(line: PlannedLine, record: LineRecord) -> BuiltLine:

@@ -82,18 +82,12 @@ class MadeLine:
 
 @dataclass(frozen=True)
 class LineMaker:
-    """Maker of the lines of a project, which each worker receives once.
-
-    Parameters
-    ----------
-    folder : the project's
-    settings : of the build
-    owner : the process that puts outputs in place, or deletes them if it is interrupted
-    """
+    """Maker of the lines of a project, which each worker receives once."""
 
     folder: Path
     settings: BuildSettings
     owner: str = field(default_factory=this_process)
+    """The process that puts outputs in place, or deletes them if it is interrupted."""
     _folders: dict[str, str] = field(default_factory=dict, init=False, repr=False, compare=False)
     """Folders for waiting outputs that this batch has checked, by path."""
 
@@ -101,7 +95,12 @@ class LineMaker:
         """Make the lines of a batch, in order; `pairs` has the needs of each character."""
         self._folders.clear()  # a worker outlives a build, and folders may go or become links
         first = {line.name: line for line in reversed(batch.lines)}
-        contents = {name: self._contents(line) for name, line in first.items()}  # before reading
+        contents: dict[str, dict[str, str]] = {name: {} for name in first}
+        for name, line in first.items():  # before the files are read
+            for path in filter(None, (line.timings, line.audio)):
+                with suppress(OSError):  # the reader of the file says why
+                    known = recorded_path(self.folder, path)
+                    contents[name][known] = file_digest(self.folder / path)
         timed = list(zip(batch.lines, self._timed(batch.lines, pairs), strict=True))
         made: dict[tuple[str, str, str], MadeLine] = {}
         for character, pair in pairs.items():
@@ -119,13 +118,7 @@ class LineMaker:
         return [made[line.key] for line in batch.lines]
 
     def animation(self, line: PlannedLine, pair: PairNeeds) -> Animation:
-        """Perform one line.
-
-        Raises
-        ------
-        LipsyncError
-            The line cannot be timed or performed.
-        """
+        """Perform one line, or raise its error."""
         (said,) = self._timed((line,), {line.character: pair})
         ((_, animation),) = self._performed(pair.performer, [(line, said)])
         if isinstance(animation, Exception):
@@ -245,7 +238,14 @@ class LineMaker:
             WRITERS[name].write(animation, stream)
             content = stream.getbuffer()
             within, _, last = path.rpartition("/")
-            parent = self._waiting(within, path)
+            if within not in self._folders:
+                waiting = parent_of(self.folder, path)
+                waiting.mkdir(parents=True, exist_ok=True)
+                if not waiting.resolve().is_relative_to(self.folder.resolve()):
+                    mend = f"leads outside {self.folder}; write within the project"
+                    raise LipsyncError(f"{path}: {mend}")
+                self._folders[within] = str(waiting)
+            parent = self._folders[within]
             temporary = os.path.join(parent, temporary_name(last, self.owner))  # noqa: PTH118 once a file
             with created(temporary, os.path.join(parent, last)) as out:  # noqa: PTH118
                 files.append(MadeFile(path, temporary, 0, 0, ""))
@@ -254,28 +254,6 @@ class LineMaker:
             archived = split_archive(path) is not None
             changed = crc if archived else os.stat(temporary).st_mtime_ns  # noqa: PTH116 once a file
             files[-1] = MadeFile(path, temporary, size, changed, output_digest(crc, size))
-
-    def _waiting(self, within: str, path: str) -> str:
-        """Return the folder in which the outputs of a folder or archive wait.
-
-        It is created within the project's folder.
-        """
-        if within not in self._folders:
-            parent = parent_of(self.folder, path)
-            parent.mkdir(parents=True, exist_ok=True)
-            if not parent.resolve().is_relative_to(self.folder.resolve()):
-                raise LipsyncError(f"{path}: leads outside {self.folder}; write within the project")
-            self._folders[within] = str(parent)
-        return self._folders[within]
-
-    def _contents(self, line: PlannedLine) -> dict[str, str]:
-        contents = {}
-        for path in (line.timings, line.audio):
-            if path is not None:
-                with suppress(OSError):  # the reader of the file says why
-                    name = recorded_path(self.folder, path)
-                    contents[name] = file_digest(self.folder / path)
-        return contents
 
 
 def parent_of(folder: Path, path: str) -> Path:

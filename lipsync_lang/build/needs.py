@@ -55,13 +55,7 @@ class BuildSettings(NamedTuple):
 
 
 class PairNeeds:
-    """Digests of a resolved pair, each computed on first use.
-
-    Parameters
-    ----------
-    performer : the pair, with its motion
-    settings : of the build
-    """
+    """Digests of a resolved pair, each computed on first use."""
 
     def __init__(self, performer: Performer, settings: BuildSettings) -> None:
         self.performer = performer
@@ -102,9 +96,28 @@ class PairNeeds:
 
     def current(self, name: str) -> bytes:
         """Return the digest of a need by its name."""
-        found = self._known.get(name)
-        if found is None:
-            found = self._known[name] = self._digest(name)
+        if name in self._known:
+            return self._known[name]
+        kind, _, rest = name.partition(" ")
+        compiled, labels = self.performer.compiled, self.performer.labels
+        if kind in {"bigram", "trigram"}:
+            found = self._curves.get(name, ABSENT_DIGEST)
+        elif kind == "label":
+            notation, _, label = rest.partition(" ")
+            value = None
+            if notation in labels.notations:
+                known = labels.notations[notation]
+                value = known.find(label)
+                if value is None:
+                    value = labels.unlisted(known, label)
+            numbers = compiled.numbers(shades=labels.shades)  # shades as they are performed
+            found = digest(value and [(compiled.phonemes[numbers[n]], share) for n, share in value])
+        elif kind == "word":
+            edit = compiled.word_edits.get(rest.casefold())
+            found = digest(edit, compiled.words.get(plain(rest)))
+        else:
+            found = self._wide.get(kind, ABSENT_DIGEST)
+        self._known[name] = found
         return found
 
     @cached_property
@@ -113,30 +126,6 @@ class PairNeeds:
         compiled = self.performer.compiled
         manner = {name: value for name, value in compiled.manner.items() if name != "weak"}
         return digest(manner, compiled.notations, compiled.nearest)
-
-    def _digest(self, name: str) -> bytes:
-        kind, _, rest = name.partition(" ")
-        if kind in {"bigram", "trigram"}:
-            return self._curves.get(name, ABSENT_DIGEST)
-        if kind == "label":
-            notation, _, label = rest.partition(" ")
-            return digest(self._sounds(notation, label))
-        if kind == "word":
-            compiled = self.performer.compiled
-            return digest(compiled.word_edits.get(rest.casefold()), compiled.words.get(plain(rest)))
-        return self._wide.get(kind, ABSENT_DIGEST)
-
-    def _sounds(self, notation: str, label: str) -> Any:
-        """Return the phonemes of a label, with shades as they are performed."""
-        labels, compiled = self.performer.labels, self.performer.compiled
-        if notation not in labels.notations:
-            return None
-        known = labels.notations[notation]
-        value = known.find(label)
-        if value is None:
-            value = labels.unlisted(known, label)
-        numbers = compiled.numbers(shades=labels.shades)
-        return value and [(compiled.phonemes[numbers[name]], share) for name, share in value]
 
     @cached_property
     def _wide(self) -> dict[str, bytes]:

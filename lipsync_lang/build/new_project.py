@@ -73,16 +73,12 @@ class IdColumn(NamedTuple):
 
 
 class NewProject(NamedTuple):
-    """A drafted project.
-
-    Parameters
-    ----------
-    text : of `lipsync.yaml`, with comments
-    matches : counts of the recordings and lines that belong together, with examples
-    """
+    """A drafted project."""
 
     text: str
+    """Text of `lipsync.yaml`, with comments."""
     matches: tuple[str, ...]
+    """Counts of the recordings and lines that belong together, with examples."""
 
 
 def new_project(  # noqa: PLR0913 the parts of a draft
@@ -101,9 +97,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     recordings : folder of recordings, with folders for languages or speakers
     table : the script, a row for each line
     folder : the project's folder, which holds both
-    finder : finds languages and characters
     language : of the recordings; None if folders or columns tell
-    characters : that every line is made on
 
     Raises
     ------

@@ -59,24 +59,18 @@ STANDING = ("edited", "unknown")
 
 @dataclass(frozen=True)
 class PlannedStep:
-    """A line with the reasons to make it; empty if its outputs are valid.
-
-    Parameters
-    ----------
-    line : as the project states it
-    inputs : what its record will say of it, as JSON
-    reasons : in words
-    kept : outputs that somebody changed since the last build, which are left alone
-    unknown : outputs that stand where no build wrote
-    record : of the last build
-    """
+    """A line with the reasons to make it, in words; none if its outputs are valid."""
 
     line: PlannedLine
     inputs: str
+    """Inputs for its record, as JSON."""
     reasons: tuple[str, ...] = ()
     kept: tuple[str, ...] = ()
+    """Outputs that somebody changed since the last build, which are left alone."""
     unknown: tuple[str, ...] = ()
+    """Outputs that stand where no build wrote."""
     record: LineRecord | None = None
+    """Record of the last build."""
 
     @property
     def making(self) -> PlannedLine:
@@ -120,8 +114,6 @@ def plan(  # noqa: PLR0913 the lines, records and options
     Parameters
     ----------
     lines : of the project, each with a key of its own
-    folder : of the project
-    needs : what the packs say, for every pair of the lines
     force : make every line
     overwrite : write outputs that somebody changed, too
     figures : keep the figures of all lines, for reports

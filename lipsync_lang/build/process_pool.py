@@ -89,12 +89,17 @@ class _Pool:
         broken = False
         while not broken:
             while len(running) < room and (job := again.popleft() if again else next(jobs, None)):
-                future = self._submit(job)
-                if future is None:
+                # A job carries its values until every process should have them.
+                sent = self._sent.get(job.key, 0)
+                self._sent[job.key] = sent + 1
+                try:
+                    with deaf_to_interrupts():
+                        one = job if sent < self._count else job.bare
+                        running[self.executor.submit(run_job, one)] = job
+                except BrokenProcessPool:
                     again.appendleft(job)
                     broken = True
                     break
-                running[future] = job
             if not running:
                 break
             done, _ = wait(running, return_when=FIRST_COMPLETED)
@@ -117,13 +122,3 @@ class _Pool:
                 yield future.result()
             else:
                 self.unfinished.append(job)
-
-    def _submit(self, job: Job) -> "Future[Any] | None":
-        """Submit a job, with its values until every process should have them."""
-        sent = self._sent.get(job.key, 0)
-        self._sent[job.key] = sent + 1
-        try:
-            with deaf_to_interrupts():
-                return self.executor.submit(run_job, job if sent < self._count else job.bare)
-        except BrokenProcessPool:
-            return None

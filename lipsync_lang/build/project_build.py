@@ -29,15 +29,10 @@ PairNames = tuple[str, str]
 
 @dataclass(frozen=True)
 class Selection:
-    """The lines of a project that a build is about; an empty field selects all.
-
-    Parameters
-    ----------
-    ids : patterns of ids, such as ``intro_*``
-    languages, characters : names
-    """
+    """The lines of a project that a build is about; an empty field selects all."""
 
     ids: tuple[str, ...] = ()
+    """Patterns of ids, such as ``intro_*``."""
     languages: tuple[str, ...] = ()
     characters: tuple[str, ...] = ()
 
@@ -55,15 +50,7 @@ class Selection:
 
 @dataclass
 class ProjectBuild:
-    """A project that is read, with its pairs resolved.
-
-    Parameters
-    ----------
-    folder : of the project
-    lines : of the script that are selected
-    pairs : performer and needs by language and character
-    unsound : pairs whose packs have faults, with the faults
-    """
+    """A project that is read, with its pairs resolved."""
 
     project: "Project"
     folder: Path
@@ -71,6 +58,7 @@ class ProjectBuild:
     settings: BuildSettings
     pairs: dict[PairNames, PairNeeds]
     unsound: dict[PairNames, LipsyncError] = field(default_factory=dict)
+    """Pairs whose packs have faults, with the faults."""
     selection: Selection = field(default_factory=Selection)
 
     @classmethod

@@ -30,6 +30,9 @@ TEMPLATES = "project_templates"
 SHOWN_SAMPLE_LINES = 3
 """Lines of a new script."""
 
+LINE_ID = "line_{:02}"
+"""Form of their ids."""
+
 UNQUOTED = re.compile(r'["$`\\]')
 """Characters that mean something to a shell within double quotes."""
 
@@ -60,12 +63,7 @@ def make_project(
 ) -> list[Path]:
     """Make a project folder in the current one, and return its files.
 
-    Parameters
-    ----------
-    name : name of the new folder
-    library : packs to choose from; the project states its paths
-    language : name or tag of a language; None for the default
-    character : a character or a pose set; None for the default
+    The project states the paths of the library, and defaults for a missing language or character.
 
     Raises
     ------
@@ -114,7 +112,13 @@ def project_files(
     script = io.StringIO()
     rows = csv.writer(script, lineterminator="\n")
     rows.writerow(("id", "speaker", "text"))
-    rows.writerows((line_id(n), defaults.name, text) for n, text in enumerate(lines, 1))
+    rows.writerows((LINE_ID.format(n), defaults.name, text) for n, text in enumerate(lines, 1))
+    paths = []
+    for path in library.finder.paths:
+        try:
+            paths.append(flow(Path(os.path.relpath(path, name)).as_posix()))
+        except ValueError:  # another drive of Windows
+            paths.append(flow(path.absolute().as_posix()))
     known: dict[str, Any] = {
         "name": name,
         "title": flow(name),
@@ -122,8 +126,8 @@ def project_files(
         "character": flow(defaults.name if own else face),
         "poseset": flow(poseset),
         "own": own,
-        "paths": [flow(_from(name, path)) for path in library.finder.paths],
-        "first": line_id(1),
+        "paths": paths,
+        "first": LINE_ID.format(1),
         "text": next((line for line in lines if not UNQUOTED.search(line)), defaults.text),
     }
     character_file = f"{FOLDERS['character']}/{defaults.name}.yaml"
@@ -135,19 +139,6 @@ def project_files(
         ".gitignore": _filled("gitignore", known),
     }
     return {path: text for path, text in made.items() if own or path != character_file}
-
-
-def line_id(number: int) -> str:
-    """Return the id of a line of a new script."""
-    return f"line_{number:02}"
-
-
-def _from(folder: str, path: Path) -> str:
-    """Return the path from a folder to another, absolute if they are on different drives."""
-    try:
-        return Path(os.path.relpath(path, folder)).as_posix()
-    except ValueError:
-        return path.absolute().as_posix()
 
 
 def _filled(name: str, known: dict[str, Any]) -> str:

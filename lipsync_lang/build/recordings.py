@@ -31,7 +31,6 @@ class Recordings:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._suffixes = TIMING_SUFFIXES
         self._listings: dict[str, Listing] = {}
 
     def find(self, path: str) -> Path | None:
@@ -86,7 +85,7 @@ class Recordings:
             timings: dict[str, list[str]] = {}
             for name in names:
                 stem, suffix = os.path.splitext(name)  # noqa: PTH122
-                if suffix.lower() in self._suffixes:
+                if suffix.lower() in TIMING_SUFFIXES:
                     timings.setdefault(folded_name(stem), []).append(name)
             for some in timings.values():
                 some.sort(key=lambda name: (not name.lower().endswith(RARE_SUFFIXES), name))

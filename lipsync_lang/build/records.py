@@ -63,14 +63,12 @@ class LineRecord:
 
     Parameters
     ----------
-    inputs : what the project says of the line, and sizes and times of its files; JSON
+    inputs : statements of the project on the line, and sizes and times of its files; JSON
     contents : digest of each file that it was made from, by path; JSON
     needs : bytes of (n,) `NEED`: needs with their digests
     outputs : by path from the project's folder
-    verdict : of the line
-    result : what a report shows of it; JSON, which is decoded where a report wants it. Empty
-        where no report is asked for
-    at : when it was made, in nanoseconds
+    result : figures for a report, as JSON that only a report decodes; empty without one
+    at : time of its making in nanoseconds
     """
 
     inputs: str
@@ -96,13 +94,7 @@ class Records:
     @classmethod
     @contextmanager
     def open(cls, folder: Path, *, write: bool = True) -> Iterator[Self]:
-        """Open the record of a project's folder; without one, or only to read, one in memory.
-
-        Raises
-        ------
-        LipsyncError
-            The folder cannot be written, or the file is damaged.
-        """
+        """Open the record of a project's folder; without one, or only to read, one in memory."""
         path = folder / FOLDER / RECORDS_FILE
         with ExitStack() as stack:
             try:
@@ -210,13 +202,7 @@ def as_json(value: object) -> str:
 
 
 def from_json(text: Any) -> dict[str, Any]:
-    """Return a mapping from the JSON of `as_json`.
-
-    Raises
-    ------
-    LipsyncError
-        The record holds something else: it is damaged, or a stranger made it.
-    """
+    """Return a mapping from the JSON of `as_json`; a record may be damaged, or a stranger's."""
     try:
         value = json.loads(text)
     except (ValueError, TypeError, RecursionError):

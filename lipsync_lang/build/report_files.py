@@ -35,25 +35,32 @@ def write_report(
     *,
     pages: Mapping[Key, Path] | None = None,
 ) -> BuildTally:
-    """Write reports of a build.
+    """Write reports of a build, and count its lines; the folders of the reports are made.
 
     Parameters
     ----------
-    paths : files to write: `.html`, `.xml` for JUnit, `.json`; their folders are made
+    paths : files to write: `.html`, `.xml` for JUnit, `.json`
     built : all lines of the project as they stand now; read once
-    heading : of the build as a whole
-    pages : pages of lines (`-o line.html`) by the line's key; by `worst_lines`, those that want one
-
-    Returns
-    -------
-    Counts over all lines. `passed()` is False if a line failed or exceeds a limit
+    pages : pages of lines (`-o line.html`) by the line's key
 
     Raises
     ------
     OutputError
         A suffix is none of these, or a file cannot be written.
     """
-    forms = [(path, _form(path, heading, pages or {})) for path in paths]
+    forms: list[tuple[Path, ReportForm]] = []
+    for path in paths:
+        suffix = path.suffix.lower()
+        if suffix == ".html":
+            from lipsync_lang.build.report_page import PageReport
+
+            forms.append((path, PageReport(heading, path.parent, pages or {})))
+        elif suffix in {".xml", ".json"}:
+            forms.append((path, (JunitReport if suffix == ".xml" else JsonReport)(heading)))
+        else:
+            raise OutputError(
+                f"{path}: a report cannot be written as '{suffix}'; use .html, .xml or .json"
+            )
     tally = BuildTally()
     for line in built:
         tally.add(line)
@@ -72,19 +79,6 @@ def write_report(
             text.flush()
             text.detach()
     return tally
-
-
-def _form(path: Path, heading: BuildHeading, pages: Mapping[Key, Path]) -> ReportForm:
-    suffix = path.suffix.lower()
-    if suffix == ".html":
-        from lipsync_lang.build.report_page import PageReport
-
-        return PageReport(heading, path.parent, pages)
-    if suffix == ".xml":
-        return JunitReport(heading)
-    if suffix == ".json":
-        return JsonReport(heading)
-    raise OutputError(f"{path}: a report cannot be written as '{suffix}'; use .html, .xml or .json")
 
 
 class JsonReport:

@@ -7,7 +7,7 @@ larger. Charts are SVG with a name in words; rows are sorted and filtered by a s
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple, TextIO
 from urllib.parse import quote
@@ -129,14 +129,7 @@ class WorstRow:
 
 
 class PageReport:
-    """The page of a build.
-
-    Parameters
-    ----------
-    heading : of the build as a whole
-    folder : folder of the report, from which links lead to the pages of lines
-    pages : the written pages of lines (`-o line.html`), by key
-    """
+    """The page of a build, with links from its folder to the pages of lines (`-o line.html`)."""
 
     def __init__(self, heading: BuildHeading, folder: Path, pages: Mapping[Key, Path]) -> None:
         self._heading, self._folder, self._pages = heading, folder, pages
@@ -163,7 +156,7 @@ class PageReport:
             "names": sorted({name for row in rows for name in row.names}),
             "contacts": [one for one in figures if one.name.startswith("contacts")],
         }
-        out.write(_environment().page("report.html", values, "report.css", "report.js"))
+        out.write(ENVIRONMENT.page("report.html", values, "report.css", "report.js"))
 
 
 def figure_bars(figure: FigureTally) -> Bars:
@@ -209,16 +202,12 @@ def _paths(histogram: Histogram, within: int) -> tuple[str, str]:
     return "".join(pieces[0]), "".join(pieces[1])
 
 
-@cache
-def _environment() -> PageEnvironment:
-    environment = PageEnvironment(__package__, "report_templates")
-    environment.filters["figure"] = _number
-    environment.filters["share"] = lambda part, whole: percentage_text(percent(part, whole), NBSP)
-    environment.globals |= {"HEIGHT": CHART_HEIGHT, "WIDTH": 10 * BINS}
-    environment.globals["MAX_TIMES"] = MAX_TIMES
-    return environment
-
-
 def _number(value: float) -> str:
     """Write a figure with three digits, thousands in full: `0.0514`, `13`, `22,700`."""
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"  # noqa: PLR2004
+
+
+ENVIRONMENT = PageEnvironment(__package__, "report_templates")
+ENVIRONMENT.filters["figure"] = _number
+ENVIRONMENT.filters["share"] = lambda part, whole: percentage_text(percent(part, whole), NBSP)
+ENVIRONMENT.globals |= {"HEIGHT": CHART_HEIGHT, "WIDTH": 10 * BINS, "MAX_TIMES": MAX_TIMES}

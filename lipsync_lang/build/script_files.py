@@ -23,7 +23,7 @@ from lipsync_lang.lines.columns import (
     stated_column,
     text_column,
 )
-from lipsync_lang.lines.line_readers import LineFile, OpenTable, Table, by_suffix
+from lipsync_lang.lines.line_readers import LineFile, Table, by_suffix
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.lines.table import cell
 from lipsync_lang.lines.yarn import LINE_TAG
@@ -37,66 +37,44 @@ ENCODING = re.compile(r"`encoding='([\w-]+)'`")
 
 
 class ScriptLanguage(NamedTuple):
-    """A language of a build.
-
-    Parameters
-    ----------
-    name : of its pack, or ENGINE:CODE
-    word : what ``{language}`` stands for
-    answers : names that a column may have, folded, likeliest first
-    """
+    """A language of a build."""
 
     name: str
+    """Name of its pack, or ENGINE:CODE."""
     word: str
+    """Word for ``{language}`` in paths."""
     answers: tuple[str, ...]
+    """Names that a column may have, folded, likeliest first."""
 
 
 class ScriptRow(NamedTuple):
-    """A line of the script in some languages.
-
-    Parameters
-    ----------
-    number : of its line in the file; of a spreadsheet's other sheets, with their title
-    name : its id
-    texts : by index of the language; empty where it is not translated
-    timings : file of its timed phonemes, if it is a line by itself
-    """
+    """A line of the script in some languages."""
 
     number: int | str
+    """Line of the file; for a spreadsheet's other sheets, with their title."""
     name: str
     speaker: str
     texts: tuple[tuple[int, str], ...]
+    """Texts by index of the language; empty where it is not translated."""
     timings: Path | None = None
+    """File of timed phonemes that is a line by itself."""
 
 
 @dataclass(frozen=True)
 class ScriptFile:
-    """A file of lines.
-
-    Parameters
-    ----------
-    path : the file, as messages show it
-    languages : the languages that it holds, by their index
-    encoding : None to tell it by the file
-    cleaning : values of placeholders, and what is not spoken
-    among_others : True if it was found in a folder, which may hold other files too
-    """
+    """A file of lines, with the languages that it holds by their index."""
 
     path: Path
     languages: dict[int, ScriptLanguage]
     encoding: str | None = None
     among_others: bool = False
+    """True if it was found in a folder, which may hold other files too."""
     cleaning: Cleaning = AS_WRITTEN
 
     @cached_property
     def shown(self) -> str:
         """The path as text; a path object makes it again for every line."""
         return str(self.path)
-
-    @property
-    def open(self) -> OpenTable | None:
-        """Opens it as a table; None if it has no columns."""
-        return by_suffix()[self.path.suffix.lower()].table
 
 
 Remark = Callable[[str], None]
@@ -107,11 +85,25 @@ def read_rows(
 ) -> Iterator[ScriptRow]:
     """Yield the rows of a file; its faults are collected, and end its reading."""
     try:
-        if file.open is not None:
+        opened = by_suffix()[file.path.suffix.lower()].table
+        if opened is not None:
             source = LineFile.of(file.path, remark, None, file.encoding, file.cleaning)
-            yield from _table_rows(file, source, file.open(source), columns, faults)
-        else:
-            yield from _other_rows(file, remark)
+            yield from _table_rows(file, source, opened(source), columns, faults)
+            return
+        if len(file.languages) > 1:
+            faults.add_error(
+                f"{file.path}: has one language, but the build has {len(file.languages)}; add "
+                "{language} to its path"
+            )
+            return
+        index = next(iter(file.languages))
+        lines = list(
+            read_lines(file.path, encoding=file.encoding, remark=remark, cleaning=file.cleaning)
+        )
+        for line, name in zip(lines, _identifiers(lines), strict=True):
+            number = line.place.rpartition(":")[2]
+            timings = file.path if line.schedule is not None else None
+            yield ScriptRow(number, name, line.speaker, ((index, line.text),), timings)
     except ScheduleError as error:
         if not file.among_others:
             faults.add_error(error)
@@ -119,9 +111,6 @@ def read_rows(
             remark(f"{str(error).partition(chr(10))[0].removesuffix(':')}; left out")
     except LipsyncError as error:
         faults.add_error(ENCODING.sub(r"`encoding: \1`", str(error)))
-
-
-# Tables
 
 
 def _table_rows(
@@ -164,11 +153,20 @@ def _text_columns(
     found: dict[int, str] = {}
     texts: list[tuple[int, int]] = []
     for index, language in file.languages.items():
-        if asked is None:
-            at = _named_column(source, table.head, language, alone=len(file.languages) == 1)
-        else:
+        if asked is not None:
             own = asked.replace("{language}", language.word)
             at = stated_column(replace(source, names=language.answers), table.head, own)
+        else:
+            alone = len(file.languages) == 1
+            at = language_column(table.head, language.answers)
+            if at < 0 and alone:
+                at = text_column(table.head)
+            if at < 0:
+                which = f"which column is the text in {language.word}?"
+                what = f"{which} State `columns: {{text: NAME}}`"
+                if not alone:
+                    what += ", or what the column calls the language: `languages: {NAME: CODE}`"
+                raise lacking(source, table.head, what)
         if at in found:
             what = f"one column for {found[at]} and {language.word}"
             raise lacking(
@@ -177,39 +175,6 @@ def _text_columns(
         found[at] = language.word
         texts.append((index, at))
     return texts
-
-
-def _named_column(
-    source: LineFile, head: Sequence[str], language: ScriptLanguage, *, alone: bool
-) -> int:
-    at = language_column(head, language.answers)
-    if at < 0 and alone:
-        at = text_column(head)
-    if at < 0:
-        what = f"which column is the text in {language.word}? State `columns: {{text: NAME}}`"
-        also = "" if alone else ", or what the column calls the language: `languages: {NAME: CODE}`"
-        raise lacking(source, head, what + also)
-    return at
-
-
-# Other files
-
-
-def _other_rows(file: ScriptFile, remark: Remark) -> Iterator[ScriptRow]:
-    """Yield the lines of a file without columns, which is in one language."""
-    if len(file.languages) > 1:
-        raise LipsyncError(
-            f"{file.path}: has one language, but the build has {len(file.languages)}; add "
-            "{language} to its path"
-        )
-    index = next(iter(file.languages))
-    lines = list(
-        read_lines(file.path, encoding=file.encoding, remark=remark, cleaning=file.cleaning)
-    )
-    for line, name in zip(lines, _identifiers(lines), strict=True):
-        number = line.place.rpartition(":")[2]
-        timings = file.path if line.schedule is not None else None
-        yield ScriptRow(number, name, line.speaker, ((index, line.text),), timings)
 
 
 def _identifiers(lines: Sequence[Line]) -> Iterator[str]:

@@ -48,15 +48,7 @@ class Examples:
 
 
 class ScriptPlanner:
-    """Makes planned lines of rows.
-
-    Parameters
-    ----------
-    project, folder : the project and its folder
-    languages : the languages of the build, by index
-    cast : the characters of the speakers; its faults are those of the rows too
-    outputs : the outputs of every line
-    """
+    """Makes planned lines of rows; the faults of the cast are those of the rows too."""
 
     def __init__(
         self,
@@ -136,10 +128,7 @@ class ScriptPlanner:
                     self._faults.add(place, what)
             if self._speakers[row.speaker]:
                 return False
-        return self._new(file, row.name, place)
-
-    def _new(self, file: ScriptFile, name: str, place: str) -> bool:
-        key = folded_name(name)
+        name, key = row.name, folded_name(row.name)
         whole = len(file.languages) == len(self._languages)
         group = ALL if whole else next(iter(file.languages))
         for other, met in self._met.items():

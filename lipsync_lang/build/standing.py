@@ -9,12 +9,7 @@ from lipsync_lang.build.digests import output_digest, output_file_digest
 
 
 class StandingOutputs:
-    """The outputs of a project; archives are listed once.
-
-    Parameters
-    ----------
-    folder : of the project
-    """
+    """The outputs in a project's folder; archives are listed once."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -20,15 +20,7 @@ def schedules(
 ) -> list[Timed]:
     """Time the phonemes of lines by their timings, their recordings, or only their text.
 
-    Parameters
-    ----------
-    folder : of the project
-    lines : of the speaker's language
-    engine : another speech engine than the language's; `none` for estimated times
-
-    Returns
-    -------
-    For each line its schedule, or the error that this line met
+    `engine` is another speech engine than the language's; `none` estimates times.
     """
     from lipsync_lang.speech.hearing.alignment import align_many
     from lipsync_lang.speech.hearing.recognition import recognise_many

@@ -43,16 +43,11 @@ DASK = "dask"
 
 @dataclass(frozen=True)
 class LostBatch(Generic[Batch]):
-    """Batch whose worker died whenever it was run.
-
-    Parameters
-    ----------
-    batch : as it was given
-    message : why, with a cure
-    """
+    """Batch whose worker died whenever it was run."""
 
     batch: Batch
     message: str
+    """The reason, with a cure."""
 
 
 def run_batches(  # noqa: PLR0913 the work, and settings of the workers
@@ -182,13 +177,9 @@ _at_work = Lock()
 
 
 def run_job(job: Job) -> Any:
-    """Run a job in a worker, with values from this process or from the job.
+    """Run a job in a worker; return `Missing` if it came without a value that is not here.
 
     Threads of a process take turns: performers and engines are not made for several at once.
-
-    Returns
-    -------
-    What the work returns, or `Missing` if the job came without a value that is not here
     """
     with _at_work:
         parcels = [parcel for parcel in (job.work, job.shared) if parcel is not None]
