@@ -68,13 +68,7 @@ def run_on_cluster(jobs: Iterator[Job], address: str, folder: Path | None) -> It
 
 @contextmanager
 def _client(address: str) -> "Iterator[Client]":
-    """Connect to a scheduler.
-
-    Raises
-    ------
-    LipsyncError
-        Dask is not installed, or there is no scheduler.
-    """
+    """Connect to a scheduler."""
     try:
         import distributed
     except ImportError:
@@ -213,7 +207,9 @@ class _ClusterRun:
     def __init__(self, client: "Client", address: str, mark: str) -> None:
         self._client, self._address, self._mark = client, address, mark
         self._values: OrderedDict[str, Future] = OrderedDict()
-        self._room, self._counted = 0, 0.0
+        self._room = 0
+        """Number of submitted batches that keeps every worker busy."""
+        self._counted = 0.0
 
     def results(self, jobs: Iterator[Job]) -> Iterator[Any]:
         """Yield results in order of completion."""
@@ -223,8 +219,22 @@ class _ClusterRun:
         completed = as_completed(loop=self._client.loop)
         try:
             while True:
-                while len(running) < self._wanted() and (job := next(jobs, None)):
-                    future = self._submit(job)
+                if time.monotonic() - self._counted > COUNT_SECONDS:
+                    with suppress(OSError, ValueError):
+                        self._room = BATCHES_PER_WORKER * max(1, len(self._client.nthreads()))
+                    self._counted = time.monotonic()
+                while len(running) < self._room and (job := next(jobs, None)):
+                    batch = pickle.dumps(job.batch)  # Dask would look for tasks in tuples
+                    values = [self._value(p) for p in (job.work, job.shared) if p is not None]
+                    future = self._client.submit(
+                        run_there,
+                        self._mark,
+                        batch,
+                        *values,
+                        retries=RETRIES,
+                        pure=False,
+                        key=f"lipsync-{uuid4()}",
+                    )
                     running[future] = job
                     completed.add(future)
                 if not running:
@@ -234,21 +244,6 @@ class _ClusterRun:
         finally:
             with suppress(Exception):
                 self._client.cancel(list(running), force=True)
-
-    def _wanted(self) -> int:
-        """Return the number of submitted batches that keeps every worker busy."""
-        if time.monotonic() - self._counted > COUNT_SECONDS:
-            with suppress(OSError, ValueError):
-                self._room = BATCHES_PER_WORKER * max(1, len(self._client.nthreads()))
-            self._counted = time.monotonic()
-        return self._room
-
-    def _submit(self, job: Job) -> "Future":
-        batch = pickle.dumps(job.batch)  # Dask would look for tasks in tuples
-        values = [self._value(p) for p in (job.work, job.shared) if p is not None]
-        arguments = (self._mark, batch, *values)
-        key = f"lipsync-{uuid4()}"
-        return self._client.submit(run_there, *arguments, retries=RETRIES, pure=False, key=key)
 
     def _value(self, parcel: Parcel) -> "Future":
         """Return the task of a shared value, which every worker fetches once."""

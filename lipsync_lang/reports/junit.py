@@ -12,22 +12,16 @@ DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
 
 @dataclass(frozen=True)
 class JunitCase:
-    """A case of a suite.
-
-    Parameters
-    ----------
-    classname : name of the group that build servers show the case in
-    outcome : empty if the case passed
-    message : reason of an outcome
-    detail : more lines of the reason
-    file : file that the case is about
-    """
+    """A case of a suite."""
 
     classname: str
+    """Name of the group that build servers show the case in."""
     name: str
     outcome: Literal["", "error", "failure", "skipped"] = ""
+    """Empty if the case passed."""
     message: str = ""
     detail: str = ""
+    """More lines of the message."""
     file: str = ""
 
 

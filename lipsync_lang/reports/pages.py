@@ -29,13 +29,7 @@ class TightLayout(Extension):
 
 
 class PageEnvironment(Environment):
-    """Templates of a package; in them, `reports/` names those that all pages share.
-
-    Parameters
-    ----------
-    package : package with the templates
-    folder : their folder in the package, with the styles and the scripts of pages
-    """
+    """Templates in a folder of a package; in them, `reports/` names those that all pages share."""
 
     def __init__(self, package: str, folder: str) -> None:
         self._files = PackageLoader(package, folder)
@@ -52,13 +46,9 @@ class PageEnvironment(Environment):
     def page(
         self, template: str, values: Mapping[str, object], style: str = "", script: str = ""
     ) -> str:
-        """Return a page.
+        """Return a page with common styles and its own, and the only script that it may run.
 
-        Parameters
-        ----------
-        values : variables of the template, which also gets `style`, `script` and its `digest`
-        style : file with styles that follow the common ones
-        script : file with the only script that the page may run
+        The template gets the values, and `style`, `script` and its `digest`.
         """
         styles, scripts = self._source(self._shared, "style.css"), ""
         if style:

@@ -5,14 +5,7 @@ from unicodedata import combining, east_asian_width
 
 
 def columns(rows: Iterable[Sequence[str]], gap: int = 2, widest: int = 48) -> Iterator[str]:
-    """Yield a line per row, its cells padded to common widths.
-
-    Parameters
-    ----------
-    rows : cells of text
-    gap : spaces between columns
-    widest : largest width that a column is padded to
-    """
+    """Yield a line per row, its cells padded to common widths of at most `widest` columns."""
     kept = [list(row) for row in rows]
     count = max(map(len, kept), default=0)
     widths = [
