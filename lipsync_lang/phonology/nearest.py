@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from math import inf
+from operator import attrgetter, itemgetter
 from typing import Any, NamedTuple, Self
 
 from lipsync_lang.phonology.ipa import Features, LabelReading, Numbers, key
@@ -206,6 +207,7 @@ class NearestPhonemes:
 
         The state is the end of the cut and the last phoneme: repeating it costs nothing extra.
         """
+        cheapest = attrgetter("cost", "size")
         best: list[dict[str, _Cut]] = [{"": _Cut(0.0, 0, ())}]
         for stop in range(1, len(runs) + 1):
             best.append({})
@@ -219,8 +221,8 @@ class NearestPhonemes:
                 name = piece.exemplar.phoneme
                 for last, before in best[stop - length].items():
                     cut = before.longer(piece, 0.0 if last == name else self.features.another)
-                    best[-1][name] = min(best[-1].get(name, cut), cut, key=_cost)
-        return min(best[-1].values(), key=_cost).pieces if best[-1] else None
+                    best[-1][name] = min(best[-1].get(name, cut), cut, key=cheapest)
+        return min(best[-1].values(), key=cheapest).pieces if best[-1] else None
 
     def _finer(self, piece: LabelPiece, run: tuple[Numbers, ...]) -> LabelPiece:
         """Return a piece as the nearest shade of its phoneme, else as it is."""
@@ -230,10 +232,11 @@ class NearestPhonemes:
             for one in self._shaded
             if len(one.run) == len(run)
         ]
-        found = min(known, key=_nearness, default=None)
+        nearness = itemgetter(0, 1)  # exemplars cannot be compared
+        found = min(known, key=nearness, default=None)
         if found is None or found[1] not in self.shades or found[0] > SMALL_MARK:
             own = {phoneme, *(name for name, told in self.shades.items() if told.parent == phoneme)}
-            found = min((one for one in known if one[1] in own), key=_nearness, default=None)
+            found = min((one for one in known if one[1] in own), key=nearness, default=None)
         if found is None or found[1] == phoneme:
             return piece
         return piece._replace(distance=found[0], exemplar=found[2])
@@ -275,14 +278,6 @@ class NearestPhonemes:
 def _most(sounds: Iterable[Numbers], number: int) -> float:
     """Return the largest value of a feature among the sounds."""
     return max(sound[number] or 0.0 for sound in sounds)
-
-
-def _nearness(known: tuple[float, str, Exemplar]) -> tuple[float, str]:
-    return known[:2]
-
-
-def _cost(cut: _Cut) -> tuple[float, int]:
-    return cut.cost, cut.size
 
 
 def _move(one: Numbers, other: Numbers) -> Numbers:

@@ -75,9 +75,8 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
         raise source.fault("has no phonemes; check that the file is complete")
     rate, told = source.rate or rate, tuple(remarks)
     if rate is None and guess:
-        rate, guessed = guessed_rate(
-            source, phones, "sounds", TYPICAL_SOUND_SECONDS, LONG_SOUND_SECONDS
-        )
+        usual = (TYPICAL_SOUND_SECONDS, LONG_SOUND_SECONDS)
+        rate, guessed = guessed_rate(source, phones, "sounds", *usual)
         told += guessed
     if rate is not None:
         phones, spans = _seconds(phones, rate), _seconds(spans, rate)

@@ -116,13 +116,11 @@ class Schedule:
         try:
             times = np.array(self.times, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
-            what = "boundaries must be numbers of seconds"
-            raise ScheduleError(f"{self.source}: {what}") from None
+            raise ScheduleError(f"{self.source}: boundaries must be numbers of seconds") from None
         times.setflags(write=False)
         object.__setattr__(self, "times", times)
-        object.__setattr__(self, "labels", tuple(self.labels))
-        object.__setattr__(self, "words", tuple(self.words))
-        object.__setattr__(self, "stress", tuple(self.stress))
+        for name in ("labels", "words", "stress"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
         _check(self.source, self.labels, times)
         _check_words(self.source, self.words, len(self.labels))
         _check_stress(self.source, self.stress, len(self.labels))

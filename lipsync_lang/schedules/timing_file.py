@@ -179,6 +179,15 @@ class TimingFile:
         found = ROOT_TAG.match(self.head)
         return found[1] if found else None
 
+    def has_root(self, name: str) -> bool:
+        """Return True for XML with an outermost element of this name."""
+        return self.root == name
+
+    @property
+    def first_line(self) -> str:
+        """The first line of `head` that is not blank."""
+        return self.head.lstrip().split("\n", 1)[0]
+
     @cached_property
     def xml(self) -> "Element":
         """The file as XML; raises an error if it is not XML, or declares entities."""

@@ -14,8 +14,9 @@ import tempfile
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
+from contextlib import closing
 from subprocess import PIPE
-from typing import IO, Any, Self
+from typing import IO, Any
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.espeak.process import (
@@ -63,7 +64,7 @@ def answers(
             yield from (error for _ in waiting)
             yield from (error for _ in source)
             return
-        with stream:
+        with closing(stream):
             try:
                 yield from stream.answers(source, waiting)
             except _WorkerLostError:
@@ -74,7 +75,7 @@ def answers(
 
 
 class _WorkerStream:
-    """A worker that is ready for texts; it ends with the `with` statement.
+    """A worker that is ready for texts; `close` ends it.
 
     Raises
     ------
@@ -105,12 +106,6 @@ class _WorkerStream:
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def close(self) -> None:
         """End the worker; its forked processes end at their next write or their limit."""

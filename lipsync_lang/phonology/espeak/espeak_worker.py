@@ -173,13 +173,6 @@ def clauses(library: ctypes.CDLL, text: str, separator: str) -> list[str]:
     return found
 
 
-def answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes | bytearray]:
-    """Execute a request; return the header and the sound."""
-    library = ctypes.CDLL(request["library"])
-    ready = prepare(library, request)
-    return speak(library, request["text"], ready["rate"]) if "rate" in ready else (ready, b"")
-
-
 def prepare(library: ctypes.CDLL, request: dict[str, Any]) -> dict[str, Any]:
     """Initialise the library; return ``{"rate"}`` in hertz if it can speak, else the answer."""
     rate = library.espeak_Initialize(
@@ -220,28 +213,16 @@ def speak(library: ctypes.CDLL, text: str, rate: int) -> tuple[dict[str, Any], b
     return {"rate": rate, "events": events, "spelled": spelled, "bytes": len(sound)}, sound
 
 
-def transcribe(request: dict[str, Any], out: BinaryIO) -> None:
-    """Answer a request for the phonemes of texts."""
-    library = ctypes.CDLL(request["library"])
-    ready = prepare(library, request)
-    send(out, ready)
-    for text in request["texts"] if "rate" in ready else ():
-        send(out, {"clauses": clauses(library, text, LABEL_SEPARATOR)})
-
-
-def speak_many(request: dict[str, Any], out: BinaryIO) -> None:
-    """Answer a request for many texts, and each text as its line comes in."""
-    library = ctypes.CDLL(request["library"])
-    ready = prepare(library, request)
-    send(out, ready)
-    for line in sys.stdin.buffer if "rate" in ready else ():
+def speak_many(library: ctypes.CDLL, rate: int, out: BinaryIO) -> None:
+    """Answer each text as its line comes in."""
+    for line in sys.stdin.buffer:
         text, seconds = json.loads(line)
         reader, writer = os.pipe()
         child = os.fork()
         if not child:
             # The alarm's own action ends it: Python handles no signal while the library hangs.
             signal.setitimer(signal.ITIMER_REAL, seconds)
-            speak_and_end(library, text, ready["rate"], out, writer)
+            speak_and_end(library, text, rate, out, writer)
         os.close(writer)
         _, status = os.waitpid(child, 0)
         said = os.read(reader, SAID_BYTES)
@@ -276,12 +257,16 @@ def main() -> None:
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     request = json.loads(sys.stdin.buffer.readline())
-    if request["task"] == "speak_many":
-        speak_many(request, out)
-    elif request["task"] == "transcribe":
-        transcribe(request, out)
+    library = ctypes.CDLL(request["library"])
+    ready = prepare(library, request)
+    if request["task"] == "speak" and "rate" in ready:
+        send(out, *speak(library, request["text"], ready["rate"]))
     else:
-        send(out, *answer(request))
+        send(out, ready)
+    if request["task"] == "speak_many" and "rate" in ready:
+        speak_many(library, ready["rate"], out)
+    for text in request.get("texts", ()) if "rate" in ready else ():
+        send(out, {"clauses": clauses(library, text, LABEL_SEPARATOR)})
     os._exit(0)  # the library's own clean-up has nothing left to give
 
 

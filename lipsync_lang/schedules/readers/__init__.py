@@ -2,7 +2,8 @@
 
 To add one, write a module here with a function ``(source: TimingFile) -> Schedule`` under
 ``@reader("name", ".suffix", sniff=sniff)`` of `timing_readers`. `sniff` tells the format by the
-start of a file. `TimingFile` has the text, JSON and XML, and checks times; make the schedule with
-`rows.schedule_of`, and `timed_words.timed_words_of` if there are words alone. The first line of
-the function's docstring appears in `formats` and in the documentation.
+start of a file; ``methodcaller("holds", "words")`` is one for JSON with a key. `TimingFile` has the
+text, JSON and XML, finds the fields of lines (`matches`), and checks times. Make the schedule with
+`rows.schedule_of`, or timed words with `timed_words.timed_words_of`. The first line of the
+function's docstring appears in `formats` and in the documentation.
 """

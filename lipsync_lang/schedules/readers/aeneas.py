@@ -4,6 +4,8 @@ A fragment has its begin and end in seconds, as text, and the rows of its text. 
 levels contain smaller ones; the smallest are read.
 """
 
+from operator import methodcaller
+
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
@@ -13,12 +15,7 @@ AENEAS_FORM = (
 )
 
 
-def sniff(source: TimingFile) -> bool:
-    """Return True if the JSON has fragments."""
-    return source.holds("fragments")
-
-
-@reader("aeneas", ".json", sniff=sniff)
+@reader("aeneas", ".json", sniff=methodcaller("holds", "fragments"))
 def read_aeneas(source: TimingFile) -> TimedWords:
     """Sync maps of aeneas: the smallest fragments of the text with their times."""
     whole = source.json

@@ -4,6 +4,8 @@ Offsets and durations count ticks of 100 ns. The first of several readings of th
 Results are a JSON object, or several in a list or one on each line.
 """
 
+from operator import methodcaller
+
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.readers.azure import TICKS_PER_SECOND
 from lipsync_lang.schedules.rows import LabelRow
@@ -19,12 +21,7 @@ RECOGNITION_FORM = (
 )
 
 
-def sniff(source: TimingFile) -> bool:
-    """Return True for JSON that names the readings of the sound."""
-    return source.mentions(NBEST_FIELD)
-
-
-@reader("azure-recognition", ".json", ".jsonl", sniff=sniff)
+@reader("azure-recognition", ".json", ".jsonl", sniff=methodcaller("mentions", NBEST_FIELD))
 def read_azure_recognition(source: TimingFile) -> Timings:
     """Words that Azure has recognised, with phonemes where it has assessed their pronunciation."""
     phones: list[LabelRow] = []

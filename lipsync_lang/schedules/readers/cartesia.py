@@ -4,6 +4,8 @@ Answers of the stream are in one list, or one on each line. Those of times have 
 or words, one of starts and one of ends, in seconds; the others hold sound.
 """
 
+from operator import methodcaller
+
 from lipsync_lang.schedules.parallel_lists import listed_rows
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.timed_words import phones_or_words
@@ -16,12 +18,7 @@ TIMESTAMP_LISTS = {"phoneme_timestamps": "phonemes", "word_timestamps": "words"}
 CARTESIA_FORM = '{"phoneme_timestamps": {"phonemes": ["m"], "start": [0.1], "end": [0.19]}}'
 
 
-def sniff(source: TimingFile) -> bool:
-    """Return True for JSON that names one of the fields with times."""
-    return source.mentions(*TIMESTAMP_LISTS)
-
-
-@reader("cartesia", ".json", ".jsonl", sniff=sniff)
+@reader("cartesia", ".json", ".jsonl", sniff=methodcaller("mentions", *TIMESTAMP_LISTS))
 def read_cartesia(source: TimingFile) -> Timings:
     """Times of phonemes and words that Cartesia gives with its speech."""
     found = {name: list[LabelRow]() for name in TIMESTAMP_LISTS}

@@ -9,6 +9,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
+from operator import methodcaller
 from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 
+ELAN_ROOT = "ANNOTATION_DOCUMENT"
+
+
 class Reference(NamedTuple):
     """An annotation's parent, and its place among those of the tier that share the parent."""
 
@@ -28,16 +32,11 @@ class Reference(NamedTuple):
     among: int
 
 
-def sniff(source: TimingFile) -> bool:
-    """Return True for XML with ELAN's outermost element."""
-    return source.root == "ANNOTATION_DOCUMENT"
-
-
-@reader("elan", ".eaf", sniff=sniff, tiers=True)
+@reader("elan", ".eaf", sniff=methodcaller("has_root", ELAN_ROOT), tiers=True)
 def read_elan(source: TimingFile) -> Timings:
     """ELAN's .eaf with a tier of phones; the words of its speaker are taken along."""
     document = source.xml
-    if document.tag != "ANNOTATION_DOCUMENT":
+    if document.tag != ELAN_ROOT:
         raise source.fault("is not an ELAN document; save it again in ELAN")
     elements = list(document.iter("TIER"))
     _check_parents(source, elements)

@@ -7,6 +7,7 @@ such as words, have the time of the segments that links lead to from them.
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
+from operator import methodcaller
 
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.rows import LabelRow
@@ -23,12 +24,7 @@ WORD_LABELS = ("text", "ort", "orthography", "word", "words")
 """Names of labels that spell a word, the surest first: `word` may hold a class of words."""
 
 
-def sniff(source: TimingFile) -> bool:
-    """Return True if the JSON has levels and a sampling rate."""
-    return source.holds("levels", "sampleRate")
-
-
-@reader("emu", ".json", sniff=sniff, tiers=True)
+@reader("emu", ".json", sniff=methodcaller("holds", "levels", "sampleRate"), tiers=True)
 def read_emu(source: TimingFile) -> Timings:
     """EMU-SDMS's _annot.json with a level of phonetic segments; words by their links."""
     whole = source.json

@@ -30,6 +30,11 @@ CONTEXT = re.compile(
 )
 """A full context: two phones before, the phone, and two after."""
 
+TRANSCRIPT = (
+    "is a transcript without times; align it with its recording, and give the TextGrid that comes "
+    "out, or give the recording with its text (`audio`)"
+)
+
 NumberedLines = list[tuple[int, str]]
 
 
@@ -38,13 +43,13 @@ def sniff(source: TimingFile) -> bool:
 
     A `.lab` of words without times is accepted as well: `read_htk` then explains the mistake.
     """
-    first = source.head.lstrip().split("\n", 1)[0]
     text = source.head.strip()
     numbered = re.search(r"^[ \t]*[-+#\d]", text, re.MULTILINE)
     prose = text[:1].isprintable() and text[:1] not in "<{[" and numbered is None
     if prose and source.path.suffix.lower() == ".lab":
         return True
-    return first.startswith(MASTER) or TIMED.fullmatch(first) is not None
+    timed = TIMED.fullmatch(source.first_line) is not None
+    return timed or source.first_line.startswith(MASTER)
 
 
 @reader("htk", ".lab", ".mlf", sniff=sniff, tiers=True)
@@ -61,7 +66,9 @@ def read_htk(source: TimingFile) -> Schedule:
     for number, line in lines[:cut]:
         found = TIMED.fullmatch(line)
         if found is None:
-            raise _untimed(source, number, line)
+            numbered = re.match(r"\s*[-+]?\d", line)
+            shown = f"{line.strip()[:40]!r} is not a start, an end and a label"
+            raise source.fault(shown if numbered else TRANSCRIPT, number)
         start, end = source.time(found[1], number), source.time(found[2], number)
         if "." in found[1] + found[2]:
             rate = 1.0
@@ -108,13 +115,3 @@ def _utterance(source: TimingFile) -> NumberedLines:
             f"(`tier={names[0]!r}`)"
         )
     return parts[source.tier or names[0]]
-
-
-def _untimed(source: TimingFile, number: int, line: str) -> Exception:
-    if re.match(r"\s*[-+]?\d", line):
-        return source.fault(f"{line.strip()[:40]!r} is not a start, an end and a label", number)
-    return source.fault(
-        "is a transcript without times; align it with its recording, and give the TextGrid that "
-        "comes out, or give the recording with its text (`audio`)",
-        number,
-    )

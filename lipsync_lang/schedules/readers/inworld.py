@@ -4,6 +4,8 @@ Answers of a stream are in one list, or one on each line, some within a ``result
 seconds. A voice without phones gives words alone.
 """
 
+from operator import methodcaller
+
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.parallel_lists import listed_rows
 from lipsync_lang.schedules.rows import LabelRow
@@ -20,12 +22,7 @@ INWORLD_FORM = (
 )
 
 
-def sniff(source: TimingFile) -> bool:
-    """Return True for JSON that names the field with the times."""
-    return source.mentions(INWORLD_FIELD)
-
-
-@reader("inworld", ".json", ".jsonl", sniff=sniff)
+@reader("inworld", ".json", ".jsonl", sniff=methodcaller("mentions", INWORLD_FIELD))
 def read_inworld(source: TimingFile) -> Timings:
     """Times of words and phones that Inworld gives with its speech."""
     phones: list[LabelRow] = []

@@ -4,6 +4,7 @@ Tiers are a mapping from names, or a list in which each has its name. Entries of
 ``[start, end, label]``.
 """
 
+from operator import methodcaller
 from typing import Any
 
 from lipsync_lang.schedules.rows import LabelRow
@@ -14,12 +15,7 @@ from lipsync_lang.schedules.timing_readers import Timings, reader
 TIERS_FORM = '{"tiers": {"phones": {"type": "interval", "entries": [[START, END, "LABEL"], ...]}}}'
 
 
-def sniff(source: TimingFile) -> bool:
-    """Return True if the JSON has tiers."""
-    return source.holds("tiers")
-
-
-@reader("mfa-json", ".json", sniff=sniff, tiers=True)
+@reader("mfa-json", ".json", sniff=methodcaller("holds", "tiers"), tiers=True)
 def read_mfa_json(source: TimingFile) -> Timings:
     """Tiers as JSON, as the Montreal Forced Aligner and praatio write them."""
     document = source.json

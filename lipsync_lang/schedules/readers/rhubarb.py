@@ -22,10 +22,8 @@ RHUBARB_FORM = '{"mouthCues": [{"start": 0.0, "end": 0.05, "value": "X"}, ...]}'
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the file has mouth cues, or a line of a time and one capital letter."""
-    if source.root == "rhubarbResult" or source.holds("mouthCues"):
-        return True
-    first = source.head.lstrip().split("\n", 1)[0]
-    return RHUBARB_LINE.fullmatch(first) is not None
+    known = source.has_root("rhubarbResult") or source.holds("mouthCues")
+    return known or RHUBARB_LINE.fullmatch(source.first_line) is not None
 
 
 @reader(RHUBARB_NOTATION, ".tsv", ".xml", ".json", sniff=sniff)

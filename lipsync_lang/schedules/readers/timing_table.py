@@ -46,7 +46,7 @@ TABLE_NUMBER = re.compile(r"\s*-?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?\s*")
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the first row names a label and times, or contains them."""
-    first = source.head.lstrip().split("\n", 1)[0]
+    first = source.first_line
     try:
         return bool(_columns(next(csv.reader([first], delimiter=_delimiter(first)), [])))
     except csv.Error:

@@ -17,7 +17,7 @@ TIMIT_LINE = re.compile(r"\s*(\d+)\s+(\d+)\s+(\S+)\s*", re.ASCII)
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the file starts with two whole numbers and a label."""
-    return TIMIT_LINE.fullmatch(source.head.lstrip().split("\n", 1)[0]) is not None
+    return TIMIT_LINE.fullmatch(source.first_line) is not None
 
 
 @reader("timit", ".phn", ".wrd", sniff=sniff)

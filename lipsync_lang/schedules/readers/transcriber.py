@@ -6,6 +6,7 @@ which of the turn's speakers the text after it is of. Noises are events, which a
 
 from collections import defaultdict
 from collections.abc import Iterator
+from operator import methodcaller
 from typing import TYPE_CHECKING
 
 from lipsync_lang.schedules.rows import LabelRow
@@ -19,12 +20,7 @@ if TYPE_CHECKING:
 TRANSCRIBER_ROOT = "Trans"
 
 
-def sniff(source: TimingFile) -> bool:
-    """Return True for XML with Transcriber's outermost element."""
-    return source.root == TRANSCRIBER_ROOT
-
-
-@reader("transcriber", ".trs", sniff=sniff, tiers=True)
+@reader("transcriber", ".trs", sniff=methodcaller("has_root", TRANSCRIBER_ROOT), tiers=True)
 def read_transcriber(source: TimingFile) -> Timings:
     """Turns of Transcriber's .trs, of one speaker; each part is timed as a whole."""
     document = source.xml
