@@ -12,8 +12,12 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import Word
 from lipsync_lang.speech.hearing.recognise import whisper_models, whisper_recogniser
-from lipsync_lang.speech.hearing.recognise.stretches import RecognisedWord, joined, stretches
 from lipsync_lang.speech.hearing.recognise.whisper_models import language_code, whisper_model
+from lipsync_lang.speech.hearing.recognise.whisper_recogniser import (
+    RecognisedWord,
+    joined,
+    stretches,
+)
 from lipsync_lang.speech.hearing.recognition import recognised
 from lipsync_lang.speech.speaking.speaker import Speaker
 
