@@ -122,10 +122,7 @@ class LineOutlet:
 class PacketOutlet:
     """Sends frames as packets over UDP.
 
-    Raises
-    ------
-    LipsyncError
-        The host is unknown.
+    An unknown host is a `LipsyncError`.
     """
 
     def __init__(self, address: LiveAddress, pack: Callable[[LiveFrame], bytes]) -> None:

@@ -49,10 +49,7 @@ class TextSpeaker:
     def say(self, text: str) -> int:
         """Queue a text; return the number of texts before it. Any thread may call this.
 
-        Raises
-        ------
-        LipsyncError
-            The text is empty or too long, or too many wait.
+        A text that is empty or too long, or one too many, is a `LipsyncError`.
         """
         if not text.strip():
             raise LipsyncError("the text is empty; write at least one word")

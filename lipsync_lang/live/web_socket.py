@@ -57,10 +57,8 @@ class Session:
 class WebSocketOutlet:
     """A WebSocket server in its own thread.
 
-    Raises
-    ------
-    LipsyncError
-        websockets is not installed, or the port is in use, or the address is not on this machine.
+    It is a `LipsyncError` if websockets is not installed, or if the address is in use or of another
+    machine.
     """
 
     def __init__(self, address: LiveAddress, session: Session) -> None:

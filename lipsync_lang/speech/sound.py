@@ -200,10 +200,7 @@ def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
 def resampled(audio: Audio, rate: int) -> Audio:
     """Resample a sound; its duration is preserved to within one sample.
 
-    Raises
-    ------
-    SpeechError
-        scipy is missing.
+    It is a `SpeechError` if scipy is missing.
     """
     if audio.rate == rate:
         return audio
@@ -225,10 +222,7 @@ def with_sound(
 ) -> Schedule:
     """Attach a recording, or a channel of its file, to a schedule; remark if it is too short.
 
-    Raises
-    ------
-    SpeechError
-        The recording cannot be read.
+    A recording that cannot be read is a `SpeechError`.
     """
     audio = recording if isinstance(recording, Audio) else read_audio(recording, channel)
     file = "the recording" if isinstance(recording, Audio) else recording

@@ -57,10 +57,7 @@ class Espeak(EspeakProcess):
 
         A variant may follow the voice, as in ``en-us+f3``.
 
-        Raises
-        ------
-        SpeechError
-            The text is empty, the voice is unknown, the library is missing, or it failed.
+        It is a `SpeechError` if the text is empty, the voice is unknown, or the library fails.
         """
         rate = _rate(words_per_minute)
         spoken = _plain(text)

@@ -83,10 +83,7 @@ class Festival:
     def speak(self, text: str, voice: str, *, words_per_minute: int | None = None) -> Schedule:
         """Speak a text with a named voice, such as ``kal_diphone``.
 
-        Raises
-        ------
-        SpeechError
-            The text is empty, the voice is unknown, the program is missing, or it failed.
+        It is a `SpeechError` if the text is empty, the voice is unknown, or the program fails.
         """
         import wave
 

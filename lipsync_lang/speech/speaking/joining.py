@@ -26,10 +26,7 @@ LONG = 1.5
 def estimate(transcript: "Transcript", manner: Manner, notation: Notation) -> Schedule:
     """Estimate times: each label has the duration of its phoneme class, plus pauses.
 
-    Raises
-    ------
-    SpeechError
-        No part of the text is readable.
+    It is a `SpeechError` if no part of the text is readable.
     """
     labels: list[str] = []
     lengths: list[float] = []
@@ -91,10 +88,7 @@ def join(
     sound before; a sound of the transcript alone gets a share of the sound before. Pauses come
     from the voice.
 
-    Raises
-    ------
-    SpeechError
-        No part of the text is readable.
+    It is a `SpeechError` if no part of the text is readable.
     """
     _refuse_nothing(transcript.labels, transcript)
     label_of, said = _units(

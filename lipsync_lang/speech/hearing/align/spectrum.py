@@ -124,10 +124,7 @@ def _bank(tract: float) -> Floats:
 def heard_in(power: Floats) -> SpeechSpectrum:
     """Detect the speech in a stretch of a recording by its levels alone; `power` is (T, BANDS).
 
-    Raises
-    ------
-    SpeechError
-        The stretch has no speech.
+    A stretch without speech is a `SpeechError`.
     """
     loudness = _smooth(power.sum(axis=1))
     noise = power[loudness <= np.percentile(loudness, NOISE_PERCENTILE)].mean(axis=0)

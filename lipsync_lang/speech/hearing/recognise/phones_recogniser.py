@@ -67,10 +67,7 @@ class PhonesRecogniser:
 def spellings(known: ModelPhones, speaker: "Speaker") -> dict[str, str]:
     """Return for each phone of a model the label of IPA, in a language, that sounds most like it.
 
-    Raises
-    ------
-    SpeechError
-        The language has no IPA.
+    A language without IPA is a `SpeechError`.
     """
     notation = speaker.notations.get(IPA)
     if notation is None:

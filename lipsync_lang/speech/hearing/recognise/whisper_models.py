@@ -124,10 +124,7 @@ def check_folder(folder: Path) -> None:
 def shipped_model() -> Path:
     """Return the folder of the model that an installed Python package ships.
 
-    Raises
-    ------
-    SpeechError
-        No package ships one.
+    It is a `SpeechError` if no package ships one.
     """
     for package, inner in SHIPPED.items():
         spec = find_spec(package)

@@ -192,10 +192,7 @@ def _key(here: Any, left: Any, right: Any, place: Any) -> Any:
 def read_model(folder: Path) -> AcousticModel:
     """Read the acoustic model in a folder.
 
-    Raises
-    ------
-    SpeechError
-        A file is missing, truncated or of another kind.
+    A file that is missing, truncated or of another kind is a `SpeechError`.
     """
     try:
         return _read(folder)

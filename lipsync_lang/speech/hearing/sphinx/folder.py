@@ -51,10 +51,7 @@ class Models:
     def ways(self, words: Iterable[str]) -> list[tuple[tuple[int, ...], ...]]:
         """Return the pronunciations of each word as phoneme numbers; none of an unknown word.
 
-        Raises
-        ------
-        SpeechError
-            The dictionary is unreadable.
+        An unreadable dictionary is a `SpeechError`.
         """
         ways: list[tuple[tuple[int, ...], ...]] = []
         for word in words:
@@ -80,10 +77,7 @@ class Models:
 def find_models(name: str | None) -> Models:
     """Find the models with a name.
 
-    Raises
-    ------
-    SpeechError
-        pocketsphinx is not installed, or has no model of that name.
+    It is a `SpeechError` if pocketsphinx is not installed, or has no model of that name.
     """
     spec = find_spec("pocketsphinx")
     if spec is None or spec.origin is None:

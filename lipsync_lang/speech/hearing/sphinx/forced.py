@@ -105,11 +105,6 @@ class _Graph:
         self.before[quiet].append(loud)
         return [quiet, loud]
 
-    def skip(self, number: int, before: Sequence[int]) -> list[int]:
-        """Add other sound in place of a word."""
-        silence = self.model.silence
-        return [self.add(Node(number, OUTSIDE, WordPosition.ALONE), silence, silence, before)]
-
     def word(
         self, number: int, ways: Pronunciations, left: int, right: int, before: Sequence[int]
     ) -> list[int]:
@@ -211,7 +206,9 @@ def _window(
         right = words[number + 1][0][0] if number + 1 < stop else model.silence
         before = [*before, *graph.pause(before)]
         spoken = graph.word(number, words[number], left, right, before)
-        before = [*spoken, *graph.skip(number, before)]
+        # Other sound in place of a word: the word is left out.
+        skipped = Node(number, OUTSIDE, WordPosition.ALONE)
+        before = [*spoken, graph.add(skipped, model.silence, model.silence, before)]
     ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
     best = sound.scores(model.alone).max(axis=2)
     quiet = np.array([phone.book in model.fillers for phone in model.alone])
