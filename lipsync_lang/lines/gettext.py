@@ -6,6 +6,7 @@ out. The lines of a template are its originals. Fuzzy and obsolete entries are l
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from lipsync_lang.lines.line import Line
@@ -41,7 +42,13 @@ class Entry:
 @reader("gettext", suffixes=[".po", ".pot"])
 def read(source: LineFile) -> Iterator[Line]:
     """Translations of gettext; untranslated entries give their originals."""
-    source = replace(source, encoding=source.encoding or _charset(source))
+    if not source.encoding:
+        with suppress(OSError), source.open() as stream:
+            found = CHARSET.search(stream.read(4096))
+            name = found[1].decode().lower() if found else "charset"
+            # A template states the word "CHARSET"; UTF-8 unasked may begin with its mark.
+            if name not in ("charset", "utf-8", "utf8"):
+                source = replace(source, encoding=name)
     translated = any(
         any(entry.translations())
         for entry in _entries(source)
@@ -59,18 +66,6 @@ def read(source: LineFile) -> Iterator[Line]:
             yield source.line(number, text, name=name, original=original)
     if left:
         source.remark(f"{source.path}: left out {left} entries that are fuzzy or not translated")
-
-
-def _charset(source: LineFile) -> str | None:
-    """Return the encoding stated in the header; None for UTF-8 or none."""
-    try:
-        with source.open() as stream:
-            head = stream.read(4096)
-    except OSError:
-        return None
-    found = CHARSET.search(head)
-    name = found[1].decode().lower() if found else ""
-    return None if name in ("", "charset", "utf-8", "utf8") else name
 
 
 def _entries(source: LineFile) -> Iterator[Entry]:

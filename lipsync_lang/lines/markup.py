@@ -20,7 +20,7 @@ tag leaves no gap. A word in braces is a tag if a closing tag follows, or if it 
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import unescape
@@ -207,7 +207,10 @@ class TextCleaner:
         self._say(self._sound(done, len(self.text)))
         tidy = " ".join(PAUSED.sub(_paused, "".join(self._left)).split())
         said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)
-        gaps = _places(said, self._gaps)
+        # Gaps are counted without spaces, because dropping markup changes the spaces around it.
+        solid = (at for at, one in enumerate(said, 1) if not one.isspace() and one != PAUSE_MARK)
+        ends = [0, *solid] if self._gaps else []
+        gaps = tuple(ends[count] for count in self._gaps)
         said = said.replace(PAUSE_MARK, ",")
         return SpokenText(said, tuple(self._dropped), gaps, tuple(self._remarks))
 
@@ -230,7 +233,11 @@ class TextCleaner:
         """Return the replacement of markup; None for text that is not markup."""
         whole, aside = found[0], found["round"] or found["doublewidth"] or found["star"]
         if aside:
-            if not self._is_aside(found, aside):
+            start, stop = found.span()
+            before = TAGS_BEFORE.sub("", self.text[max(start - SEEN_CHARS, 0) : start])
+            after = TAGS_AFTER.sub("", self.text[stop : stop + SEEN_CHARS])
+            starred = found["star"] is not None
+            if not is_aside(aside, before, after, self.cleaning.asides, starred=starred):
                 return None
         elif (instead := self._meant(found)) is not None:
             return instead
@@ -252,27 +259,16 @@ class TextCleaner:
             return "*"
         if found["alias"] is not None or whole in DOUBLED:
             return found["alias"] or DOUBLED.get(whole, "")
-        return None if self._is_tag(whole) else self._value(whole)
-
-    def _is_tag(self, whole: str) -> bool:
-        """Return True for a word in brackets with a later closing one."""
-        return TAG_VALUES.sub("", whole[:-1]) in self._closed
-
-    def _is_aside(self, found: re.Match[str], said: str) -> bool:
-        start, stop = found.span()
-        before = TAGS_BEFORE.sub("", self.text[max(start - SEEN_CHARS, 0) : start])
-        after = TAGS_AFTER.sub("", self.text[stop : stop + SEEN_CHARS])
-        starred = found["star"] is not None
-        return is_aside(said, before, after, self.cleaning.asides, starred=starred)
-
-    def _value(self, whole: str) -> str | None:
-        """Return the value of a placeholder, if it is known."""
         values = self.cleaning.values
-        if not values or whole[0] not in "{[%$<\\":
+        if self._is_tag(whole) or not values or whole[0] not in "{[%$<\\":
             return None
         name = PLACEHOLDER_NAME.search(whole)
         known = values.get(whole, values.get(name[0]) if name else None)
         return None if known is None else ordinary(known)
+
+    def _is_tag(self, whole: str) -> bool:
+        """Return True for a word in brackets with a later closing one."""
+        return TAG_VALUES.sub("", whole[:-1]) in self._closed
 
     def _leaves_gap(self, found: re.Match[str], instead: str) -> bool:
         whole = found[0]
@@ -309,18 +305,6 @@ def _paused(found: re.Match[str]) -> str:
 def _solid(text: str) -> int:
     """Count the characters that are neither spaces nor pauses."""
     return len("".join(text.replace(PAUSE_MARK, " ").split()))
-
-
-def _places(text: str, counts: Sequence[int]) -> tuple[int, ...]:
-    """Turn counts of preceding characters, without spaces, into offsets in a text.
-
-    Gaps are counted without spaces, because dropping markup changes the spaces around it.
-    """
-    if not counts:
-        return ()
-    solid = (at for at, one in enumerate(text, 1) if not one.isspace() and one != PAUSE_MARK)
-    ends = [0, *solid]
-    return tuple(ends[count] for count in counts)
 
 
 def ordinary(text: str) -> str:

@@ -44,27 +44,21 @@ def read(source: LineFile) -> Iterator[Line]:
 
 
 def lines_of(source: LineFile, table: Table) -> Iterator[Line]:
-    """Yield the rows that have a text as lines."""
+    """Yield the rows that have a text as lines.
+
+    The text is the stated column, else the language's own, else the most likely one.
+    """
     head = table.head
-    text = _text(source, head)
+    if source.column is not None:
+        text = stated_column(source, head, source.column)
+    elif (text := language_column(head, source.names)) < 0 and (text := text_column(head)) < 0:
+        whose = f" in {source.names[0]}" if source.names else ""
+        raise lacking(source, head, f"which column is the text{whose}? Say `column='NAME'`.")
     name = first_column(head, NAME_COLUMNS, [text])
     speaker = known_column(source, head, source.speaker, SPEAKER_COLUMNS, [text, name])
     for number, row in table.rows:
         if text < len(row) and row[text].strip():
             yield source.line(number, row[text], name=cell(row, name), speaker=cell(row, speaker))
-
-
-def _text(source: LineFile, head: Sequence[str]) -> int:
-    """Return the column of the text: the stated one, the language's own, or the most likely one."""
-    if source.column is not None:
-        return stated_column(source, head, source.column)
-    found = language_column(head, source.names)
-    if found < 0:
-        found = text_column(head)
-    if found < 0:
-        whose = f" in {source.names[0]}" if source.names else ""
-        raise lacking(source, head, f"which column is the text{whose}? Say `column='NAME'`.")
-    return found
 
 
 def _cells(line: str, delimiter: str) -> list[str]:

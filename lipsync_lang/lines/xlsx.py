@@ -7,7 +7,7 @@ each scene; a remark names the rest. Formulas count as the values that the progr
 from collections.abc import Iterator, Sequence
 from contextlib import closing
 from itertools import islice
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 from zipfile import BadZipFile, ZipFile
 
 from lipsync_lang.errors import LipsyncError
@@ -16,9 +16,6 @@ from lipsync_lang.files.reading import MIB_BYTES
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, Table, reader
 from lipsync_lang.lines.table import lines_of
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 MAX_PART_BYTES = 512 * MIB_BYTES
 """Maximum unpacked size of a part of the file; a million rows have less."""
@@ -81,7 +78,12 @@ def _head(row: Sequence[str]) -> list[str]:
 
 def _sheets(source: LineFile) -> Iterator[NamedSheet]:
     """Yield the title and the rows of each sheet, in order."""
-    openpyxl = _openpyxl()
+    try:
+        import openpyxl
+    except ImportError:
+        raise LipsyncError(
+            f"spreadsheets need openpyxl: {install_line('tables')}; or save them as .csv"
+        ) from None
     with source.open() as stream:
         _refuse_bombs(source, stream)
         try:
@@ -130,14 +132,3 @@ def _refuse_bombs(source: LineFile, stream: BinaryIO) -> None:
 def _damaged(source: LineFile, error: Exception) -> LipsyncError:
     why = str(error).partition("\n")[0] or type(error).__name__
     return source.fault(1, f"the spreadsheet cannot be read ({why}); save it again as .xlsx")
-
-
-def _openpyxl() -> "ModuleType":
-    try:
-        import openpyxl
-    except ImportError:
-        raise LipsyncError(
-            f"spreadsheets need openpyxl: {install_line('tables')}; or save them as .csv"
-        ) from None
-    module: ModuleType = openpyxl
-    return module

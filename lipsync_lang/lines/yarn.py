@@ -43,27 +43,20 @@ def read(source: LineFile) -> Iterator[Line]:
 
 def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
     """Yield the line of a row, if it has one."""
-    text = COMMAND.sub(" ", YARN_COMMENT.sub("", text)).strip()
-    text, tags = _untagged(text)
-    names = [tag.removeprefix(LINE_TAG) for tag in tags if tag.startswith(LINE_TAG)]
-    text = text.removeprefix("->").removeprefix("=>").strip()
+    pieces = COMMAND.sub(" ", YARN_COMMENT.sub("", text)).strip().split("#")
+    name = ""
+    while len(pieces) > 1:
+        tag = pieces[-1].strip()
+        if len(tag.split()) != 1 or pieces[-2][-1:].strip():
+            break  # a hash within the text
+        if tag.startswith(LINE_TAG):
+            name = tag.removeprefix(LINE_TAG)
+        pieces.pop()
+    text = "#".join(pieces).removeprefix("->").removeprefix("=>").strip()
     if jump := JUMP.match(text):
         text = jump["text"] or ""
     found = YARN_SPEAKER.match(text)
     speaker = found["who"].strip() if found else ""
     said = YARN_ESCAPE.sub(r"\1", text[found.end() if found else 0 :]).strip()
     if said:
-        yield source.line(number, said, name="".join(names[-1:]), speaker=speaker)
-
-
-def _untagged(text: str) -> tuple[str, list[str]]:
-    """Split a line and the tags at its end, last tag first."""
-    pieces = text.split("#")
-    tags = []
-    while len(pieces) > 1:
-        tag = pieces[-1].strip()
-        if len(tag.split()) != 1 or pieces[-2][-1:].strip():
-            break  # a hash within the text
-        tags.append(tag)
-        pieces.pop()
-    return "#".join(pieces), tags
+        yield source.line(number, said, name=name, speaker=speaker)
