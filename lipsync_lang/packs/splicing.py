@@ -177,12 +177,17 @@ class SplicedText:
 
     def _spliced(self, loc: Loc, value: Data) -> Self:
         """Return the text with one value changed."""
-        if _alike(self.at(loc), value):
+        old = self.at(loc)
+        if old is value or (ABSENT not in (old, value) and same(old, value)):
             return self
         number = self._numbers.get(loc[:2], self._numbers.get(loc[:1]))
-        if number is None:
-            return self._at_root(loc, value)
-        first, stop = self._range(self._numbers[loc[:1]])
+        if number is None:  # a new key of the root goes behind the last that has no parts
+            whole = [n for n, part in enumerate(self.parts) if len(part.loc) == 1]
+            whole = [n for n in whole if self.parts[n].value is not _ENTRIES]
+            return self._in_part(whole[-1], loc, value) if whole else self._in_whole(loc, value)
+        first = stop = self._numbers[loc[:1]]
+        while stop < len(self.parts) and self.parts[stop].loc[:1] == loc[:1]:
+            stop += 1
         if value is ABSENT and len(loc) == 1:
             return self._without(first, stop)
         if value is ABSENT and loc == self.parts[number].loc and stop - first > 2:  # noqa: PLR2004 the key and one entry
@@ -191,19 +196,6 @@ class SplicedText:
         if (len(loc) == 1 and entries) or (value is ABSENT and loc == self.parts[number].loc):
             return self._in_whole(loc, value)
         return self._in_part(stop - 1 if entries else number, loc, value)
-
-    def _at_root(self, loc: Loc, value: Data) -> Self:
-        """Insert a key of the root behind the last that has no parts, or change an uncut text."""
-        places = [n for n, part in enumerate(self.parts) if len(part.loc) == 1]
-        places = [n for n in places if self.parts[n].value is not _ENTRIES]
-        return self._in_part(places[-1], loc, value) if places else self._in_whole(loc, value)
-
-    def _range(self, number: int) -> tuple[int, int]:
-        """Return the parts of a key of the root: the first, and one past the last."""
-        top, stop = self.parts[number].loc, number + 1
-        while stop < len(self.parts) and self.parts[stop].loc[:1] == top:
-            stop += 1
-        return number, stop
 
     def _in_part(self, number: int, loc: Loc, value: Data) -> Self:
         """Change a value within a part, or insert an entry behind it."""
@@ -220,7 +212,11 @@ class SplicedText:
 
     def _without(self, first: int, stop: int) -> Self:
         """Delete parts; the comments behind the last of them stay."""
-        rest = _behind_content(self.parts[stop - 1].text)
+        lines = self.parts[stop - 1].text.splitlines(keepends=True)
+        end = len(lines)
+        while end and (not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#")):
+            end -= 1
+        rest = "".join(lines[end:])
         before = self.parts[first - 1] if first else TextPart(HEAD_LOC, "")
         return self._with(max(first - 1, 0), stop, [before._replace(text=before.text + rest)])
 
@@ -306,11 +302,6 @@ def plain(value: Any) -> Data:
     return float(value) if isinstance(value, float) else value
 
 
-def _alike(one: Data, other: Data) -> bool:
-    """Return True for equal values, and for two that are both absent."""
-    return one is other if ABSENT in (one, other) else same(one, other)
-
-
 def pack_name(path: Path) -> str:
     """Return the name a pack in this file must have: the file's, or for a pose set the folder's."""
     from lipsync_lang.packs.finding import POSESET
@@ -380,11 +371,9 @@ def _entries(
     """Return key, first line, stop and mark of each entry of a block mapping."""
     starts = _starts(mark, lines)
     stops = [*(row for _, row, _ in starts[1:]), len(lines) if stop is None else stop]
-    return (
-        [(key, row, end, inner) for (key, row, inner), end in zip(starts, stops, strict=True)]
-        if starts
-        else []
-    )
+    # Without any start, there is a stop nevertheless.
+    pairs = zip(starts, stops, strict=False)
+    return [(key, row, end, inner) for (key, row, inner), end in pairs]
 
 
 def _starts(mark: SourceMark, lines: Sequence[str]) -> list[tuple[str, int, SourceMark]]:
@@ -397,12 +386,3 @@ def _starts(mark: SourceMark, lines: Sequence[str]) -> list[tuple[str, int, Sour
     block = bool(found) and (mark.line, mark.column) == next(iter(mark.inner.values()))[0]
     apart = block and len(columns) == 1 and rows == sorted(set(rows))
     return found if apart and not any(lines[row][: min(columns)].strip(" ") for row in rows) else []
-
-
-def _behind_content(text: str) -> str:
-    """Return the blank lines and comments at the end of a text."""
-    lines = text.splitlines(keepends=True)
-    end = len(lines)
-    while end and (not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#")):
-        end -= 1
-    return "".join(lines[end:])

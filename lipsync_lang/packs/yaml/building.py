@@ -7,8 +7,6 @@ count from 0.
 
 import gc
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -53,29 +51,25 @@ _NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udf
 
 def build(path: Path, content: bytes) -> YamlSource:
     """Read YAML as far as possible; see `source.scan`."""
+    faults: tuple[Fault, ...] = ()
     try:
-        return _built(path, _text(path, content))
-    except _StopError as stop:
-        return YamlSource(path, None, faults=tuple(sorted(stop.faults)))
-
-
-def _built(path: Path, text: str) -> YamlSource:
-    """Build a source with the first parser that can read the text."""
-    try:
-        asked = parsers(text)
-    except YamlError as error:
-        raise _StopError(_syntax(path, text, error)) from None
-    stop = _StopError()
-    for parse in asked:
-        builder = _Builder(path)
+        text = _text(path, content)
         try:
-            source = builder.build(text, parse)
-            if parse is asked[-1] or all(fault.code != TAG_FAULT for fault in source.faults):
-                return source
-            # Some tags are a syntax error to one parser only; the last parser decides.
+            asked = parsers(text)
         except YamlError as error:
-            stop = _StopError(*builder.faults, _syntax(path, text, error))
-    raise stop
+            asked, faults = (), (_syntax(path, text, error),)
+        for parse in asked:
+            builder = _Builder(path)
+            try:
+                source = builder.build(text, parse)
+                if parse is asked[-1] or all(fault.code != TAG_FAULT for fault in source.faults):
+                    return source
+                # Some tags are a syntax error to one parser only; the last parser decides.
+            except YamlError as error:
+                faults = (*builder.faults, _syntax(path, text, error))
+    except _StopError as stop:
+        faults = stop.faults
+    return YamlSource(path, None, faults=tuple(sorted(faults)))
 
 
 class _StopError(Exception):
@@ -195,8 +189,13 @@ class _Builder:
     def build(self, text: str, parse: Parser) -> YamlSource:
         """Return the source of the whole text; raise `_StopError` or `YamlError`."""
         self.chars = len(text)
-        with _no_collection():
+        collects = gc.isenabled()
+        gc.disable()  # collection would walk the growing data again and again
+        try:
             self._read(text, parse)
+        finally:
+            if collects:
+                gc.enable()
         if self.root is None:
             raise self._stop(1, 1, "P006", "the file has only comments", "state the pack")
         data, mark = self.root
@@ -355,15 +354,3 @@ class _Builder:
                 frame.data[frame.key] = data
                 frame.inner[frame.key] = (frame.key_at, mark)
             frame.key, frame.dropped = None, False
-
-
-@contextmanager
-def _no_collection() -> Iterator[None]:
-    """Pause garbage collection, which would walk the growing data again and again."""
-    was = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was:
-            gc.enable()

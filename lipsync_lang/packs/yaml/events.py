@@ -7,7 +7,6 @@ without libyaml. A text longer than `MAX_SLOW_CHARS` is read by libyaml alone. S
 
 import re
 from collections.abc import Callable, Iterator
-from itertools import islice
 from typing import Any
 
 Event = Any
@@ -127,23 +126,16 @@ def _disputed(text: str) -> int | None:
     """Return the offset of the first character on which the parsers may differ, or None."""
     found = _DISPUTED.search(text) if any(sign in text for sign in _NEEDED) else None
     places = [found.start()] if found else []
-    if "\t" in text:
-        places += islice(_tabs(text), 1)
-    return min(places, default=None)
-
-
-def _tabs(text: str) -> Iterator[int]:
-    """Yield the offset of the first tab of each line, unless `` #`` precedes it.
-
-    libyaml accepts tabs as indentation, which YAML forbids. A tab after `` #`` is harmless: it
-    lies in a comment or in quoted text.
-    """
+    # libyaml accepts tabs as indentation, which YAML forbids. A tab after ` #` is harmless: it
+    # lies in a comment or in quoted text.
     start = 0
-    for line in text.split("\n"):
+    for line in text.split("\n") if "\t" in text else ():
         tab, comment = line.find("\t"), 0 if line.startswith("#") else line.find(" #")
         if tab >= 0 and not 0 <= comment < tab:
-            yield start + tab
+            places.append(start + tab)
+            break
         start += len(line) + 1
+    return min(places, default=None)
 
 
 def _converted(error: Any) -> YamlError:

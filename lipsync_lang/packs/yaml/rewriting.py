@@ -4,14 +4,20 @@ The old value and the new one are compared. A scalar is replaced in its place; a
 is inserted or deleted with its lines; a collection on one line keeps the text of its other items.
 """
 
-from collections.abc import Callable, Mapping
+import json
+from collections.abc import Mapping
 from itertools import takewhile
-from typing import Any
 
 from lipsync_lang.packs.yaml.events import YamlError
 from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.packs.yaml.spans import EntrySpan, Span, spans
-from lipsync_lang.packs.yaml.value_text import INDENT, block_lines, on_one_line, wants_block
+from lipsync_lang.packs.yaml.value_text import (
+    INDENT,
+    block_lines,
+    on_one_line,
+    plain_or_quoted,
+    wants_block,
+)
 
 Items = Mapping[str | int, Data]
 
@@ -85,21 +91,18 @@ class _Edits:
         if same(old, new):
             return
         found = list(self.found)
+        before, after = _items(span, old), _items(span, new)
+        if not before or not after:
+            self._replace(span, new, within)
+            return
         try:
-            self._change_inside(span, old, new, within)
+            if span.kind == "mapping":
+                self._mapping(span, before, after, new, within)
+            else:
+                self._sequence(span, list(before.values()), list(after.values()), new, within)
         except RewriteError:
             self.found = found
             self._replace(span, new, within)
-
-    def _change_inside(self, span: Span, old: Data, new: Data, within: EntrySpan | None) -> None:
-        """Change the entries of a value, or the whole value if it has none."""
-        before, after = _items(span, old), _items(span, new)
-        if before is None or after is None or not before or not after:
-            self._replace(span, new, within)
-        elif span.kind == "mapping":
-            self._mapping(span, before, after, new, within)
-        else:
-            self._sequence(span, list(before.values()), list(after.values()), new, within)
 
     # Whole values
 
@@ -109,7 +112,14 @@ class _Edits:
             raise RewriteError("the root is replaced")
         keyed = within is not None and within.key is not None
         if keyed and within is not None and wants_block(new) and self._own_line(within.start):
-            self._as_block(span, new, within)
+            # A mapping becomes the lines below its key.
+            if self._multiline(within.after, span.start):
+                self._delete_lines(span.start, span.end)
+            else:
+                blank = len(self.text[: span.start].rstrip(" \t"))
+                self.put(max(blank, within.after), span.end, "")
+            lines = block_lines(new, self._column(within.start) + INDENT)
+            self._insert_lines(self._line_end(span.end), lines)
             return
         line = _quoted(new, span.quote)
         if keyed and within is not None and self._multiline(within.after, span.start):
@@ -118,17 +128,6 @@ class _Edits:
         else:
             empty = within is not None and span.start == span.end == within.after
             self.put(span.start, span.end, f" {line}" if empty else line)
-
-    def _as_block(self, span: Span, new: Mapping[str, Data], within: EntrySpan) -> None:
-        """Write a mapping as the lines below its key."""
-        indent = self._column(within.start) + INDENT
-        lines = self._lines(block_lines(new, indent))
-        if self._multiline(within.after, span.start):
-            self._delete_lines(span.start, span.end)
-        else:
-            blank = len(self.text[: span.start].rstrip(" \t"))
-            self.put(max(blank, within.after), span.end, "")
-        self._insert_lines(self._line_end(span.end), lines)
 
     # Mappings
 
@@ -147,7 +146,7 @@ class _Edits:
         if span.flow:
             names = [str(key) for key in after]
             made = {
-                key: f"{_name(key)}: {on_one_line(after[key])}"
+                key: f"{plain_or_quoted(key)}: {on_one_line(after[key])}"
                 for key in names
                 if key not in before
             }
@@ -167,7 +166,7 @@ class _Edits:
             raise RewriteError("entries of the pack are put in another order")
         else:
             lines = block_lines(after, self._column(span.start))  # type: ignore[arg-type]
-            self._insert_lines(self._line_start(span.start), self._lines(lines))
+            self._insert_lines(self._line_start(span.start), lines)
             self._delete_lines(span.start, span.end)
 
     def _insert_keys(
@@ -185,20 +184,20 @@ class _Edits:
                 model = entries[str(key)]
                 at = self._line_end(model.value.end)
                 continue
-            self._insert_lines(at, self._lines(self._entry_lines(str(key), value, model, indent)))
+            self._insert_lines(at, self._entry_lines(str(key), value, model, indent))
 
     def _entry_lines(self, key: str, value: Data, model: EntrySpan, indent: int) -> list[str]:
         """Return the lines of a new entry in the form of a neighbour."""
         near = model.value
         as_block = near.kind == "mapping" and not near.flow
         if isinstance(value, Mapping) and value and (as_block or wants_block(value)):
-            lines = [f"{_name(key)}:", *block_lines(value, INDENT)]
+            lines = [f"{plain_or_quoted(key)}:", *block_lines(value, INDENT)]
         else:
             column = self._column(near.start) - indent
             beside = not self._multiline(model.after, near.start)
             aligned = beside and near.kind != "scalar" and isinstance(value, (dict, tuple))
             width = column - 1 if aligned else 0
-            lines = [f"{_name(key) + ':':<{width}} {on_one_line(value)}"]
+            lines = [f"{plain_or_quoted(key) + ':':<{width}} {on_one_line(value)}"]
         return [" " * indent + line for line in lines]
 
     # Sequences
@@ -232,7 +231,7 @@ class _Edits:
             at = self._line_start(span.entries[last].start)
         else:
             raise RewriteError("an item before one that does not start a line")
-        self._insert_lines(at, self._lines(lines))
+        self._insert_lines(at, lines)
 
     # Collections in brackets
 
@@ -312,14 +311,11 @@ class _Edits:
     def _multiline(self, start: int, end: int) -> bool:
         return "\n" in self.text[start:end]
 
-    def _lines(self, lines: list[str]) -> str:
-        return "".join(f"{line}{self.newline}" for line in lines)
-
-    def _insert_lines(self, at: int, lines: str) -> None:
+    def _insert_lines(self, at: int, lines: list[str]) -> None:
+        new = "".join(f"{line}{self.newline}" for line in lines)
         if at == len(self.text) and self.text and not self.text.endswith("\n"):
-            cut = len(self.newline)
-            lines = self.newline + lines[:-cut]
-        self.put(at, at, lines)
+            new = self.newline + new.removesuffix(self.newline)
+        self.put(at, at, new)
 
     def _delete_lines(self, start: int, end: int) -> None:
         if not self._own_line(start):
@@ -342,17 +338,10 @@ def _common(one: list[Data], other: list[Data]) -> int:
     return sum(1 for _ in pairs)
 
 
-def _name(key: Any) -> str:
-    return on_one_line(str(key))
-
-
 def _quoted(value: Data, quote: str) -> str:
     """Return a value on one line, text in the quotes that the old text had."""
-    write: Callable[[Data], str] = on_one_line
     if isinstance(value, str) and quote == "'" and value.isprintable():
         return "'" + value.replace("'", "''") + "'"
     if isinstance(value, str) and quote == '"':
-        import json
-
         return json.dumps(value, ensure_ascii=False)
-    return write(value)
+    return on_one_line(value)
