@@ -28,8 +28,7 @@ def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[BankPack] | None = None)
     yield from _circles(poseset)
     yield from _outranked(poseset)
     yield from _together(poseset)
-    yield from _pressed(poseset)
-    yield from _idle(poseset)
+    yield from _contacts(poseset)
     yield from unprepared(poseset, poseset.model)
     if banks is not None:
         yield from _unreached(poseset, _reach(poseset.model, banks))
@@ -195,8 +194,8 @@ def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             yield poseset.fault(loc, "P208", what, "raise the threshold, or lower the floors")
 
 
-def _pressed(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Check that no pose has a ceiling in one contact and a floor in another."""
+def _contacts(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Check that each contact has an effect, and that no other holds up what it keeps down."""
     floors = _floors(poseset.model)
     for name, contact in poseset.model.contacts.items():
         for pose in contact.ceiling:
@@ -204,11 +203,6 @@ def _pressed(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
                 loc = ("contacts", name, "ceiling", pose)
                 what = f"'{pose}' gets a ceiling here, but contact '{floors[pose][1]}' holds it up"
                 yield poseset.fault(loc, "P209", what, "remove it from one of the two", key=True)
-
-
-def _idle(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Check that every contact has a floor above 0 or a ceiling below 1."""
-    for name, contact in poseset.model.contacts.items():
         if not any(contact.floor.values()) and all(top == 1 for top in contact.ceiling.values()):
             what = f"contact '{name}' has no effect: no floor above 0, no ceiling below 1"
             hint = "state a `floor` above 0 or a `ceiling` below 1, or remove the contact"

@@ -42,19 +42,18 @@ def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
 
 def _phonemes(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
     """Check that every common phoneme and shade exists."""
-    model = ipa.model
-    for phoneme in model.aside:
-        if phoneme not in common.phonemes:
-            yield ipa.unknown(
-                ("aside", phoneme), "P202", "phoneme", phoneme, common.phonemes, key=True
-            )
-    known = (*common.phonemes, *common.shades)
-    for index, decision in enumerate(model.decided):
-        for number, phoneme in enumerate(decision.to):
-            if phoneme not in known:
-                yield ipa.unknown(
-                    ("decided", index, "to", number), "P202", "phoneme", phoneme, known
-                )
+    model, known = ipa.model, (*common.phonemes, *common.shades)
+    named: list[tuple[Loc, str, Collection[str]]] = [
+        *((("aside", phoneme), phoneme, common.phonemes) for phoneme in model.aside),
+        *(
+            (("decided", index, "to", number), phoneme, known)
+            for index, decision in enumerate(model.decided)
+            for number, phoneme in enumerate(decision.to)
+        ),
+    ]
+    for loc, phoneme, declared in named:
+        if phoneme not in declared:
+            yield ipa.unknown(loc, "P202", "phoneme", phoneme, declared, key=loc[-1] == phoneme)
 
 
 def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
@@ -104,20 +103,13 @@ def _spelled(ipa: "Pack[Ipa]", known: Collection[str]) -> Iterator[Fault]:
         ),
     ]
     for loc, meant in spelled:
-        rest = _unread(_plain(meant), known)
+        rest, length = _plain(meant), 1
+        while rest and length:  # the longest known letter or mark, again and again
+            length = next((n for n in range(len(rest), 0, -1) if rest[:n] in known), 0)
+            rest = rest[length:]
         if rest:
             what = f"'{rest[0]}' is neither a letter nor a mark"
             yield ipa.fault(loc, "P223", what, "put it under `letters` or `marks`")
-
-
-def _unread(text: str, known: Collection[str]) -> str:
-    """Return the rest of a text from its first unknown character on; empty if all are known."""
-    while text:
-        length = next((n for n in range(len(text), 0, -1) if text[:n] in known), 0)
-        if not length:
-            break
-        text = text[length:]
-    return text
 
 
 def _words(ipa: "Pack[Ipa]", loc: Loc, phrase: str) -> Iterator[Fault]:

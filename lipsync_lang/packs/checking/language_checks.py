@@ -23,8 +23,14 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
     """Check that labels are distinct, and that rules use known labels and can fire."""
     yield from _twice(language)
     yield from _rules(language)
-    yield from _corrections(language)
-    yield from _interjections(language)
+    model = language.model
+    notation = notation_of(model, written(model))
+    for spelling, sounds in model.text.interjections.items() if model.text else ():
+        for label in sounds.to if sounds and not model.automatic else ():
+            if notation.find(label) is None:
+                loc: Loc = ("text", "interjections", spelling)
+                what = f"'{label}' is not in the notation '{written(model)}'"
+                yield language.fault(loc, "P218", what, notation.suggest(label))
 
 
 def check_claims(
@@ -73,14 +79,25 @@ def _twice(language: "Pack[models.Language]") -> Iterator[Fault]:
 
 def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
     g2p = language.model.g2p
-    if g2p is None or not g2p.rules:
+    if g2p is None:
         return
     rules = [Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules]
     labels = language.model.notations.get(written(language.model), {})
-    for number, label in unknown_labels(rules, labels) if labels else ():
-        loc: Loc = ("g2p", "rules", number, "to")
+    known = {normalise(label) for label in labels}
+    unknown: list[tuple[str, int, str]] = [
+        *(("rules", *found) for found in unknown_labels(rules, labels)),
+        *(
+            ("corrections", number, label)
+            for number, one in enumerate(g2p.corrections)
+            for label in one.to
+            if normalise(label) not in known
+        ),
+    ]
+    for field, number, label in unknown if labels else ():
         what = f"'{label}' is not in the notation '{written(language.model)}'"
-        yield language.fault(loc, "P218", what, did_you_mean(label, labels))
+        yield language.fault(
+            ("g2p", field, number, "to"), "P218", what, did_you_mean(label, labels)
+        )
     for number in too_slow(rules):
         what = f"the rule for '{rules[number].spelling}' {SLOW}"
         yield language.fault(("g2p", "rules", number), "P118", what, QUICKER)
@@ -89,31 +106,6 @@ def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
         what = f"the rule for '{rules[number].spelling}' never applies"
         hint = f"the rule of line {line} takes its letters first; put it before that one"
         yield language.warning(("g2p", "rules", number), "W307", what, hint)
-
-
-def _corrections(language: "Pack[models.Language]") -> Iterator[Fault]:
-    g2p = language.model.g2p
-    labels = language.model.notations.get(written(language.model), {})
-    if g2p is None or not labels:
-        return
-    known = {normalise(label) for label in labels}
-    for number, one in enumerate(g2p.corrections):
-        for label in one.to:
-            if normalise(label) not in known:
-                what = f"'{label}' is not in the notation '{written(language.model)}'"
-                loc: Loc = ("g2p", "corrections", number, "to")
-                yield language.fault(loc, "P218", what, did_you_mean(label, labels))
-
-
-def _interjections(language: "Pack[models.Language]") -> Iterator[Fault]:
-    model = language.model
-    notation = notation_of(model, written(model))
-    for spelling, sounds in model.text.interjections.items() if model.text else ():
-        for label in sounds.to if sounds and not model.automatic else ():
-            if notation.find(label) is None:
-                loc: Loc = ("text", "interjections", spelling)
-                what = f"'{label}' is not in the notation '{written(model)}'"
-                yield language.fault(loc, "P218", what, notation.suggest(label))
 
 
 def _inventory(language: "Pack[models.Language]") -> Iterator[Fault]:

@@ -9,7 +9,7 @@ from lipsync_lang.packs.checking.conflicts import path_between
 from lipsync_lang.packs.checking.pack_checks import check_home, check_pose
 from lipsync_lang.packs.models import PoseSet, RigPack
 from lipsync_lang.packs.models.braces import expanded, paired
-from lipsync_lang.packs.models.rig_channels import Stated, channels_of, stated
+from lipsync_lang.packs.models.rig_channels import NamedChannel, channels_of, stated
 from lipsync_lang.packs.yaml.faults import Fault
 
 if TYPE_CHECKING:
@@ -41,7 +41,10 @@ def check_rig(
     yield from _limits(rig)
     yield from _names(rig)
     if to is not None:
-        yield from _driven(rig, to)
+        shapes = ((one.key, one.name) for one in stated(model) if one.channel.node is None)
+        for key, name in dict.fromkeys(shapes):
+            if name not in to.poses:
+                yield rig.unknown(("channels", key), "P201", "pose", name, to.poses, key=True)
     yield from _unseen(rig, poseset)
 
 
@@ -62,7 +65,10 @@ def _limits(rig: "Pack[RigPack]") -> Iterator[Fault]:
     """Check that `at_most` names another channel, and that the limits form no circle."""
     channels = channels_of(rig.model)
     waits = {name: {c.at_most} if c.at_most else set() for name, c in channels.items()}
-    for key, ones in _by_key(rig.model).items():
+    keys: dict[str, list[NamedChannel]] = {}
+    for channel in stated(rig.model):
+        keys.setdefault(channel.key, []).append(channel)
+    for key, ones in keys.items():
         loc: Loc = ("channels", key, "at_most")
         unknown = {
             one.channel.at_most: one.name
@@ -71,7 +77,7 @@ def _limits(rig: "Pack[RigPack]") -> Iterator[Fault]:
         }
         for limit, name in unknown.items():
             what = f"unknown channel '{limit}'"
-            known = [channel for channel in channels if channel != name]
+            known = [other for other in channels if other != name]
             yield rig.fault(loc, "P214", what, did_you_mean(str(limit), known))
         for one in ones:
             limit = one.channel.at_most
@@ -80,13 +86,6 @@ def _limits(rig: "Pack[RigPack]") -> Iterator[Fault]:
                 what = f"channels form a circle: {' -> '.join((one.name, *path))}"
                 yield rig.fault(loc, "P206", what, "a channel cannot depend on itself; remove one")
                 break
-
-
-def _by_key(model: RigPack) -> dict[str, list[Stated]]:
-    keys: dict[str, list[Stated]] = {}
-    for one in stated(model):
-        keys.setdefault(one.key, []).append(one)
-    return keys
 
 
 def _names(rig: "Pack[RigPack]") -> Iterator[Fault]:
@@ -102,14 +101,6 @@ def _names(rig: "Pack[RigPack]") -> Iterator[Fault]:
                 hint = "give both the same choices in braces"
                 loc = ("names", key, index)
                 yield rig.fault(loc, "P115", f"{what} {len(meant)} channels", hint)
-
-
-def _driven(rig: "Pack[RigPack]", to: PoseSet) -> Iterator[Fault]:
-    """Check that every channel without a bone is a pose of the driven pose set."""
-    for key, ones in _by_key(rig.model).items():
-        for name in dict.fromkeys(one.name for one in ones if one.channel.node is None):
-            if name not in to.poses:
-                yield rig.unknown(("channels", key), "P201", "pose", name, to.poses, key=True)
 
 
 def _unseen(rig: "Pack[RigPack]", poseset: PoseSet) -> Iterator[Fault]:

@@ -33,6 +33,7 @@ from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import MODELS, Language, PackModel
 from lipsync_lang.packs.project import FILE as PROJECT_FILE
 from lipsync_lang.packs.project import PROJECT, find_project
+from lipsync_lang.packs.splicing import ABSENT, put
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
 from lipsync_lang.phonology.language_names import folded_language
@@ -44,9 +45,6 @@ T = TypeVar("T")
 
 YAML = (".yaml", ".yml")
 """Suffixes of YAML files; packs must have the first."""
-
-READOUT = "readout"
-"""The kind of a read-out."""
 
 DEFINING = {"poses", "phonemes", "base", "adds", "channels", "features", "terms", "letters"}
 """Fields with names that other entries use: dropping one of theirs would cause false faults."""
@@ -130,7 +128,7 @@ class _Validation:
         try:
             model, source, faults = self.library.inspect(*file)
         except PackError as error:
-            self._note(Fault(shown(file.path), 1, 1, "P001", str(error), "check the path"))
+            self.faults.add(Fault(shown(file.path), 1, 1, "P001", str(error), "check the path"))
             return
         self.faults.update(faults)
         if model is not None:
@@ -154,22 +152,23 @@ class _Validation:
         self.faults = before | {f for f in self.faults if f.severity == "fault"}
 
     def _compare(self, pack: "Pack[Any]") -> None:
+        """Check a pack against those that it names; a read-out names none."""
         act: dict[str, Callable[[Pack[Any]], None]] = {
-            "phonemes": lambda pack: self.faults.update(checks.check_phonemes(pack)),
-            IPA: self._ipa,
             "language": self._language,
-            "poseset": self._poseset,
             "bank": self._bank,
             "rig": self._rig,
             "character": self._character,
             PROJECT: self._project,
         }
-        if pack.model.kind != READOUT:  # it names no other pack
-            act[pack.model.kind](pack)
-
-    def _ipa(self, pack: "Pack[models.Ipa]") -> None:
-        if self.common is not None:
-            self.faults.update(check_ipa(pack, self.common.model))
+        kind, common, phonemes = pack.model.kind, self.common, self._phonemes()
+        if kind in act:
+            act[kind](pack)
+        elif kind == "phonemes":
+            self.faults.update(checks.check_phonemes(pack))
+        elif kind == IPA and common is not None:
+            self.faults.update(check_ipa(pack, common.model))
+        elif kind == "poseset" and phonemes is not None:
+            self.faults.update(checks.check_poseset(pack, phonemes, self._banks(pack)))
 
     def _language(self, pack: "Pack[models.Language]") -> None:
         whole = self._try(lambda: extended(self.library, pack.path))
@@ -177,11 +176,6 @@ class _Validation:
             self.faults.update(checks.check_language(whole, self.common.model))
             self.faults.update(check_claims(whole, self.common.model))
             self.spoken.append(whole)
-
-    def _poseset(self, pack: "Pack[models.PoseSet]") -> None:
-        phonemes = self._phonemes()
-        if phonemes is not None:
-            self.faults.update(checks.check_poseset(pack, phonemes, self._banks(pack)))
 
     def _bank(self, pack: "Pack[models.BankPack]") -> None:
         poseset = self._poseset_of(pack)
@@ -231,13 +225,13 @@ class _Validation:
     def _project_language(self, pack: "Pack[models.Project]", loc: Loc, language: str) -> None:
         if ":" not in language and not self.library.finder.lookup("language", language):
             known = {found.name for found in self.library.names("language")}
-            self._note(pack.unknown(loc, "P210", "language", language, known))
+            self.faults.add(pack.unknown(loc, "P210", "language", language, known))
 
     def _project_character(self, pack: "Pack[models.Project]", loc: Loc, face: str) -> None:
         kinds: tuple[Kind, ...] = ("character", "poseset")
         if not any(self.library.finder.lookup(kind, face) for kind in kinds):
             known = {found.name for kind in kinds for found in self.library.names(kind)}
-            self._note(pack.unknown(loc, "P203", "character", face, known))
+            self.faults.add(pack.unknown(loc, "P203", "character", face, known))
 
     def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""
@@ -261,7 +255,7 @@ class _Validation:
             return None
         except PackError:
             known = {found.name for found in self.library.names("poseset")}
-            self._note(pack.unknown(("poseset",), "P203", "pose set", name, known))
+            self.faults.add(pack.unknown(("poseset",), "P203", "pose set", name, known))
             return None
 
     def _phonemes(self, language: str | None = None) -> Collection[str] | None:
@@ -296,13 +290,10 @@ class _Validation:
         field = "tag" if loc == ("tag",) else "alias"
         what = f"{field} '{answer}' already belongs to language '{other}'"
         fault = source.fault(loc, "W305", what, f"only '{other}' answers to it")
-        self._note(replace(fault, severity="warning"))
+        self.faults.add(replace(fault, severity="warning"))
 
     def _warn(self, path: Path, code: str, what: str, hint: str) -> None:
-        self._note(Fault(shown(path), 1, 1, code, f"'{path.name}' {what}", hint, "warning"))
-
-    def _note(self, fault: Fault) -> None:
-        self.faults.add(fault)
+        self.faults.add(Fault(shown(path), 1, 1, code, f"'{path.name}' {what}", hint, "warning"))
 
     def _try(self, load: Callable[[], T]) -> T | None:
         try:
@@ -310,7 +301,7 @@ class _Validation:
         except PackFaults as error:
             self.faults.update(error.faults)
         except PackError as error:
-            self._note(Fault(f"{FOLDERS['language']}/{COMMON}.yaml", 1, 1, "P001", str(error)))
+            self.faults.add(Fault(f"{FOLDERS['language']}/{COMMON}.yaml", 1, 1, "P001", str(error)))
         return None
 
 
@@ -350,7 +341,7 @@ def _salvaged(source: YamlSource, kind: str | None) -> PackModel | None:
             if any(not entry or entry[0] in DEFINING for entry in faulty):
                 return None
             for entry in faulty:
-                data = _without(data, entry)
+                data = put(data, entry, ABSENT)
     return None
 
 
@@ -363,13 +354,3 @@ def _entry(data: Any, loc: Loc) -> tuple[Any, ...]:
         path.append(step)
         data = data[step]
     return tuple(path)
-
-
-def _without(data: Any, entry: tuple[Any, ...]) -> Any:
-    """Return a copy without an entry; the data itself if the entry is missing."""
-    first, *rest = entry
-    if not isinstance(data, dict) or first not in data:
-        return data
-    if rest:
-        return {**data, first: _without(data[first], tuple(rest))}
-    return {key: value for key, value in data.items() if key != first}

@@ -8,6 +8,7 @@ import ast
 import sys
 from functools import cache
 from inspect import cleandoc, getsource
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -45,17 +46,16 @@ def _docstrings(module: str) -> dict[str, dict[str, str]]:
         tree = ast.parse(getsource(sys.modules[module]))
     except OSError:
         return {}
-    return {node.name: _beneath(node) for node in tree.body if isinstance(node, ast.ClassDef)}
-
-
-def _beneath(node: ast.ClassDef) -> dict[str, str]:
-    """Pair each annotated attribute with the text that follows it."""
     return {
-        stated.target.id: cleandoc(text.value.value)
-        for stated, text in zip(node.body, node.body[1:], strict=False)
-        if isinstance(stated, ast.AnnAssign)
-        and isinstance(stated.target, ast.Name)
-        and isinstance(text, ast.Expr)
-        and isinstance(text.value, ast.Constant)
-        and isinstance(text.value.value, str)
+        node.name: {
+            stated.target.id: cleandoc(text.value.value)
+            for stated, text in pairwise(node.body)
+            if isinstance(stated, ast.AnnAssign)
+            and isinstance(stated.target, ast.Name)
+            and isinstance(text, ast.Expr)
+            and isinstance(text.value, ast.Constant)
+            and isinstance(text.value.value, str)
+        }
+        for node in tree.body
+        if isinstance(node, ast.ClassDef)
     }

@@ -7,7 +7,7 @@ from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.braces import expanded, paired
 
 
-class Stated(NamedTuple):
+class NamedChannel(NamedTuple):
     """A channel with the key that states it in the rig."""
 
     key: str
@@ -16,7 +16,7 @@ class Stated(NamedTuple):
     """The channel; the braces of its `at_most` are expanded too."""
 
 
-def stated(rig: RigPack) -> Iterator[Stated]:
+def stated(rig: RigPack) -> Iterator[NamedChannel]:
     """Yield every channel in the rig's order; a channel stated twice is yielded twice."""
     for key, channel in rig.channels.items():
         names = expanded(key)
@@ -24,7 +24,7 @@ def stated(rig: RigPack) -> Iterator[Stated]:
         for name, limit in zip(names, limits or [()] * len(names), strict=True):
             fits = len(limit) == 1
             one = channel.model_copy(update={"at_most": limit[0]}) if fits else channel
-            yield Stated(key, name, one)
+            yield NamedChannel(key, name, one)
 
 
 def channels_of(rig: RigPack) -> dict[str, RigChannel]:

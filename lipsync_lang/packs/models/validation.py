@@ -115,31 +115,19 @@ def _kind(source: YamlSource, kind: str | None) -> tuple[type[PackModel] | None,
 
 def _translate(source: YamlSource, model: type[BaseModel], error: ValidationError) -> list[Fault]:
     """Turn pydantic's errors into faults."""
-    return [
-        _fault(source, model, report)
-        for report in error.errors(include_url=False)
-        if not _echo(report)
-    ]
-
-
-def _echo(report: PydanticError) -> bool:
-    """Return True for a list that is too short only because pydantic dropped faulty items."""
-    value = report["input"]
-    return (
-        report["type"] == "too_short"
-        and isinstance(value, (tuple, list, dict, str))
-        and len(value) >= report["ctx"]["min_length"]
-    )
-
-
-def _fault(source: YamlSource, model: type[BaseModel], report: PydanticError) -> Fault:
-    loc: Loc = tuple(report["loc"])
-    key = bool(loc) and loc[-1] == KEY_STEP
-    loc = loc[:-1] if key else loc
-    context = report.get("ctx", {})
-    loc += tuple(context[step] for step in ("field", "at") if step in context)
-    code, what, hint = _say(source, model, loc, report)
-    return source.fault(loc, code, what, hint, key=key or report["type"] == "extra_forbidden")
+    faults: list[Fault] = []
+    for report in error.errors(include_url=False):
+        sort, value, context = report["type"], report["input"], report.get("ctx", {})
+        counted = sort == "too_short" and isinstance(value, (tuple, list, dict, str))
+        if counted and len(value) >= context["min_length"]:
+            continue  # it is too short only because pydantic dropped faulty items
+        loc: Loc = tuple(report["loc"])
+        key = bool(loc) and loc[-1] == KEY_STEP
+        loc = loc[:-1] if key else loc
+        loc += tuple(context[step] for step in ("field", "at") if step in context)
+        code, what, hint = _say(source, model, loc, report)
+        faults.append(source.fault(loc, code, what, hint, key=key or sort == "extra_forbidden"))
+    return faults
 
 
 def _say(  # noqa: C901, PLR0911 one return for each family of errors
@@ -210,21 +198,20 @@ def _mend(sort: str, value: Data) -> str:
 
 def _subject(source: YamlSource, loc: Sequence[str | int]) -> str:
     """Name the value at `loc` for a message: the nearest key, and items counted from 1."""
-    steps = [s for n, s in enumerate(loc) if _there(source, loc[:n], s) or n == len(loc) - 1]
-    steps = [s for s in steps if not str(s).startswith("<")]
+    steps: list[str | int] = []
+    for number, step in enumerate(loc):
+        around = source.at(loc[:number])
+        if isinstance(around, tuple):
+            around = range(len(around))
+        # Pydantic's locations have steps of its own, which the file does not have.
+        known = isinstance(around, (dict, range)) and step in around
+        if (known or number == len(loc) - 1) and not str(step).startswith("<"):
+            steps.append(step)
     items = ""
     while steps and isinstance(step := steps[-1], int):
         items += f"item {step + 1} of "
         steps.pop()
     return f"{items}`{steps[-1]}`" if steps else "the pack"
-
-
-def _there(source: YamlSource, before: Sequence[str | int], step: str | int) -> bool:
-    """Return True if the file has the step; pydantic's locations contain steps of its own."""
-    value = source.at(before)
-    if isinstance(value, dict):
-        return step in value
-    return isinstance(value, tuple) and isinstance(step, int) and step < len(value)
 
 
 def _got(value: Data) -> str:
