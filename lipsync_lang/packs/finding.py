@@ -26,8 +26,6 @@ Kind = Literal["language", "poseset", "character"]
 Paths = str | Path | Iterable[str | Path]
 """Folders of packs, in the order of search; a file stands for its pack alone."""
 
-"""The entry point group of distributions with packs."""
-
 PATH_VARIABLE = "LIPSYNC_LANG_PATH"
 """The environment variable that lists folders to search."""
 
@@ -119,7 +117,10 @@ class Finder:
         self.project = None if project is None else project.absolute()
         self.missing: list[EntryPoint] = []
         self._listed: dict[tuple[Path, Kind], dict[str, Path]] = {}
-        self.roots = tuple(self._search())
+        roots: dict[Path, Root] = {}
+        for path, origin in self._places():
+            roots.setdefault(path.resolve(), Root(path, origin))
+        self.roots = tuple(roots.values())
 
     def names(self, kind: Kind) -> list[FoundPack]:
         """List every pack of a kind, shadowed packs included, by name and then search order."""
@@ -165,15 +166,18 @@ class Finder:
             shared = (root.path / FOLDERS["language"] / f"{name}.yaml" for root in self.roots)
             return tuple(str(path) for path in shared if path.is_file())[:1]
         if kind == BENEATH:
-            return tuple(map(str, self._beneath(Path(name))))[:1]
+            path = Path(name)
+            found = [self._list(root.path, "language").get(path.stem) for root in self.roots]
+            under = found[found.index(path) + 1 :] if path in found else []
+            return tuple(str(other) for other in under if other is not None)[:1]
         if kind in PART_FOLDERS:
             return tuple(map(str, self._parts(kind, name)))
         if kind not in KIND_WORDS:
             raise ValueError(f"packs of kind {kind!r} cannot be looked up")
-        path = self._first(kind, name)
-        if path is None and kind == "language":
-            path = self._answering(name)
-        return () if path is None else (str(path),)
+        first = self._first(kind, name)
+        if first is None and kind == "language":
+            first = self._answering(name)
+        return () if first is None else (str(first),)
 
     def unknown(self, name: str, *kinds: Kind) -> PackError:
         """Return the error for an unknown name; it suggests the nearest known name."""
@@ -219,31 +223,20 @@ class Finder:
             asked = "" if " " in name else asked.rpartition("-")[0]
         return answers.get(asked)
 
-    def _beneath(self, path: Path) -> Iterator[Path]:
-        """Yield the languages that a file shadows, in search order."""
-        found = [self._list(root.path, "language").get(path.stem) for root in self.roots]
-        if path in found:
-            yield from (other for other in found[found.index(path) + 1 :] if other is not None)
-
     def _list(self, root: Path, kind: Kind) -> dict[str, Path]:
         """Map pack names to files for one folder, sorted by name; listed once and remembered."""
         key = root, kind
         if key not in self._listed:
-            one = _alone(root, kind) if root.is_file() else None
-            folder = root / FOLDERS[kind]
-            self._listed[key] = _packs(folder, kind, self.unsaved) if one is None else one
+            if root.is_file():
+                name = root.parent.name if root.name == POSESET else root.stem
+                fits = _kind(root) in (kind, "") and _PACK_NAME.fullmatch(name)
+                self._listed[key] = {name: root} if fits else {}
+            else:
+                self._listed[key] = _packs(root / FOLDERS[kind], kind, self.unsaved)
         return self._listed[key]
 
-    def _search(self) -> Iterator[Root]:
-        """Yield the folders to search, each once."""
-        seen: set[Path] = set()
-        for path, origin in self._places():
-            real = path.resolve()
-            if real not in seen:
-                seen.add(real)
-                yield Root(path, origin)
-
     def _places(self) -> Iterator[tuple[Path, str]]:
+        """Yield the folders to search, and why each is searched."""
         for path in self.paths:
             if not path.is_dir() and not path.is_file():
                 raise PackError(f"{path}: no such folder; name one that holds packs")
@@ -309,7 +302,7 @@ def is_model(character: str | Path) -> bool:
 def _refuse_other(path: Path, kind: str) -> None:
     if not path.is_file():
         raise PackError(f"{path}: no such file; name a {kind}, or a YAML file")
-    stated = _stated(_KIND_FIELD, path)
+    stated = _kind(path)
     if stated not in ("", kind) and (kind, stated) != ("character", "poseset"):
         raise PackError(f"{path}: holds a pack of kind {stated}, not a {kind}")
     if stated == "poseset" and path.name != POSESET:
@@ -380,25 +373,13 @@ def _packs(folder: Path, kind: Kind, unsaved: Mapping[Path, bytes]) -> dict[str,
     if kind == "language":
         return {name: path for name, path in found.items() if name not in SHARED}
     # A character's banks lie beside it and are not characters.
-    return {n: path for n, path in found.items() if _stated(_KIND_FIELD, path, unsaved) != "bank"}
+    return {n: path for n, path in found.items() if _kind(path, unsaved) != "bank"}
 
 
-def _alone(path: Path, kind: Kind) -> dict[str, Path]:
-    """Map the name of a file's pack to the file, if it is of a kind."""
-    name = path.parent.name if path.name == POSESET else path.stem
-    return (
-        {name: path}
-        if _stated(_KIND_FIELD, path) in (kind, "") and _PACK_NAME.fullmatch(name)
-        else {}
-    )
-
-
-def _stated(
-    field: "re.Pattern[bytes]", path: Path, unsaved: Mapping[Path, bytes] = NONE_UNSAVED
-) -> str:
-    """Return the first group of a pattern in a file; empty if absent."""
+def _kind(path: Path, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) -> str:
+    """Return the kind that a pack's file states; empty if it states or is none."""
     try:
-        found = field.search(unsaved[path] if path in unsaved else read_bytes(path))
+        found = _KIND_FIELD.search(unsaved[path] if path in unsaved else read_bytes(path))
     except PackError:
         return ""
-    return found.group(1).decode("ascii") if found else ""
+    return found[1].decode("ascii") if found else ""

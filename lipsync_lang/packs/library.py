@@ -32,8 +32,6 @@ from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource, read_bytes, read_yaml, scan
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
     from lipsync_lang.packs import models
 
 _log = logging.getLogger(__name__)
@@ -134,7 +132,18 @@ class Library:
         self.paths, self.project = self.finder.paths, self.finder.project
         self.lookups: dict[tuple[str, str], tuple[str, ...]] = {}
         self.files: dict[str, str] = {}
-        self.faults: list[Fault] = [_missing(e) for e in self.finder.missing]
+        self.faults: list[Fault] = [
+            Fault(
+                "installed distributions",
+                1,
+                1,
+                "W304",
+                f"'{distribution(entry)}' offers packs in '{entry.value}', which is gone",
+                "install it again, or remove it",
+                "warning",
+            )
+            for entry in self.finder.missing
+        ]
         self._loaded: dict[_FileRequest, _Inspected] = {}
         self._earlier = {} if earlier is None else earlier.by_content()
 
@@ -277,19 +286,17 @@ class Library:
         if key not in self._loaded:
             content = self.unsaved[path] if path in self.unsaved else read_bytes(path)
             digest = self.files[str(path)] = sha256(content).hexdigest()
-            found = self._earlier.get((key, digest)) or self._read(path, content, kind, name)
+            found = self._earlier.get((key, digest))
+            if found is None:
+                from lipsync_lang.packs.models.validation import validated
+
+                _log.debug("reading %s", path)
+                source = scan(path, content)
+                model, faults = validated(source, kind=kind, name=name)
+                found = _Inspected(model, source, faults)
             self.faults.extend(found.faults)
             self._loaded[key] = found
         return self._loaded[key]
-
-    @staticmethod
-    def _read(path: Path, content: bytes, kind: str | None, name: str | None) -> "_Inspected":
-        from lipsync_lang.packs.models.validation import validated
-
-        _log.debug("reading %s", path)
-        source = scan(path, content)
-        model, faults = validated(source, kind=kind, name=name)
-        return _Inspected(model, source, faults)
 
     def by_content(self) -> "dict[tuple[_FileRequest, str], _Inspected]":
         """Return the files loaded so far, by what was asked for and the digest of the content."""
@@ -338,9 +345,3 @@ class _Inspected(NamedTuple):
     model: "models.PackModel | None"
     source: YamlSource
     faults: tuple[Fault, ...]
-
-
-def _missing(entry_point: "EntryPoint") -> Fault:
-    what = f"'{distribution(entry_point)}' offers packs in '{entry_point.value}', which is gone"
-    hint = "install it again, or remove it"
-    return Fault("installed distributions", 1, 1, "W304", what, hint, "warning")
