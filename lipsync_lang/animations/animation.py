@@ -136,14 +136,12 @@ class Animation:
         suits : default error of the format; `ExportSettings.key_error` takes precedence
         lines : straight lines in any case, for formats without tangents
         """
-        from lipsync_lang.animations.keys import cubic_curves, curves
+        from lipsync_lang.animations.keys import curves
 
         error = self.export.key_error
-        if error is None:
-            return curves(self.poses, self.timeline, self.weights, suits)
-        if lines or self.export.key_lines:
-            return curves(self.poses, self.timeline, self.weights, error)
-        return cubic_curves(self.poses, self.timeline, self.weights, error, self.contacts)
+        straight = error is None or lines or self.export.key_lines
+        within, floors = suits if error is None else error, None if straight else self.contacts
+        return curves(self.poses, self.timeline, self.weights, within, floors)
 
     def thinned(self) -> Self:
         """Return only the frames that straight lines within `key_error` need; all of them without.

@@ -96,7 +96,12 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
     lead, since = np.full(poses + 1, -np.inf), np.zeros(poses + 1, np.int64)
     for stop in range(least, count + 1):
         start = stop - least
-        gain = _best_other(worth[start], start) - total[start]
+        others = np.zeros(poses + 1)  # best score of any other pose so far
+        if start:
+            second, first = np.argsort(worth[start], kind="stable")[-2:]
+            others[:] = worth[start, first]
+            others[first] = worth[start, second]
+        gain = others - total[start]
         since[gain > lead] = start
         np.maximum(lead, gain, out=lead)
         worth[stop], began[stop] = lead + total[stop], since
@@ -109,16 +114,6 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
         worth[start, pose] = -np.inf  # the pose before a run is a different one
         stop = start
     return shown
-
-
-def _best_other(worth: Floats, start: int) -> Floats:
-    """Return, for each pose, the best score among all other poses."""
-    if start == 0:
-        return np.zeros(len(worth))
-    second, first = np.argsort(worth, kind="stable")[-2:]
-    others = np.full(len(worth), worth[first])
-    others[first] = worth[second]
-    return others
 
 
 def _changes(values: Ints) -> list[int]:

@@ -93,7 +93,11 @@ def _chain(times: Floats, values: Floats, error: float) -> Ints:
 
 
 def curves(
-    names: tuple[str, ...], times: Floats, weights: Floats, error: float = ERROR
+    names: tuple[str, ...],
+    times: Floats,
+    weights: Floats,
+    error: float,
+    floors: Mapping[str, float] | None = None,
 ) -> list[KeyedCurve]:
     """Return the keyframes of every channel of an animation.
 
@@ -102,48 +106,27 @@ def curves(
     names : C channel names
     times : (T,) seconds
     weights : (T, C)
-    error : see `keyframes`; 0 drops only frames on a straight line
-    """
-    found = []
-    for number, name in enumerate(names):
-        frames = keyframes(times, weights[:, number], error)
-        at, values = times[frames], weights[frames, number]
-        slopes = np.diff(values) / np.diff(at)
-        found.append(
-            KeyedCurve(name, frames, at, values, np.append(0, slopes), np.append(slopes, 0))
-        )
-    return found
-
-
-def cubic_curves(
-    names: tuple[str, ...],
-    times: Floats,
-    weights: Floats,
-    error: float,
-    floors: Mapping[str, float],
-) -> list[KeyedCurve]:
-    """Return keyframes with slopes of every channel of an animation.
-
-    Parameters
-    ----------
-    names : C channel names
-    times : (T,) seconds
-    weights : (T, C)
-    error : the maximum distance between a frame and the curve, in (0, 0.5]
-    floors : levels that contacts hold, by name
+    error : the maximum distance between a frame and the curve; of cubic curves, in (0, 0.5]
+    floors : levels that contacts hold, by name, for cubic curves; None for straight lines
 
     Raises
     ------
     LipsyncError
-        The error is out of range.
+        The error of cubic curves is out of range.
     """
     found = []
     for number, name in enumerate(names):
-        column, floor = weights[:, number : number + 1], np.array([floors.get(name, 0.0)])
-        spline = fit(times, column, margin(error), floor)
-        keys = spline.frames
-        parts = (spline.values[:, 0], spline.arriving[:, 0], spline.leaving[:, 0])
-        found.append(KeyedCurve(name, keys, times[keys], *parts, cubic=True))
+        if floors is None:
+            keys = keyframes(times, weights[:, number], error)
+            values = weights[keys, number]
+            slopes = np.diff(values) / np.diff(times[keys])
+            parts = values, np.append(0, slopes), np.append(slopes, 0)
+        else:
+            column, floor = weights[:, number : number + 1], np.array([floors.get(name, 0.0)])
+            spline = fit(times, column, margin(error), floor)
+            keys = spline.frames
+            parts = (spline.values[:, 0], spline.arriving[:, 0], spline.leaving[:, 0])
+        found.append(KeyedCurve(name, keys, times[keys], *parts, cubic=floors is not None))
     return found
 
 

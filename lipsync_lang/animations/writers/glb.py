@@ -297,5 +297,5 @@ def _parted(path: Path, what: str, node: Json) -> Json:
     if found is None:
         mend = "apply its transform in your 3D program and export the model again"
         fail(path, f"{what} is sheared or flat, so it cannot be animated", mend)
-    own = {name: part.tolist() for name, part in found._asdict().items()}
+    own = {name: part.tolist() for name, part in found.items()}
     return {key: value for key, value in node.items() if key != "matrix"} | own

@@ -72,27 +72,16 @@ def write_maya(animation: Animation, out: TextIO) -> None:
     named = {"fps": _number(rate), "unit": unit or "sec"}
     out.write(MAYA_HEAD.format(start=_number(start), end=_number(end), **named))
     found = shapes(animation)
-    names = _attributes([(shape.mesh, shape.name) for shape in found])
-    curves = zip(names, keys(animation, found, ERROR), strict=True)
-    for number, ((node, name), curve) in enumerate(curves):
-        times = (first + curve.times * per_second).tolist()
-        rows = _keys(curve, times, rate)
-        out.write(MAYA_CURVE.format(name=name, node=node, number=number, keys="".join(rows)))
-
-
-def _attributes(shapes: list[tuple[str, str]]) -> Iterator[tuple[str, str]]:
-    """Yield the node and attribute of each mesh and shape, no pair of them twice.
-
-    Names hold letters, digits and underscores, and begin with no digit.
-    """
     taken: set[tuple[str, str]] = set()
-    for mesh, shape in shapes:
-        node, name = (ODD.sub("_", text) for text in (mesh or NODE, shape))
+    for number, (shape, curve) in enumerate(zip(found, keys(animation, found, ERROR), strict=True)):
+        # Names hold letters, digits and underscores, and begin with no digit; no pair comes twice.
+        node, name = (ODD.sub("_", text) for text in (shape.mesh or NODE, shape.name))
         node, name = (f"_{text}" if text[:1].isdigit() else text for text in (node, name))
         numbered = (name if n == 1 else f"{name}_{n}" for n in count(1))
-        own = next((node, each) for each in numbered if (node, each) not in taken)
-        taken.add(own)
-        yield own
+        own = next(each for each in numbered if (node, each) not in taken)
+        taken.add((node, own))
+        rows = _keys(curve, (first + curve.times * per_second).tolist(), rate)
+        out.write(MAYA_CURVE.format(name=own, node=node, number=number, keys="".join(rows)))
 
 
 def _keys(curve: KeyedCurve, times: list[float], fps: float) -> Iterator[str]:

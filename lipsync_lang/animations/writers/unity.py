@@ -158,11 +158,13 @@ def _number(value: float) -> str:
 
 def _text(text: str) -> str:
     """Format text for YAML: plain if possible, else quoted and escaped."""
-    return text if not text or PLAIN_YAML.fullmatch(text) else f'"{"".join(map(_letter, text))}"'
-
-
-def _letter(letter: str) -> str:
-    code = ord(letter)
-    if " " <= letter <= "~":
-        return f"\\{letter}" if letter in '"\\' else letter
-    return f"\\u{code:04X}" if code < 1 << 16 else f"\\U{code:08X}"
+    if not text or PLAIN_YAML.fullmatch(text):
+        return text
+    letters = []
+    for letter in text:
+        code = ord(letter)
+        if " " <= letter <= "~":
+            letters.append(f"\\{letter}" if letter in '"\\' else letter)
+        else:
+            letters.append(f"\\u{code:04X}" if code < 1 << 16 else f"\\U{code:08X}")
+    return f'"{"".join(letters)}"'

@@ -7,9 +7,8 @@ sample holds the weights of all shapes. USD joins samples by straight lines: wit
 holds the samples that lines within this error need.
 """
 
-from collections import defaultdict
 from collections.abc import Iterator
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
@@ -18,8 +17,10 @@ from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.moving_shapes import shapes
 from lipsync_lang.animations.writers.glb import unplaced
-from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import OutputError
+
+if TYPE_CHECKING:
+    from lipsync_lang.arrays import Floats
 
 ESCAPES = str.maketrans({"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\t": r"\t"})
 """Characters of a name that a string of USD cannot hold."""
@@ -38,12 +39,22 @@ def doubts(animation: Animation) -> Iterator[str]:
 def write_usd(animation: Animation, out: TextIO) -> None:
     """A USD SkelAnimation of blend shapes, to be bound to a model."""
     animation = animation.thinned()
-    columns = _columns(animation)
+    # USD matches by name alone, so meshes are merged.
+    found = shapes(animation)
+    moves: dict[str, Floats] = {}
+    for shape in found:
+        moves.setdefault(shape.name, shape.values)
+    strays = {shape.name for shape in found if (shape.values != moves[shape.name]).any()}
+    if apart := [name for name in moves if name in strays]:
+        raise OutputError(
+            f"{', '.join(apart)}: moves differently on different meshes, but USD identifies "
+            "shapes by name; rename it on one of the meshes"
+        )
     frames = (animation.times + animation.offset) * animation.fps
     numbers = (f"{round(frame, 6) + 0.0:.6f}" for frame in frames.tolist())
     codes = [number.rstrip("0").rstrip(".") for number in numbers]
     rate = repr(float(animation.fps)).removesuffix(".0")
-    tokens = ", ".join(f'"{name.translate(ESCAPES)}"' for name in columns)
+    tokens = ", ".join(f'"{name.translate(ESCAPES)}"' for name in moves)
     out.write(
         f'#usda 1.0\n(\n    defaultPrim = "{PRIM_NAME}"\n'
         f"    endTimeCode = {codes[-1]}\n"
@@ -56,23 +67,9 @@ def write_usd(animation: Animation, out: TextIO) -> None:
         f"    uniform token[] blendShapes = [{tokens}]\n"
         "    float[] blendShapeWeights.timeSamples = {\n"
     )
-    row = "        %s: [" + ", ".join(["%.6g"] * len(columns)) + "],\n"
-    table = np.column_stack(list(columns.values())).round(6) + 0.0
+    row = "        %s: [" + ", ".join(["%.6g"] * len(moves)) + "],\n"
+    table = np.column_stack([*moves.values()]).round(6) + 0.0
     out.writelines(
         row % (code, *weights) for code, weights in zip(codes, table.tolist(), strict=True)
     )
     out.write("    }\n}\n")
-
-
-def _columns(animation: Animation) -> dict[str, Floats]:
-    """Return the curve of each shape by name; meshes are merged, as USD matches by name only."""
-    moves: dict[str, list[Floats]] = defaultdict(list)
-    for shape in shapes(animation):
-        moves[shape.name].append(shape.values)
-    apart = [n for n, (first, *rest) in moves.items() if any((first != o).any() for o in rest)]
-    if apart:
-        raise OutputError(
-            f"{', '.join(apart)}: moves differently on different meshes, but USD identifies "
-            "shapes by name; rename it on one of the meshes"
-        )
-    return {name: found[0] for name, found in moves.items()}
