@@ -83,27 +83,23 @@ def read_inventory(path: Path, which: str | None = None) -> Inventory:
 def _text(path: Path) -> str:
     raw = read_input(path, MAX_INVENTORY_BYTES, mend="check that it is a table of phonemes")
     try:
-        return (_unpacked(path, raw) if raw[:2] == b"\x1f\x8b" else raw).decode("utf-8-sig")
+        if raw[:2] == b"\x1f\x8b":
+            with gzip.open(BytesIO(raw)) as stream:
+                # A guard against decompression bombs; one read would allocate the whole limit.
+                blocks = iter(lambda: stream.read(MIB_BYTES), b"")
+                raw = b"".join(islice(blocks, MAX_INVENTORY_BYTES // MIB_BYTES + 1))
+            if len(raw) > MAX_INVENTORY_BYTES:
+                raise LipsyncError(
+                    f"{path}: unpacks to more than {MAX_INVENTORY_BYTES // MIB_BYTES} MB; check "
+                    "that it is a table of phonemes"
+                )
+        return raw.decode("utf-8-sig")
     except (EOFError, OSError, zlib.error):
         raise LipsyncError(f"{path}: is a broken gzip file; download it again") from None
     except UnicodeDecodeError as error:
         raise LipsyncError(
             f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
         ) from None
-
-
-def _unpacked(path: Path, raw: bytes) -> bytes:
-    """Decompress gzip data up to the size limit, as a guard against decompression bombs."""
-    with gzip.open(BytesIO(raw)) as stream:
-        # Block-wise, because one read of the whole limit would allocate it at once.
-        blocks = iter(lambda: stream.read(MIB_BYTES), b"")
-        content = b"".join(islice(blocks, MAX_INVENTORY_BYTES // MIB_BYTES + 1))
-    if len(content) > MAX_INVENTORY_BYTES:
-        raise LipsyncError(
-            f"{path}: unpacks to more than {MAX_INVENTORY_BYTES // MIB_BYTES} MB; check that it is "
-            "a table of phonemes"
-        )
-    return content
 
 
 def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 MAX_PIECES = 4
 """Maximum number of letters of a symbol in a search for the parts of its mapping."""
 
-Mapped = tuple[str, ...]
+CommonSequence = tuple[str, ...]
 """The common phonemes of a symbol, in sequence; empty if it is silent."""
 
 
 class UnusualMapping(NamedTuple):
     """An unusual mapping of a symbol, with the packs that share it."""
 
-    to: Mapped
+    to: CommonSequence
     reason: str
     """The reason; empty if none is stated."""
     languages: tuple[str, ...]
@@ -35,7 +35,7 @@ class SymbolMappings(NamedTuple):
     """A symbol of the IPA with its mappings in all languages."""
 
     symbol: str
-    usual: Mapped
+    usual: CommonSequence
     languages: tuple[str, ...]
     """Names of the packs with this mapping."""
     unusual: tuple[UnusualMapping, ...]
@@ -68,7 +68,7 @@ def compare_models(
     }
     own = {pack.name: pack.reasons for pack in packs}
     shared = {(label, one.to): one.why for one in decided for label in one.labels}
-    mapped: dict[str, dict[Mapped, list[str]]] = {}
+    mapped: dict[str, dict[CommonSequence, list[str]]] = {}
     for name, table in tables.items():
         for label, to in table.items():
             mapped.setdefault(label, {}).setdefault(to, []).append(name)
@@ -81,10 +81,10 @@ def compare_models(
 
 def _row(
     label: str,
-    found: Mapping[Mapped, Sequence[str]],
-    tables: Mapping[str, Mapping[str, Mapped]],
+    found: Mapping[CommonSequence, Sequence[str]],
+    tables: Mapping[str, Mapping[str, CommonSequence]],
     own: Mapping[str, Mapping[str, str]],
-    shared: Mapping[tuple[str, Mapped], str],
+    shared: Mapping[tuple[str, CommonSequence], str],
 ) -> SymbolMappings:
     reasons = {
         name: own[name].get(label) or shared.get((label, to)) or _as_letters(label, tables[name])
@@ -92,7 +92,7 @@ def _row(
         for name in names
     }
 
-    def rank(to: Mapped) -> tuple[int, int]:
+    def rank(to: CommonSequence) -> tuple[int, int]:
         """Return the number of packs with a mapping, and of those without a reason."""
         return len(found[to]), sum(not reasons[name] for name in found[to])
 
@@ -106,7 +106,7 @@ def _row(
     return SymbolMappings(label, usual, tuple(found[usual]), tuple(unusual))
 
 
-def _as_letters(label: str, table: Mapping[str, Mapped]) -> str:
+def _as_letters(label: str, table: Mapping[str, CommonSequence]) -> str:
     """Return a phrase on the labels that explain a mapping; empty if none do.
 
     These are a shorter label with the same mapping, or letters with this mapping in sequence.

@@ -1,6 +1,6 @@
 """Check of a language pack for its author: faults, tests, and the mouth of each sound."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -145,14 +145,9 @@ def mouths_of(library: "Library", language: str, character: str) -> dict[str, st
     from lipsync_lang.resolver.layers import PairPacks
 
     shelf = PairPacks.open(library, language, character)
-    return {
-        phoneme: _described(target.weights.max(axis=0).tolist(), shelf.poses)
-        for phoneme, (target, _) in shelf.targets.items()
-    }
-
-
-def _described(weights: Sequence[float], poses: Sequence[str]) -> str:
-    seen = sorted(
-        (-w, pose) for w, pose in zip(weights, poses, strict=True) if w >= FAINTEST_WEIGHT
-    )
-    return ", ".join(f"{pose} {-weight:.2f}" for weight, pose in seen) or REST
+    told = {}
+    for phoneme, (target, _) in shelf.targets.items():
+        weights = zip(target.weights.max(axis=0).tolist(), shelf.poses, strict=True)
+        seen = sorted((-weight, pose) for weight, pose in weights if weight >= FAINTEST_WEIGHT)
+        told[phoneme] = ", ".join(f"{pose} {-weight:.2f}" for weight, pose in seen) or REST
+    return told

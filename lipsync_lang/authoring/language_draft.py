@@ -101,7 +101,8 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
         The request has no source, the name is invalid or in use, or a source is invalid.
     """
     path = folder / FOLDERS["language"] / f"{wanted.name}.yaml"
-    _refuse(wanted, path)
+    check_name(wanted.name, path)
+    _refuse(wanted)
     sounds, inventory = FoundSounds(), None
     if wanted.inventory is not None:
         inventory = read_inventory(wanted.inventory, wanted.inventory_id)
@@ -134,8 +135,7 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
     return LanguageDraft(path, {path: content} | outputs, doubtful, len(found))
 
 
-def _refuse(wanted: LanguageWish, path: Path) -> None:
-    check_name(wanted.name, path)
+def _refuse(wanted: LanguageWish) -> None:
     if not any((wanted.voice, wanted.epitran, wanted.lexicon, wanted.inventory)):
         raise LipsyncError(
             "a new language needs a source: --voice, --epitran, --lexicon or --inventory"
@@ -144,7 +144,7 @@ def _refuse(wanted: LanguageWish, path: Path) -> None:
         raise LipsyncError(
             "Epitran has no list of its sounds; give sample lines for it to read: --text FILE"
         )
-    if sum(map(bool, (wanted.epitran, wanted.lexicon))) > 1:
+    if wanted.epitran and wanted.lexicon:
         raise LipsyncError("--epitran and --lexicon both read text; give only one of them")
 
 

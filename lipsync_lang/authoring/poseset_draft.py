@@ -111,27 +111,13 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
         )
     sets = _sets(library, wanted.like)
     shapes = read_model(wanted.model).shape_names if wanted.model is not None else ()
-    names = _names(wanted.poses or shapes or sets[0].poses)
+    names = list(dict.fromkeys(wanted.poses or shapes or sets[0].poses))
+    for name in names:
+        fits = name == name.strip() and name.isprintable() and 0 < len(name) <= MAX_POSE_NAME_CHARS
+        if not fits or name in RESERVED_TARGET_KEYS:
+            raise LipsyncError(f"{name!r} cannot be the name of a pose; choose another name")
     common = library.common().model
-    known, called = max(((s, _called(names, s)) for s in sets), key=lambda pair: len(pair[1]))
-    if called:
-        made = taken(known, called, common)
-        why = {name: f"as {scalar(pose)}" for name, pose in called.items() if name != pose}
-        origin = f"with the targets of {known.name}"
-        why[""] = f"Poses move as in pose set '{known.name}' until you change them."
-    elif not wanted.guess:
-        made, why = at_rest(names, common), {}
-        origin = "all at rest until you give them targets, or use --guess"
-        why[""] = (
-            "No pose set knows these poses, so every target is at rest. Give each sound its poses, "
-            "such as {NAME: 0.8}, or draft again with --guess to distribute the sounds."
-        )
-    else:
-        made, why = guessed(names[: len(common.base)], _shutting(sets, common), common), {}
-        origin = "with guessed targets"
-        why[""] = (
-            f"No pose set knows these poses: a first guess by sounds ({_kinds(made, common)})."
-        )
+    made, why, origin = _made(names, sets, common, guess=wanted.guess)
     left = [name for name in names if name not in made.poses]
     stated, copies = place_model(wanted.model, path) if wanted.model is not None else (None, {})
     own = {"name": wanted.name, "title": wanted.heading, "model": stated}
@@ -159,14 +145,31 @@ def _sets(library: "Library", like: str | None) -> list[PoseSet]:
     return found or [_bare({})]
 
 
-def _names(stated: Iterable[str]) -> list[str]:
-    """Return the distinct names, after a check of each as a pose name."""
-    names = list(dict.fromkeys(stated))
-    for name in names:
-        fits = name == name.strip() and name.isprintable() and 0 < len(name) <= MAX_POSE_NAME_CHARS
-        if not fits or name in RESERVED_TARGET_KEYS:
-            raise LipsyncError(f"{name!r} cannot be the name of a pose; choose another name")
-    return names
+def _made(
+    names: Sequence[str], sets: Sequence[PoseSet], common: "Phonemes", *, guess: bool
+) -> tuple[PoseSet, dict[str, str], str]:
+    """Return a pose set with targets, its comments by pose, and the origin of the targets."""
+    known, called = max(((s, _called(names, s)) for s in sets), key=lambda pair: len(pair[1]))
+    if called:
+        why = {name: f"as {scalar(pose)}" for name, pose in called.items() if name != pose}
+        why[""] = f"Poses move as in pose set '{known.name}' until you change them."
+        return taken(known, called, common), why, f"with the targets of {known.name}"
+    if not guess:
+        what = (
+            "No pose set knows these poses, so every target is at rest. Give each sound its poses, "
+            "such as {NAME: 0.8}, or draft again with --guess to distribute the sounds."
+        )
+        origin = "all at rest until you give them targets, or use --guess"
+        return at_rest(names, common), {"": what}, origin
+    made = guessed(names[: len(common.base)], _shutting(sets, common), common)
+    kinds: dict[str, dict[str, None]] = {}
+    for label, (target,) in made.targets.items():
+        kind = common.phonemes[label].sound if label in common.phonemes else None
+        strong = (pose for pose, weight in target.weights.items() if weight == STRONG)
+        kinds.setdefault(kind or "other", {}).update(dict.fromkeys(strong))
+    told = ", ".join(f"{kind} {' '.join(poses)}" for kind, poses in kinds.items() if poses)
+    why = {"": f"No pose set knows these poses: a first guess by sounds ({told})."}
+    return made, why, "with guessed targets"
 
 
 def _called(names: Sequence[str], known: PoseSet) -> dict[str, str]:
@@ -301,16 +304,6 @@ def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -
             "targets": targets,
         }
     )
-
-
-def _kinds(made: PoseSet, common: "Phonemes") -> str:
-    """Return a summary of the poses per class of sounds."""
-    kinds: dict[str, dict[str, None]] = {}
-    for label, (target,) in made.targets.items():
-        kind = common.phonemes[label].sound if label in common.phonemes else None
-        strong = (pose for pose, weight in target.weights.items() if weight == STRONG)
-        kinds.setdefault(kind or "other", {}).update(dict.fromkeys(strong))
-    return ", ".join(f"{kind} {' '.join(poses)}" for kind, poses in kinds.items() if poses)
 
 
 def _shutting(sets: Iterable[PoseSet], common: "Phonemes") -> list[str]:

@@ -3,7 +3,7 @@
 Input is the plain data of the JSON output; output is one string with line breaks.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 from lipsync_lang.reports.text_table import columns
@@ -48,10 +48,16 @@ def language_table(told: dict[str, Any]) -> str:
     lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}", *_facts(told)]
     for number, (name, rows) in enumerate(told["notations"].items()):
         lines.append(f"\n{name}: {len(rows)} labels")
-        table = [("phoneme", "common", "example", "why")]
-        table += [(r["label"], r["common"] or "(mute)", r["example"], r["reason"]) for r in rows]
-        listed = columns(table, widest=60) if number == 0 else _grouped(rows)
-        lines += [f"  {line}" for line in listed]
+        if number == 0:
+            heads = [("phoneme", "common", "example", "why")]
+            cells = [(r["label"], r["common"] or "(mute)", r["example"], r["reason"]) for r in rows]
+            lines += [f"  {line}" for line in columns(heads + cells, widest=60)]
+            continue
+        groups: dict[str, list[str]] = {}
+        for row in rows:
+            groups.setdefault(row["common"], []).append(row["label"])
+        for common, labels in sorted(groups.items(), key=lambda group: " " in group[0]):
+            lines.append(f"  {common or '(mute)':<10}{'  '.join(labels)}")
     inventory = told["inventory"]
     if inventory:
         lines.append(f"\ninventory: {len(inventory['segments'])} phonemes, {inventory['source']}")
@@ -85,11 +91,3 @@ def _facts(told: dict[str, Any]) -> Iterator[str]:
         yield "automatic: unmapped IPA goes to the nearest common phonemes"
     for caveat in told["caveats"]:
         yield f"note: {caveat}"
-
-
-def _grouped(rows: Sequence[dict[str, str]]) -> Iterator[str]:
-    groups: dict[str, list[str]] = {}
-    for row in rows:
-        groups.setdefault(row["common"], []).append(row["label"])
-    for common, labels in sorted(groups.items(), key=lambda group: " " in group[0]):
-        yield f"{common or '(mute)':<10}{'  '.join(labels)}"

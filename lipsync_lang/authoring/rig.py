@@ -77,26 +77,20 @@ def _paired(channels: Mapping[str, RigChannel]) -> dict[str, RigChannel]:
     made: dict[str, RigChannel] = {}
     done: set[str] = set()
     for name, channel in channels.items():
-        if name not in done:
-            key = name
-            for braced in _braced(name):
-                left, right = map(channels.get, expanded(braced))
-                if left is not None and left == right:
-                    key = braced
-                    break
-            made[key] = channel
-            done.update(expanded(key))
-    return made
-
-
-def _braced(name: str) -> Iterator[str]:
-    """Yield braced names that expand to a name and its mirror name."""
-    for pair in _SIDES:
-        for side in pair:
+        if name in done:
+            continue
+        key = name
+        for side, pair in ((one, sides) for sides in _SIDES for one in sides):
             start, found, end = name.rpartition(side)
-            braced = f"{start}{{{','.join(pair)}}}{end}"
-            if found and expanded(braced) == tuple(start + one + end for one in pair):
-                yield braced
+            braced, both = f"{start}{{{','.join(pair)}}}{end}", [start + one + end for one in pair]
+            left, right = map(channels.get, both)
+            # Other braces in a name would expand as well.
+            if found and left is not None and left == right and [*expanded(braced)] == both:
+                key = braced
+                break
+        made[key] = channel
+        done.update(expanded(key))
+    return made
 
 
 def rig_lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:

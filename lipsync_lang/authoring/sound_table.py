@@ -13,7 +13,7 @@ from lipsync_lang.authoring.trial import Trial, try_out
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.checking.language_checks import notation_of, written
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.phonology.g2p import Said
+from lipsync_lang.phonology.g2p import SpokenWord
 from lipsync_lang.phonology.labels import Notation, looser, normalise
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.phonology.nearest import SMALL_MARK, NearestPhonemes
@@ -48,7 +48,7 @@ class SoundMemory:
     near : the latest search by features, with what it depends on
     """
 
-    read: dict[tuple[Any, ...], dict[str, tuple[Said, ...]]] = field(default_factory=dict)
+    read: dict[tuple[Any, ...], dict[str, tuple[SpokenWord, ...]]] = field(default_factory=dict)
     near: tuple[object, NearestPhonemes | None] = (None, None)
 
 
@@ -123,7 +123,7 @@ class SoundTable:
     def _manner(self) -> Manner:
         return manner_of(self.pack, self.library.common().model)
 
-    def _read(self, manner: Manner) -> "MutableMapping[str, tuple[Said, ...]]":
+    def _read(self, manner: Manner) -> "MutableMapping[str, tuple[SpokenWord, ...]]":
         file = manner.settings.file
         when = file.stat().st_mtime_ns if file is not None and file.is_file() else 0
         key = (manner.engine, manner.settings, frozenset(manner.words), when)
@@ -134,7 +134,12 @@ class SoundTable:
     def rows(self, trial: Trial) -> list[dict[str, Any]]:
         """Return a row for each label of each notation, the most urgent first."""
         model, near = self.pack.model, self._near()
-        words = self._words(trial)
+        # Words by normalised label; those of a looser spelling come last.
+        names = {normalise(label) for table in model.notations.values() for label in table}
+        words: dict[str, list[str]] = {}
+        for label, own in self._heard(trial).items():
+            mapped = next((one for one in looser(label) if one in names), label)
+            words.setdefault(mapped, []).extend(own)
         first = next(iter(model.notations), "")
         rows = [*self._unmapped(trial)]
         for notation, table in model.notations.items():
@@ -144,7 +149,7 @@ class SoundTable:
                 row = self._row(notation, label, list(sounds.to), list(sounds.shares or ()))
                 example = model.examples.get(label, "") if notation == first else ""
                 own = [example] if example else []
-                row["words"] = [*dict.fromkeys((*own, *known.get(normalise(label), ())))]
+                row["words"] = [*dict.fromkeys(own + known.get(normalise(label), []))]
                 rows.append(row | judged.get(label, {}))
         rows += self._automatic(trial, near)
         for row in rows:
@@ -271,16 +276,6 @@ class SoundTable:
         for label, word in self.spoken:
             heard.setdefault(normalise(label), []).append(word)
         return heard
-
-    def _words(self, trial: Trial) -> dict[str, list[str]]:
-        """Return words by normalised label; those of a looser spelling come last."""
-        model = self.pack.model
-        names = {normalise(label) for table in model.notations.values() for label in table}
-        found: dict[str, list[str]] = {}
-        for label, words in self._heard(trial).items():
-            known = next((one for one in looser(label) if one in names), label)
-            found.setdefault(known, []).extend(words)
-        return {label: [*dict.fromkeys(words)] for label, words in found.items()}
 
     def _tests(self, trial: Trial) -> list[dict[str, Any]]:
         """Return each test with its result."""

@@ -4,6 +4,7 @@ import json
 import re
 from io import BytesIO
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -75,11 +76,16 @@ def test_weights_are_those_of_the_targets():
                     assert f"{pose} {weight:.2f}" in mouths[phoneme]
 
 
-def test_the_largest_poses_come_first_and_the_faintest_are_left_out():
+def test_the_largest_poses_come_first_and_the_faintest_are_left_out(monkeypatch):
     weights = {"low": FAINTEST_WEIGHT - 0.01, "wide": 0.2, "open": 0.6, "round": FAINTEST_WEIGHT}
-    told = language_check._described([*weights.values()], [*weights])  # noqa: SLF001
-    assert told == "open 0.60, wide 0.20, round 0.05"
-    assert language_check._described([0.0], ["open"]) == language_check.REST  # noqa: SLF001
+    targets = {"seen": np.array([[*weights.values()]]), "still": np.zeros((1, len(weights)))}
+    shelf = SimpleNamespace(
+        poses=[*weights],
+        targets={name: (SimpleNamespace(weights=own), None) for name, own in targets.items()},
+    )
+    monkeypatch.setattr("lipsync_lang.resolver.layers.PairPacks.open", lambda *_: shelf)
+    mouths = mouths_of(LIBRARY, "english", "facefx")
+    assert mouths == {"seen": "open 0.60, wide 0.20, round 0.05", "still": language_check.REST}
 
 
 def test_faults_come_before_the_table(cli):
