@@ -164,7 +164,7 @@ def _page(view: View) -> "Figure":
         axes = figure.add_axes((*place, *size), xlim=limits, ylim=(view.height, 0))
         for draw in (
             _scales, _grounds, draw_doubts, draw_waveform, draw_spectrogram, _labels, _bigrams,
-            _changes, _curves,
+            _curves,
         ):  # fmt: skip
             draw(axes, view)
     return figure
@@ -285,32 +285,28 @@ def _bigrams(axes: "Axes", view: View) -> None:
         axes.add_collection(LineCollection(shapes, color=edge, lw=0.7, zorder=2.5))
 
 
-def _changes(axes: "Axes", view: View) -> None:
-    """Shade the additions and removals of each stage after the first."""
-    near = _near(axes, view.times)
-    times = view.times[near]
+def _curves(axes: "Axes", view: View) -> None:
+    """Shade what each stage changes; draw contacts, the stitched curve and the final one."""
+    stitched = _near(axes, view.times)
+    shown = view.times[stitched]
     for before, after in pairwise(view.stages):
         colour = _look(after)[1]
         for row, pose in enumerate(view.moving):
-            old, new = before.curves[pose, near], after.curves[pose, near]
+            old, new = before.curves[pose, stitched], after.curves[pose, stitched]
             changed = np.abs(new - old) > VISIBLE_WEIGHT
             if changed.any():
                 changed = np.convolve(changed, np.ones(3))[1:-1] > 0  # to where the curves meet
-                lines = (times, view.y(row, old), view.y(row, new))
+                lines = (shown, view.y(row, old), view.y(row, new))
                 axes.fill_between(*lines, where=changed, color=colour, lw=0, zorder=3)
-
-
-def _curves(axes: "Axes", view: View) -> None:
-    """Draw contact boxes, the stitched curve and, with most weight, the final curve."""
     low, high = axes.get_xlim()
     for row, start, end, least, greatest in view.gates:
         if start < high and end > low:
             axes.fill_between((start, end), view.y(row, least), view.y(row, greatest), **GATE)
     first, times = view.stages[0], view.animation.times
-    stitched, final = _near(axes, view.times), _near(axes, times)
+    final = _near(axes, times)
     for row, pose in enumerate(view.moving):
         curve = view.y(row, first.curves[pose, stitched])
-        axes.plot(view.times[stitched], curve, color=_look(first)[1], zorder=4, **STITCHED)
+        axes.plot(shown, curve, color=_look(first)[1], zorder=4, **STITCHED)
         curve = view.y(row, view.animation.weights[final, pose])
         axes.plot(times[final], curve, color=FINAL, lw=1.9, zorder=5)
 

@@ -4,7 +4,7 @@ import math
 import subprocess
 import time
 import wave
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
@@ -19,7 +19,7 @@ from lipsync_lang.errors import OutputError
 from lipsync_lang.extras import install_line
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.gltf import pillow
-from lipsync_lang.render.model.picture import Artist, Pixels
+from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import Audio
 from lipsync_lang.terminal import progress, wipe
@@ -86,7 +86,6 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     count = math.floor(seconds * animation.fps + 1e-3) + 1
     widest = staged(sweep(framing)) if framing is not None else None
     artist = Artist(scene, size, None if widest is None else framed(widest), widest)
-    frames = _drawn(artist, count, animation.fps)
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path, sound = Path(folder) / f"film.{kind}", Path(folder) / "sound.wav"
         rate = Fraction(animation.fps).limit_denominator(1001)
@@ -97,7 +96,8 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
             inputs += ["-i", str(sound)]
         quiet = ["-loglevel", "error", "-nostdin", "-y"]
         output = [*COLOURS, *(codec or CODECS[kind]), *REPRODUCIBLE_FLAGS, str(path)]
-        _encode([ffmpeg, *quiet, *inputs, *output], frames)
+        times = np.arange(count) / animation.fps
+        _encode([ffmpeg, *quiet, *inputs, *output], artist, times.tolist())
         with path.open("rb") as stream:
             copyfileobj(stream, out)
 
@@ -134,8 +134,9 @@ def _write_sound(audio: Audio, start: float, seconds: float, path: Path) -> None
         sound.writeframes(np.pad(audio.samples, (before, after)).astype("<i2").tobytes())
 
 
-def _encode(command: Sequence[str], frames: Iterable[Pixels]) -> None:
-    """Send frames to ffmpeg."""
+def _encode(command: Sequence[str], artist: Artist, times: Sequence[float]) -> None:
+    """Draw frames and send them to ffmpeg, with progress on a terminal after a while."""
+    began = time.monotonic()
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         log = Path(folder) / "log"
         with log.open("wb") as errors:
@@ -145,26 +146,18 @@ def _encode(command: Sequence[str], frames: Iterable[Pixels]) -> None:
         assert process.stdin is not None  # noqa: S101 asked for above
         try:
             with suppress(OSError), process.stdin as pipe:  # ffmpeg ended; its error is read below
-                for frame in frames:
-                    pipe.write(frame.tobytes())
+                for number, seconds in enumerate(times):
+                    if time.monotonic() - began > PROGRESS_SECONDS:
+                        progress(f"frame {number} of {len(times)} ...")
+                    pipe.write(artist.draw(seconds).tobytes())
             failed = process.wait()
         except BaseException:
             process.kill()
             process.wait()
             raise
+        finally:
+            wipe()
         if failed:
             lines = log.read_text("utf-8", "replace").split("\n")
             last = next((line for line in reversed(lines) if line.strip()), f"code {failed}")
             raise OutputError(f"ffmpeg could not make the video: {last.strip()}")
-
-
-def _drawn(artist: Artist, count: int, fps: float) -> Iterator[Pixels]:
-    """Draw frames, with progress on a terminal after `PROGRESS_SECONDS` seconds."""
-    began = time.monotonic()
-    try:
-        for number in range(count):
-            if time.monotonic() - began > PROGRESS_SECONDS:
-                progress(f"frame {number} of {count} ...")
-            yield artist.draw(number / fps)
-    finally:
-        wipe()

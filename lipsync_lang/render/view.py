@@ -12,7 +12,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Floats
 from lipsync_lang.performing.performed_line import PerformedLine
-from lipsync_lang.pipeline.perform import Performance, Stage
+from lipsync_lang.pipeline.perform import Stage
 from lipsync_lang.schedules.schedule import DOUBTFUL
 
 STRIP, SHOWN = 6.5, 60.0
@@ -63,7 +63,12 @@ class View:
         self.left = 0.5 + max(text_width(name, 10) for name in (*animation.poses, "phonemes"))
         self.scale = (WIDTH - self.left - RIGHT) * self.strips / (self.end - self.begin)
         """Inches per second."""
-        self.times, self.stages = _stages(self.performance, self.end)
+        frames = self.performance.frames
+        times = frames.times()
+        self.times = times[times < self.end + 1 / frames.fps]
+        stop = min(frames.count, len(self.times) + self.performance.halo())
+        stages = self.performance.stages(0, frames.count if self.performance.far else stop)
+        self.stages = [Stage(name, curves[:, : len(self.times)]) for name, curves in stages]
         tops = np.max([stage.curves.max(axis=1) for stage in self.stages], axis=0)
         self.moving = np.flatnonzero(tops > VISIBLE_WEIGHT)
         self.resting = [animation.poses[i] for i in np.flatnonzero(tops <= VISIBLE_WEIGHT)]
@@ -73,9 +78,9 @@ class View:
         self.spectrogram = (
             None if audio is None else Spectrogram.of(audio, self.begin, self.end, columns)
         )
-        times = animation.schedule.times
+        bounds = animation.schedule.times
         self.doubts = [
-            (float(times[word.first]), float(times[word.stop]))
+            (float(bounds[word.first]), float(bounds[word.stop]))
             for word in animation.schedule.words
             if word.confidence is not None and word.confidence < DOUBTFUL
         ]
@@ -88,17 +93,6 @@ class View:
     def y(self, row: int, weights: Floats | float) -> Any:
         """Map weights to heights in a pose's row."""
         return self.tops[row] + self.row * (1 - weights)
-
-
-def _stages(performance: Performance, end: float) -> tuple[Floats, list[Stage]]:
-    """Run the stages on the frames up to `end`; return their times and curves."""
-    times = performance.frames.times()
-    times = times[times < end + 1 / performance.frames.fps]
-    stop = min(performance.frames.count, len(times) + performance.halo())
-    if performance.far:
-        stop = performance.frames.count
-    stages = performance.stages(0, stop)
-    return times, [Stage(name, curves[:, : len(times)]) for name, curves in stages]
 
 
 def _gates(view: View) -> Iterator[tuple[int, float, float, float, float]]:

@@ -115,7 +115,7 @@ def _deal(
         wanting[shape].append(number)
     for shape, numbers in wanting.items():
         rivals = numbers
-        if rule == ONE_SIDE and len({_Spelt.of(names[n]).side for n in numbers}) == len(numbers):
+        if rule == ONE_SIDE and len({_Spelling.of(names[n]).side for n in numbers}) == len(numbers):
             found.shared[shape] = numbers
             rivals = numbers[:1]
         if len(rivals) > 1:
@@ -150,20 +150,20 @@ class _Index:
             if owner is not None and _says(shape[len(owner[0]) :]):
                 starts.add(owner[0])
             for start in ("", *sorted(starts, key=len)):
-                spelt = _Spelt.of(shape[len(start) :])
-                for key in spelt.keys:
+                spelling = _Spelling.of(shape[len(start) :])
+                for key in spelling.keys:
                     self.called[key].append((len(start), shape))
-                if spelt.side:
-                    self.sided[spelt.stem].append((len(start), shape))
+                if spelling.side:
+                    self.sided[spelling.stem].append((len(start), shape))
 
     def meant_by(self, channel: Channel) -> dict[str, Grade]:
         """Find candidate shapes for a channel, each with its best grade."""
         stated = [name for name in channel.names if "*" not in name]
         found = [(shape, (NAME, 0)) for shape in self.shapes if shape == channel.name]
         found += [(shape, (STATED, 0)) for shape in self.shapes if shape in stated]
-        found += self._spelt(_Spelt.of(channel.name), FOLDED_NAME, BARE_NAME)
+        found += self._spelt(_Spelling.of(channel.name), FOLDED_NAME, BARE_NAME)
         for name in stated:
-            found += self._spelt(_Spelt.of(name), FOLDED, BARE)
+            found += self._spelt(_Spelling.of(name), FOLDED, BARE)
         for pattern in channel.names:
             if "*" in pattern:
                 grade = (PATTERN, -len(pattern))
@@ -173,7 +173,7 @@ class _Index:
             best[shape] = min(grade, best.get(shape, grade))
         return best
 
-    def _spelt(self, name: "_Spelt", whole: int, bare: int) -> Iterator[tuple[str, Grade]]:
+    def _spelt(self, name: "_Spelling", whole: int, bare: int) -> Iterator[tuple[str, Grade]]:
         """Yield shapes with the same spelling as a name, then shapes of the other side."""
         for key in name.keys:
             for dropped, shape in self.called.get(key, ()):
@@ -204,7 +204,7 @@ def _spaced(name: str) -> str:
     return ends[0] + " ".join(map(str.casefold, _NAME_WORD.findall(name))) + ends[1]
 
 
-class _Spelt(NamedTuple):
+class _Spelling(NamedTuple):
     """A name split into stem and side."""
 
     keys: tuple[str, ...]
@@ -216,7 +216,7 @@ class _Spelt(NamedTuple):
 
     @classmethod
     @lru_cache(4096)
-    def of(cls, name: str) -> "_Spelt":
+    def of(cls, name: str) -> "_Spelling":
         """Split a name into stem and side."""
         text = folded(name)
         words = [*_NAME_WORD.finditer(unicodedata.normalize("NFKC", name))]

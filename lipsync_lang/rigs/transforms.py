@@ -3,19 +3,9 @@
 Matrices are (4, 4). Their rows are glTF's columns: the images of the three axes, then the origin.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from lipsync_lang.arrays import Floats
-
-
-class Parts(NamedTuple):
-    """Components of a matrix, in order of application: scale, rotation, translation."""
-
-    translation: Floats
-    rotation: Floats
-    scale: Floats
 
 
 def turns(axis: Floats, degrees: Floats) -> Floats:
@@ -31,8 +21,11 @@ def product(first: Floats, then: Floats) -> Floats:
     return np.hstack([s * v + t * u + np.cross(u, v), s * t - dot])
 
 
-def parts(matrix: Floats) -> Parts | None:
-    """Decompose a matrix; None for shear or a zero scale, which have no such components."""
+def parts(matrix: Floats) -> dict[str, Floats] | None:
+    """Decompose a matrix into glTF's `translation`, `rotation` and `scale`, applied from the last.
+
+    None for shear or a zero scale, which have no such components.
+    """
     axes = matrix[:3, :3]
     scale = np.linalg.norm(axes, axis=1)
     scale[0] *= np.sign(np.linalg.det(axes))
@@ -41,7 +34,7 @@ def parts(matrix: Floats) -> Parts | None:
     axes = axes / scale[:, None]
     if not np.allclose(axes @ axes.T, np.eye(3), atol=1e-4):
         return None
-    return Parts(matrix[3, :3], quaternion(axes), scale)
+    return {"translation": matrix[3, :3], "rotation": quaternion(axes), "scale": scale}
 
 
 def quaternion(axes: Floats) -> Floats:
