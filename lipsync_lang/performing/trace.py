@@ -63,13 +63,11 @@ def _explain_frame(
     animation: "Animation", performer: "Performer", performance: Performance, frame: int
 ) -> Explanation:
     track, schedule = performance.track, animation.schedule
+    # the halo is the whole line where a frame may depend on any other frame
     halo = performance.halo()
-    begin = max(0, frame - halo)
-    stop = min(performance.frames.count, frame + halo + 1)
-    if performance.far:  # a frame may depend on any other frame
-        begin, stop = 0, performance.frames.count
-    place = locate(track, performance.frames.times(frame, frame + 1))
+    begin, stop = max(0, frame - halo), min(performance.frames.count, frame + halo + 1)
     now = performance.frames.times(frame, frame + 1)
+    place = locate(track, now)
     values = [v[0] for v in performance.bigrams(place, now)]
     stages = [
         Stage(name, curves[:, frame - begin : frame - begin + 1])

@@ -212,7 +212,7 @@ INLINE double seconds(const Plan *plan, const Frames *frames, Size frame)
 
 /* ---------------------------------------------------------------- warp.py, stitch.py */
 
-/* `_read`: the row of the curves before a position in a bigram, and the share of the way to the next. */
+/* `warp`: the row of the curves before a position in a bigram, and the share of the way to the next. */
 INLINE Size row_at(Size row, double position, double *part)
 {
     const double steps = least(most(position * RESOLUTION, 0), RESOLUTION - 1e-9);
@@ -369,7 +369,7 @@ INLINE void scale(const Plan *plan, const Dial *dials, Size dial_count, const Fr
 
 /* ---------------------------------------------------------------- anticipate.py */
 
-/* `_room` and `anticipate` */
+/* `anticipate`, with the room that opponents leave, as in `Performance._shaped` */
 INLINE void anticipate(const Plan *plan, const Track *track, Size width, Scratch *s)
 {
     const Size poses = plan->size[POSES], phonemes = plan->size[PHONEMES], ahead = plan->size[AHEAD];

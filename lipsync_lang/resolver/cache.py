@@ -41,30 +41,25 @@ COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
 """Folders of the compiling code. A change below them invalidates every file."""
 
 BANK_ARRAYS = {
-    "curves": (np.float32, "BKP"),
-    "boundary": (np.float64, "B"),
-    "free": (np.bool_, "B"),
-}
-"""Arrays of a style by name, with their types and dimensions.
-
-B rows, K normalised times, P poses, N phonemes, T trigrams, and the 2 rows of a trigram.
-"""
+    "curves": (np.float32, "rows times poses"), "boundary": (np.float64, "rows"),
+    "free": (np.bool_, "rows"),
+}  # fmt: skip
+"""Arrays of a style by name, with their types and dimensions."""
 
 CONTACT_ARRAYS = {
-    "phonemes": (np.bool_, "N"), "floor": (np.float64, "P"), "ceiling": (np.float64, "P"),
+    "phonemes": (np.bool_, "phonemes"), "floor": (np.float64, "poses"),
+    "ceiling": (np.float64, "poses"),
 }  # fmt: skip
 """Arrays of a contact."""
 
 ARRAYS = {
-    **BANK_ARRAYS, "pairs": (np.intp, "NN"), "thresholds": (np.float64, "PP"),
-    "paper": (np.float64, "PP"), "priority": (np.float64, "P"), "softness": (np.float64, "P"),
-    "anticipate": (np.float64, "P"), "highest": (np.float64, "P"), "opposed": (np.bool_, "NP"),
-    "trigrams": (np.intp, "T"), "trigram_rows": (np.intp, "T2"),
+    **BANK_ARRAYS, "pairs": (np.intp, "phonemes phonemes"), "opposed": (np.bool_, "phonemes poses"),
+    "thresholds": (np.float64, "poses poses"), "paper": (np.float64, "poses poses"),
+    "priority": (np.float64, "poses"), "softness": (np.float64, "poses"),
+    "anticipate": (np.float64, "poses"), "highest": (np.float64, "poses"),
+    "trigrams": (np.intp, "trigrams"), "trigram_rows": (np.intp, "trigrams halves"),
 }  # fmt: skip
 """Arrays of the tables."""
-
-SIZES = {"B": "origins", "P": "poses", "N": "phonemes"}
-"""The plain field that has an entry for each element of a dimension."""
 
 MAX_CACHE_BYTES = 2 * 2**30
 """Maximum bytes of all pairs; the oldest are deleted first. A built-in pair has 1 to 9 MB."""
@@ -260,17 +255,17 @@ def _tuples(plain: dict[str, Any]) -> dict[str, Any]:
 def _tables(head: dict[str, Any], body: memoryview) -> Tables:
     """Return the tables of a file; raise an error for an array of another type or shape."""
     plain, places = head["plain"], head["arrays"]
-    sizes = {letter: len(plain[name]) for letter, name in SIZES.items()}
-    sizes |= {"K": RESOLUTION + 1, "T": places["trigrams"][1][0], "2": 2}
-
+    sizes = {name: len(plain[name]) for name in ("poses", "phonemes")}
+    sizes |= {"rows": len(plain["origins"]), "times": RESOLUTION + 1}
+    sizes |= {"trigrams": places["trigrams"][1][0], "halves": 2}
     expected = dict(ARRAYS)
     for name, parts in (("contact_names", CONTACT_ARRAYS), ("style_origins", BANK_ARRAYS)):
         owner = name.partition("_")[0]
         for number in range(len(plain[name])):
             expected |= {f"{owner}.{number}.{part}": sort for part, sort in parts.items()}
     arrays: dict[str, Any] = {}
-    for name, (kind, letters) in expected.items():
-        (dtype, stated, offset), shape = places[name], [sizes[one] for one in letters]
+    for name, (kind, dimensions) in expected.items():
+        (dtype, stated, offset), shape = places[name], [sizes[one] for one in dimensions.split()]
         if dtype != np.dtype(kind).str or stated != shape:
             raise ValueError(f"array {name} is {dtype} {stated}, not {kind} {shape}")
         arrays[name] = np.frombuffer(body, kind, prod(shape), offset).reshape(shape)
