@@ -217,19 +217,6 @@ class Notation:
         """Return a hint for a label missing from the table."""
         return did_you_mean(normalise(label), self.table)
 
-    def conflicts(self) -> list[tuple[str, str]]:
-        """Return the pairs of labels with equal spellings but different values.
-
-        The first of a pair wins, except for a label spelled exactly like the second.
-        """
-        first: dict[str, str] = {}
-        return [
-            (first[same], label)
-            for label, value in self.table.items()
-            if first.setdefault(same := normalise(label), label) != label
-            and self.table[first[same]] != value
-        ]
-
 
 def one_case(labels: Iterable[str]) -> bool:
     """Return True if all labels are ASCII in one case, so that case can be ignored."""

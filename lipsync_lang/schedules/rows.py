@@ -4,7 +4,7 @@ Files leave gaps, have rows in any order, and count in milliseconds or frames. H
 contiguous schedule in seconds, or an error that names the line.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import log
 from operator import attrgetter
 from statistics import median
@@ -40,6 +40,35 @@ class LabelRow(NamedTuple):
     start: float
     end: float
     line: int | None = None
+
+
+def listed_rows(  # noqa: PLR0913 optional parts of a format
+    source: TimingFile,
+    labels: object,
+    starts: object,
+    ends: object,
+    *,
+    form: str,
+    line: int | None = None,
+    durations: bool = False,
+) -> Iterator[LabelRow]:
+    """Yield rows of three lists in JSON of one length, in the file's unit.
+
+    Parameters
+    ----------
+    source : the file, for messages
+    labels, starts, ends : values of the file, which may be anything
+    form : an example of the format, for the error about anything else
+    line : the line of the lists, if each line of the file is JSON
+    durations : True if `ends` are durations
+    """
+    given = (labels, starts, ends)
+    lists = [one for one in given if isinstance(one, list)]
+    if len(lists) != len(given) or len(set(map(len, lists))) != 1:
+        raise source.fault(f"needs three lists of one length; the form is {form}", line)
+    for label, first, second in zip(*lists, strict=True):
+        start, end = source.number(first, line), source.number(second, line)
+        yield LabelRow(str(label), start, start + end if durations else end, line)
 
 
 def schedule_of(  # noqa: PLR0913 optional parts of a format

@@ -148,7 +148,7 @@ def _rated(schedule: Schedule, rows: Sequence[LabelRow]) -> Schedule:
     return replace(schedule, words=tuple(words))
 
 
-def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like phones") -> Tier:
+def only(source: TimingFile, tiers: Sequence[Tier], what: str) -> Tier:
     """Return the tier named by ``source.tier`` or, without it, the only one.
 
     `what` describes the tiers in the error about several.

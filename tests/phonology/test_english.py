@@ -6,6 +6,7 @@ from itertools import chain
 import pytest
 from places import ROOT
 from ruamel.yaml import YAML
+from spellings import spelling_conflicts
 
 from lipsync_lang.phonology.labels import Notation, recognise
 
@@ -169,7 +170,7 @@ def test_every_label_is_text_and_maps_to_phonemes_there_are(name):
         assert isinstance(label, str), label
         assert sequence(entry), label
         assert set(sequence(entry)) <= {*COMMON["base"], *COMMON["shades"]}, label
-    assert NOTATIONS[name].conflicts() == []
+    assert spelling_conflicts(NOTATIONS[name].table) == []
 
 
 @pytest.mark.parametrize("name", NOTATIONS)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from packs_tree import TREE, plant, put
 from shipped import LANGUAGES, LIBRARY, POSESETS
+from spellings import spelling_conflicts
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.resolver.compile import compile_pair
 
 COMMON = LIBRARY.common().model
@@ -43,7 +43,7 @@ def heard(performer, line):
 def test_each_shape_is_one_spelling_and_one_of_them_is_rest(name):
     labels = VISEMES[name].labels
     table = {label: tuple((to, 1.0) for to in sounds.to) for label, sounds in labels.items()}
-    assert Notation(table).conflicts() == []
+    assert spelling_conflicts(table) == []
     assert sum(sounds.to == (COMMON.silence,) for sounds in labels.values()) == 1
 
 

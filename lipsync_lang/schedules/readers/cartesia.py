@@ -6,8 +6,7 @@ or words, one of starts and one of ends, in seconds; the others hold sound.
 
 from operator import methodcaller
 
-from lipsync_lang.schedules.parallel_lists import listed_rows
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.rows import LabelRow, listed_rows
 from lipsync_lang.schedules.timed_words import phones_or_words
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader

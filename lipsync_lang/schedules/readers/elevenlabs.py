@@ -7,8 +7,7 @@ make a word.
 
 import re
 
-from lipsync_lang.schedules.parallel_lists import listed_rows
-from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow, listed_rows
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile, first_item, plain_fields
 from lipsync_lang.schedules.timing_readers import reader
