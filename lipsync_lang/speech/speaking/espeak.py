@@ -241,22 +241,20 @@ def _settled(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[SpokenSoun
                 last.end = sound.end
             elif length:
                 kept.append(sound)
-        elif length or _lend(last, sound, following):
+        elif length:
             kept.append(sound)
+        else:
+            # Rather the sound before lends some time: those without any mostly close a syllable.
+            lender = next(
+                (s for s in (last, following) if s and not s.silent and s.end > s.start), None
+            )
+            if lender is None or lender.label == sound.label:
+                continue
+            part = int(SHARE * (lender.end - lender.start))
+            if lender is last:
+                sound.start = lender.end = sound.end - part
+            else:
+                sound.end = lender.start = sound.start + part
+            if part > 0:
+                kept.append(sound)
     return kept, [*index, len(kept)]
-
-
-def _lend(last: SpokenSound | None, sound: SpokenSound, following: SpokenSound | None) -> bool:
-    """Give a zero-length sound a share of its neighbour; return True on success.
-
-    The previous sound is preferred, because zero-length sounds mostly close a syllable.
-    """
-    lender = next((s for s in (last, following) if s and not s.silent and s.end > s.start), None)
-    if lender is None or lender.label == sound.label:
-        return False
-    part = int(SHARE * (lender.end - lender.start))
-    if lender is last:
-        sound.start = lender.end = sound.end - part
-    else:
-        sound.end = lender.start = sound.start + part
-    return part > 0

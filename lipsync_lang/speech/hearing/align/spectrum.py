@@ -8,7 +8,7 @@ Frames are `HOP` seconds apart and centred on their time: frame k is at ``k * HO
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,7 +101,9 @@ def mel_power(
     starts = (np.arange(int(len(samples) / SPEECH_RATE / hop) + 1) * hop * SPEECH_RATE).astype(
         np.intp
     )
-    banks = [_bank(tract) for tract in tracts]
+    # A longer vocal tract moves all formants by one factor, so the bands move with it.
+    edges = mel_edges(LOWEST, HIGHEST, BANDS)
+    banks = [triangles(edges * tract) for tract in tracts]
     window, steps = np.hanning(width), np.arange(width + 1)
     out = np.empty((len(tracts), len(starts), BANDS))
     # In blocks: an hour of frames at once would take gigabytes.
@@ -112,13 +114,6 @@ def mel_power(
         for number, bank in enumerate(banks):
             out[number, low : low + _BLOCK_FRAMES] = power @ bank
     return out
-
-
-@lru_cache(maxsize=8)
-def _bank(tract: float) -> Floats:
-    """Return triangular filter weights of the bands: (bins, BANDS)."""
-    # A longer vocal tract moves all formants by one factor, so the bands move with it.
-    return triangles(mel_edges(LOWEST, HIGHEST, BANDS) * tract)
 
 
 def heard_in(power: Floats) -> SpeechSpectrum:
