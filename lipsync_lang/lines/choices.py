@@ -69,8 +69,15 @@ def _branch(inner: str, values: Mapping[str, str]) -> str | None:
     head = found.end() if found else 0
     if "|" not in inner and not (head and inner[:head].rstrip().endswith(":")):
         return None
-    ways = _top_level(inner[head:])
-    return next((way.strip() for way in ways if way.strip()), "")
+    ways, depth, start = inner[head:], 0, 0
+    for mark in re.finditer(r"[{}|]|\Z", ways):
+        depth += {"{": 1, "}": -1}.get(mark[0], 0)
+        # A bar outside inner braces ends a branch, and so does the end, whatever is open.
+        if not mark[0] or (mark[0] == "|" and depth == 0):
+            if way := ways[start : mark.start()].strip():
+                return way
+            start = mark.end()
+    return ""
 
 
 def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:
@@ -103,14 +110,3 @@ def _of_fluent(variants: str, value: str | None) -> str | None:
     general = next((one[2] for one in found if one[1]), found[-1][2])
     counted = "one" if value == "1" else general
     return texts.get(value or "", texts.get(counted if value else general, texts[general]))
-
-
-def _top_level(text: str) -> list[str]:
-    """Split at bars outside inner braces."""
-    parts, depth, start = [], 0, 0
-    for found in re.finditer(r"[{}|]", text):
-        depth += {"{": 1, "}": -1}.get(found[0], 0)
-        if found[0] == "|" and depth == 0:
-            parts.append(text[start : found.start()])
-            start = found.end()
-    return [*parts, text[start:]]

@@ -79,7 +79,15 @@ def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
 def _misread(
     path: Path, opened: OpenFile, asked: str | None, chosen: str, error: UnicodeError
 ) -> str:
-    where = f"{path}:{_faulty(opened)}" if chosen == "utf-8-sig" else str(path)
+    where, number = str(path), 0
+    if chosen == "utf-8-sig":  # the error tells of a chunk, not of the line
+        with opened() as stream:
+            for number, line in enumerate(stream, 1):  # noqa: B007 the last one, if none is faulty
+                try:
+                    line.decode()
+                except UnicodeDecodeError:
+                    break
+        where = f"{path}:{number}"
     why = getattr(error, "reason", error)
     if asked:
         return f"{where}: is not {asked} ({why}); name another `encoding`, or save it as UTF-8"
@@ -90,15 +98,3 @@ def _misread(
         f"{where}: is not UTF-8 ({why}), and has no mark of UTF-16 or UTF-32 at its start; name "
         "its encoding (`encoding='cp1252'`), save it as UTF-8, or leave it out if it is not text"
     )
-
-
-def _faulty(opened: OpenFile) -> int:
-    """Return the number of the first line that is not UTF-8."""
-    number = 0
-    with opened() as stream:
-        for number, line in enumerate(stream, 1):  # noqa: B007 the last one, if none is faulty
-            try:
-                line.decode()
-            except UnicodeDecodeError:
-                break
-    return number

@@ -190,8 +190,13 @@ def line_files(
     """
     found: dict[str, tuple[Path, bool]] = {}
     for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):
-        files = _below(path, remark) if path.is_dir() else [_known(path)]
-        for file in files:
+        known = path == STANDARD_STREAM or path.suffix.lower() in by_suffix()
+        if path != STANDARD_STREAM and not path.exists():
+            raise LipsyncError(f"{path}: no such file or folder; check the path")
+        if not known and not path.is_dir():
+            what = f"no reader of lines for '{path.suffix}'" if path.suffix else "has no suffix"
+            raise LipsyncError(f"{path}: {what}; known: {', '.join(sorted(by_suffix()))}")
+        for file in _below(path, remark) if path.is_dir() else [path]:
             found.setdefault(os.path.realpath(file), (file, path.is_dir()))
     return list(found.values())
 
@@ -213,19 +218,6 @@ def heads(
             if not is_timed(source):
                 found[path] = opens(source).head
     return found
-
-
-def _known(path: Path) -> Path:
-    """Check that a named file can be read; return it."""
-    if path == STANDARD_STREAM:
-        return path
-    suffixes = ", ".join(sorted(by_suffix()))
-    if not path.exists():
-        raise LipsyncError(f"{path}: no such file or folder; check the path")
-    if path.suffix.lower() not in by_suffix():
-        what = f"no reader of lines for '{path.suffix}'" if path.suffix else "has no suffix"
-        raise LipsyncError(f"{path}: {what}; known: {suffixes}")
-    return path
 
 
 def _format_of(path: Path) -> LineReader:
@@ -256,24 +248,23 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
         remark(f"{left[0]}{more}: left out: no reader for {what}")
 
 
-def _reader(source: LineFile) -> LineReader:
-    """Return the reader of a file by its suffix, or that of timings if it begins like them."""
+def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line]:
+    """Yield the lines of files, read with the settings `stated`.
+
+    A file is read by its suffix, or as timings if it begins like them.
+    """
     from lipsync_lang.lines.timings import SCHEDULE_FORMAT, is_timed
 
-    if source.path == STANDARD_STREAM:
-        return LINE_READERS["text" if source.column is None else "table"]
-    if source.column is None and is_timed(source):
-        return LINE_READERS[SCHEDULE_FORMAT]
-    return _format_of(source.path)
-
-
-def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line]:
-    """Yield the lines of files, read with the settings `stated`."""
     for path, among_others in files:
         own = LineFile.of(path, stated.remark, stated.column, stated.encoding, stated.cleaning)
         source = replace(own, names=stated.names, speaker=stated.speaker)
         try:
-            yield from _reader(source).read(source)
+            if path == STANDARD_STREAM:
+                form = LINE_READERS["text" if source.column is None else "table"]
+            else:
+                timed = source.column is None and is_timed(source)
+                form = LINE_READERS[SCHEDULE_FORMAT] if timed else _format_of(path)
+            yield from form.read(source)
         except ScheduleError as error:
             if not among_others:
                 raise

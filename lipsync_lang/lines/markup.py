@@ -201,7 +201,9 @@ class TextCleaner:
                 continue
             self._say(self._sound(done, start))
             self._say(instead)
-            if self._leaves_gap(found, instead):
+            whole = found[0]
+            silent = found["sign"] or found["face"] or found["soundless"] or SOUNDLESS.match(whole)
+            if not (instead or silent or whole in DOUBLED or self._is_tag(whole)):
                 self._gaps.append(self._solid)
             done = at = found.end()
         self._say(self._sound(done, len(self.text)))
@@ -269,18 +271,6 @@ class TextCleaner:
     def _is_tag(self, whole: str) -> bool:
         """Return True for a word in brackets with a later closing one."""
         return TAG_VALUES.sub("", whole[:-1]) in self._closed
-
-    def _leaves_gap(self, found: re.Match[str], instead: str) -> bool:
-        whole = found[0]
-        return not (
-            instead
-            or whole in DOUBLED
-            or self._is_tag(whole)
-            or found["sign"]
-            or found["face"]
-            or found["soundless"]
-            or SOUNDLESS.match(whole)
-        )
 
 
 @lru_cache(64)

@@ -9,7 +9,7 @@ Python, screens, styles and the like.
 import re
 from collections import deque
 from collections.abc import Iterator
-from itertools import groupby
+from itertools import groupby, islice
 
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
@@ -119,12 +119,12 @@ def _statements(source: LineFile) -> Iterator[tuple[int, str]]:
     """Yield (line, statement without comments); a statement ends when its strings are closed."""
     ahead: deque[tuple[int, str]] = deque()
     lines = source.numbered()
-    while ahead or (ahead := deque(_next(lines))):
+    while ahead or (ahead := deque(islice(lines, 1))):
         number, text = ahead.popleft()
         whole, closed = _without_comments(text)
         taken: list[tuple[int, str]] = []
         while not closed and len(taken) < MAX_STATEMENT_LINES:
-            more = [ahead.popleft()] if ahead else _next(lines)
+            more = [ahead.popleft()] if ahead else [*islice(lines, 1)]
             if not more:
                 break
             taken += more
@@ -136,11 +136,6 @@ def _statements(source: LineFile) -> Iterator[tuple[int, str]]:
             yield number, whole
         elif not closed and SAYS.match(whole.split("\n")[0].strip() + '"'):
             source.remark(f"{source.path}:{number}: left out: a quote is not closed here")
-
-
-def _next(lines: Iterator[tuple[int, str]]) -> list[tuple[int, str]]:
-    found = next(lines, None)
-    return [] if found is None else [found]
 
 
 def _without_comments(text: str) -> tuple[str, bool]:
