@@ -9,7 +9,6 @@ from lipsync_lang.packs.automatic import automatic
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.packs.models import Language
-    from lipsync_lang.packs.models.text_models import LanguageText
 
 REPLACED_FIELDS = ("g2p", "tts", "audio", "automatic")
 """Fields that a child replaces as a whole, or inherits."""
@@ -40,24 +39,19 @@ def merge(parent: "Language", child: "Language") -> "Language":
     stated = child.model_fields_set
     taken = {name: getattr(parent, name) for name in REPLACED_FIELDS if name not in stated}
     taken |= {name: {**getattr(parent, name), **getattr(child, name)} for name in MERGED_FIELDS}
-    taken["text"] = _texts(parent.text, child.text)
+    taken["text"] = child.text or parent.text
+    if parent.text is not None and child.text is not None:
+        forms = {name: getattr(child.text, name) for name in child.text.model_fields_set}
+        for name, value in forms.items():  # mappings by their entries, the rest as a whole
+            forms[name] = (
+                {**getattr(parent.text, name), **value} if isinstance(value, dict) else value
+            )
+        taken["text"] = parent.text.model_copy(update=forms)
     taken["silence"] = tuple(dict.fromkeys((*parent.silence, *child.silence)))
     notations = {name: dict(labels) for name, labels in parent.notations.items()}
     for name, labels in child.notations.items():
         notations.setdefault(name, {}).update(labels)
     return child.model_copy(update={**taken, "notations": notations})
-
-
-def _texts(parent: "LanguageText | None", child: "LanguageText | None") -> "LanguageText | None":
-    """Merge written forms: mappings by their entries, the rest as a whole."""
-    if parent is None or child is None:
-        return child or parent
-    stated = {name: getattr(child, name) for name in child.model_fields_set}
-    merged = {
-        name: {**getattr(parent, name), **value} if isinstance(value, dict) else value
-        for name, value in stated.items()
-    }
-    return parent.model_copy(update=merged)
 
 
 def _line(library: "Library", path: Path) -> "list[Pack[Language]]":

@@ -24,7 +24,6 @@ def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[BankPack] | None = None)
     thresholds that no curve reaches.
     """
     yield from _pairs(poseset)
-    yield from _level(poseset)
     yield from _circles(poseset)
     yield from _outranked(poseset)
     yield from _together(poseset)
@@ -51,12 +50,12 @@ class _Order:
             return False
         return pair.threshold < NO_THRESHOLD
 
-    def threshold(self, one: str, other: str) -> float:
-        """Return the largest sum of two poses."""
-        for pair in self.model.constraints.pairs:
+    def threshold(self, one: str, other: str) -> "tuple[float, Loc]":
+        """Return the largest sum of two poses, and its place."""
+        for index, pair in enumerate(self.model.constraints.pairs):
             if isinstance(pair, Threshold) and set(pair.between) == {one, other}:
-                return pair.threshold
-        return self.model.constraints.default
+                return pair.threshold, ("constraints", "pairs", index, "threshold")
+        return self.model.constraints.default, ("constraints", "default")
 
     def unlisted(self, poses: Iterable[str]) -> Iterator[tuple[str, str]]:
         """Yield the pairs of the given poses that have the default threshold."""
@@ -66,7 +65,10 @@ class _Order:
 
 
 def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Check that no pair is constrained twice or with itself, and that one of its poses yields."""
+    """Check that no pair is constrained twice or with itself, and that one of its poses yields.
+
+    Pairs that are not listed have the default threshold.
+    """
     order = _Order(poseset.model)
     seen: dict[tuple[object, ...], int] = {}
     for index, pair in enumerate(poseset.model.constraints.pairs):
@@ -86,16 +88,11 @@ def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             what = f"'{one}' and '{other}' have equal priority, so neither yields"
             yield poseset.warning(loc, "W302", what, "name the pose that yields under `priority`")
         seen.setdefault(key, index)
-
-
-def _level(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Check that one pose yields in each pair with the default threshold."""
     model = poseset.model
-    if model.constraints.default >= NO_THRESHOLD or not set(model.priority) <= set(model.poses):
-        return
     level = [pose for pose in model.poses if pose not in model.priority]
-    tied = dict.fromkeys(pose for pair in _Order(model).unlisted(level) for pose in pair)
-    if tied:
+    tied = dict.fromkeys(pose for pair in order.unlisted(level) for pose in pair)
+    limited = model.constraints.default < NO_THRESHOLD and set(model.priority) <= set(model.poses)
+    if tied and limited:
         what = f"none of {', '.join(map(repr, tied))} yields: `priority` names none of them"
         hint = "name those that yield in `priority`, or raise `default`"
         yield poseset.warning(("constraints", "default"), "W302", what, hint)
@@ -156,7 +153,7 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
         loc = ("contacts", name, "floor", pose)
         for other in ranked:
             above = order.rank(other) > order.rank(pose) and other not in floors
-            if above and order.threshold(pose, other) < NO_THRESHOLD:
+            if above and order.threshold(pose, other)[0] < NO_THRESHOLD:
                 what = f"'{pose}' must yield to '{other}', so the contact may be invisible"
                 hint = f"put '{pose}' after '{other}' in `priority`"
                 yield poseset.fault(loc, "P207", what, hint, key=True)
@@ -173,20 +170,10 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     """Check that the threshold of two poses leaves room for both of their floors."""
-    model, order = poseset.model, _Order(poseset.model)
-    for (one, (low, _)), (other, (high, _)) in combinations(_floors(model).items(), 2):
-        threshold = order.threshold(one, other)
+    order = _Order(poseset.model)
+    for (one, (low, _)), (other, (high, _)) in combinations(_floors(order.model).items(), 2):
+        threshold, loc = order.threshold(one, other)
         if threshold < min(NO_THRESHOLD, low + high - SUM_TOLERANCE):
-            index = next(
-                (
-                    n
-                    for n, pair in enumerate(model.constraints.pairs)
-                    if isinstance(pair, Threshold) and set(pair.between) == {one, other}
-                ),
-                None,
-            )
-            stated: Loc = ("constraints", "default")
-            loc = stated if index is None else ("constraints", "pairs", index, "threshold")
             what = (
                 f"'{one}' and '{other}' may add up to {threshold:g}, "
                 f"but their contacts need {low + high:g}"

@@ -134,10 +134,7 @@ def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
         return
     if g2p.notation is not None and g2p.notation not in notations:
         yield language.unknown(("g2p", "notation"), "P217", "notation", g2p.notation, notations)
-    place = language.where(("g2p", "file")).file
-    if g2p.file is not None and beside(place, g2p.file) is None:
-        what, hint = f"there is no file '{g2p.file}'", f"it belongs in {place.parent.name}/"
-        yield language.fault(("g2p", "file"), "P213", what, hint)
+    yield from _file(language, ("g2p", "file"), g2p.file)
 
 
 def check_poseset(
@@ -149,7 +146,7 @@ def check_poseset(
     """
     model = poseset.model
     yield from _twice(poseset, ("priority",), model.priority)
-    yield from _claims(poseset)
+    yield from _poses(poseset)
     for loc, pose in _poses_named(model):
         yield from check_pose(poseset, loc, pose, model.poses)
     for name, contact in model.contacts.items():
@@ -165,9 +162,8 @@ def check_poseset(
         for region in style.regions:
             at_region = ("styles", name, "regions", region)
             yield from _region(poseset, at_region, region, model, key=True)
-    yield from _model(poseset)
+    yield from _file(poseset, ("model",), model.model)
     yield from conflicts(poseset, banks)
-    yield from _without_target(poseset)
 
 
 def _poses_named(model: PoseSet) -> Iterator[tuple[Loc, str]]:
@@ -200,9 +196,13 @@ def _poses_targeted(model: PoseSet | Character) -> Iterator[tuple[Loc, str]]:
             yield from (((*at, "dominance", pose), pose) for pose in target.dominance)
 
 
-def _claims(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Check that each spelling belongs to one pose, and that none is the face at rest."""
+def _poses(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Check that each spelling belongs to one pose, none is the face at rest, and targets move all.
+
+    A pose set without targets leaves all its poses to the banks.
+    """
     model = poseset.model
+    moved = {p for targets in model.targets.values() for t in targets for p in t.weights}
     if model.neutral in model.poses:
         what = f"the face at rest and a pose have the same name, '{model.neutral}'"
         yield poseset.fault(("neutral",), "P225", what, "rename one, or remove the pose")
@@ -215,15 +215,7 @@ def _claims(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
                     what = f"the shape name '{spelling}' belongs to '{owner}' and to '{pose}'"
                     hint = f"give it to one pose; '{owner}' comes first"
                     yield poseset.fault(("poses", pose, "names", number), "P224", what, hint)
-
-
-def _without_target(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    model = poseset.model
-    moved = {p for targets in model.targets.values() for t in targets for p in t.weights}
-    if not model.targets:
-        return
-    for pose in model.poses:
-        if pose not in moved:
+        if model.targets and pose not in moved:
             what = f"no target moves '{pose}', so drafts leave it at rest"
             hint = "name it under `targets`, or leave it to the banks"
             yield poseset.warning(("poses", pose), "W301", what, hint, key=True)
@@ -279,7 +271,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
         if beside(character.path, file, unsaved) is None:
             what, hint = f"there is no file '{file}'", "it belongs beside the character"
             yield character.fault(("banks", number), "P213", what, hint)
-    yield from _model(character)
+    yield from _file(character, ("model",), model.model)
     if model.rig is not None and model.rig not in rigs:
         yield character.unknown(("rig",), "P212", "rig", model.rig, rigs)
 
@@ -324,11 +316,12 @@ def _rules(
             yield pack.fault((*at, "measure"), "P231", what, hint)
 
 
-def _model(pack: "Pack[PoseSet] | Pack[Character]") -> Iterator[Fault]:
-    file = pack.model.model
-    if file is not None and beside(pack.path, file) is None:
-        what, hint = f"there is no file '{file}'", f"it belongs in {pack.path.parent.name}/"
-        yield pack.fault(("model",), "P213", what, hint)
+def _file(pack: "Pack[Any]", loc: Loc, file: str | None) -> Iterator[Fault]:
+    """Check that a file named by a pack lies beside the file that names it."""
+    place = pack.where(loc).file
+    if file is not None and beside(place, file) is None:
+        what, hint = f"there is no file '{file}'", f"it belongs in {place.parent.name}/"
+        yield pack.fault(loc, "P213", what, hint)
 
 
 def _region(

@@ -1,7 +1,6 @@
 """Validate packs: all of a library, or given files and folders."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
@@ -22,7 +21,6 @@ from lipsync_lang.packs.finding import (
     PART_FOLDERS,
     POSESET,
     SHARED,
-    FoundPack,
     Kind,
     beside,
     entries,
@@ -274,23 +272,18 @@ class _Validation:
         first = {folded_language(one.name): one.name for one in found}
         for one in found:
             for answer in answers_of(one.path):
-                if first.setdefault(answer, one.name) != one.name:
-                    self._taken(one, answer, first[answer])
-
-    def _taken(self, found: FoundPack, answer: str, other: str) -> None:
-        model, source, _ = self.library.inspect(found.path, "language", found.name)
-        if not isinstance(model, Language):
-            return
-        alias = next((a for a in model.aliases if folded_language(a) == answer), None)
-        loc: Loc = (
-            ("tag",)
-            if alias is None or folded_language(model.tag) == answer
-            else ("aliases", alias)
-        )
-        field = "tag" if loc == ("tag",) else "alias"
-        what = f"{field} '{answer}' already belongs to language '{other}'"
-        fault = source.fault(loc, "W305", what, f"only '{other}' answers to it")
-        self.faults.add(replace(fault, severity="warning"))
+                other = first.setdefault(answer, one.name)
+                if other == one.name:
+                    continue
+                model, source, _ = self.library.inspect(one.path, "language", one.name)
+                if isinstance(model, Language):
+                    aliases = [a for a in model.aliases if folded_language(a) == answer]
+                    tagged = not aliases or folded_language(model.tag) == answer
+                    loc: Loc = ("tag",) if tagged else ("aliases", aliases[0])
+                    what = f"{'tag' if tagged else 'alias'} '{answer}' already belongs to language"
+                    hint = f"only '{other}' answers to it"
+                    pack = Pack(model, (source,))
+                    self.faults.add(pack.warning(loc, "W305", f"{what} '{other}'", hint))
 
     def _warn(self, path: Path, code: str, what: str, hint: str) -> None:
         self.faults.add(Fault(shown(path), 1, 1, code, f"'{path.name}' {what}", hint, "warning"))
