@@ -227,12 +227,22 @@ class Finder:
         """Map pack names to files for one folder, sorted by name; listed once and remembered."""
         key = root, kind
         if key not in self._listed:
+            folder, unsaved = root / FOLDERS[kind], self.unsaved
             if root.is_file():
                 name = root.parent.name if root.name == POSESET else root.stem
                 fits = _kind(root) in (kind, "") and _PACK_NAME.fullmatch(name)
-                self._listed[key] = {name: root} if fits else {}
-            else:
-                self._listed[key] = _packs(root / FOLDERS[kind], kind, self.unsaved)
+                found = {name: root} if fits else {}
+            elif kind == "poseset":
+                named = [p for p in entries(folder, unsaved) if _PACK_NAME.fullmatch(p.name)]
+                files = {p.name: p / POSESET for p in named}
+                found = {n: p for n, p in files.items() if p in unsaved or p.is_file()}
+            elif kind == "language":
+                files = yaml_files(folder, unsaved)
+                found = {n: p for n, p in files.items() if n not in SHARED}
+            else:  # a character's banks lie beside it and are not characters
+                files = yaml_files(folder, unsaved)
+                found = {n: p for n, p in files.items() if _kind(p, unsaved) != "bank"}
+            self._listed[key] = found
         return self._listed[key]
 
     def _places(self) -> Iterator[tuple[Path, str]]:
@@ -285,8 +295,14 @@ def located(paths: Paths, **packs: str | Path) -> tuple[list[str], tuple[Path, .
             names.append(pack)
             continue
         path = Path(pack).absolute()
-        _refuse_other(path, kind)
         whole = path.name == POSESET
+        if not path.is_file():
+            raise PackError(f"{path}: no such file; name a {kind}, or a YAML file")
+        stated = _kind(path)
+        if stated not in ("", kind) and (kind, stated) != ("character", "poseset"):
+            raise PackError(f"{path}: holds a pack of kind {stated}, not a {kind}")
+        if stated == "poseset" and not whole:
+            raise PackError(f"{path}: a pose set is a file {POSESET} in a folder of its name")
         names.append(path.parent.name if whole else path.stem)
         files.append(path)
         above = path.parents[1] if whole else path.parent
@@ -297,16 +313,6 @@ def located(paths: Paths, **packs: str | Path) -> tuple[list[str], tuple[Path, .
 def is_model(character: str | Path) -> bool:
     """Return true for the name of a model file, which may stand in place of a character."""
     return str(character).lower().endswith(MODEL_SUFFIXES)
-
-
-def _refuse_other(path: Path, kind: str) -> None:
-    if not path.is_file():
-        raise PackError(f"{path}: no such file; name a {kind}, or a YAML file")
-    stated = _kind(path)
-    if stated not in ("", kind) and (kind, stated) != ("character", "poseset"):
-        raise PackError(f"{path}: holds a pack of kind {stated}, not a {kind}")
-    if stated == "poseset" and path.name != POSESET:
-        raise PackError(f"{path}: a pose set is a file {POSESET} in a folder of its name")
 
 
 def beside(pack: Path, name: str, unsaved: Collection[Path] = ()) -> Path | None:
@@ -361,19 +367,6 @@ def yaml_files(folder: Path, unsaved: Collection[Path] = ()) -> dict[str, Path]:
     files = (path for path in entries(folder, unsaved) if path.suffix == ".yaml")
     found = (path for path in files if path in unsaved or path.is_file())
     return {path.stem: path for path in found if _PACK_NAME.fullmatch(path.stem)}
-
-
-def _packs(folder: Path, kind: Kind, unsaved: Mapping[Path, bytes]) -> dict[str, Path]:
-    if kind == "poseset":
-        named = {
-            p.name: p / POSESET for p in entries(folder, unsaved) if _PACK_NAME.fullmatch(p.name)
-        }
-        return {name: path for name, path in named.items() if path in unsaved or path.is_file()}
-    found = yaml_files(folder, unsaved)
-    if kind == "language":
-        return {name: path for name, path in found.items() if name not in SHARED}
-    # A character's banks lie beside it and are not characters.
-    return {n: path for n, path in found.items() if _kind(path, unsaved) != "bank"}
 
 
 def _kind(path: Path, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) -> str:

@@ -171,17 +171,11 @@ class Library:
 
     def common(self) -> "Pack[models.Phonemes]":
         """Load the common phonemes."""
-        found = self._lookup("phonemes", COMMON)
-        if not found:
-            raise PackError(f"no {FOLDERS['language']}/{COMMON}.yaml is in any folder searched")
-        return cast("Pack[models.Phonemes]", self.load(found[0], "phonemes", COMMON))
+        return cast("Pack[models.Phonemes]", self._shared(COMMON))
 
     def ipa(self) -> "Pack[models.Ipa]":
         """Load the features of the IPA."""
-        found = self._lookup(SHARED[IPA], IPA)
-        if not found:
-            raise PackError(f"no {FOLDERS['language']}/{IPA}.yaml is in any folder searched")
-        return cast("Pack[models.Ipa]", self.load(found[0], SHARED[IPA], IPA))
+        return cast("Pack[models.Ipa]", self._shared(IPA))
 
     def language(self, name: str) -> "Pack[models.Language]":
         """Load a language merged with its parents; a name ENGINE:CODE needs no pack.
@@ -321,6 +315,13 @@ class Library:
         """Record faults, and return an error that carries them."""
         self.faults.extend(faults)
         return PackFaults(faults)
+
+    def _shared(self, name: str) -> "Pack[models.PackModel]":
+        """Load a file of `languages` that is not a language."""
+        found = self._lookup(SHARED[name], name)
+        if not found:
+            raise PackError(f"no {FOLDERS['language']}/{name}.yaml is in any folder searched")
+        return self.load(found[0], SHARED[name], name)
 
     def _lookup(self, kind: str, name: str) -> list[Path]:
         found = self.lookups[kind, name] = self.finder.lookup(kind, name)

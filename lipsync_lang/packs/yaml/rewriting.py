@@ -256,11 +256,19 @@ class _Edits:
     def _spread(
         self, entries: Mapping[str, EntrySpan], new: list[str], made: Mapping[str, str]
     ) -> None:
-        """Insert and delete entries in brackets over several lines; a comma may end them."""
-        for key, entry in entries.items():
-            if key not in new:
-                self._drop(entry.start, entry.value.end)
-                self._delete_item(entry.start, entry.value.end)
+        """Insert and delete entries in brackets over several lines; a comma may end them.
+
+        An entry goes with its comma, and with its line if nothing else is on it.
+        """
+        for entry in (entries[key] for key in entries if key not in new):
+            start, end = entry.start, entry.value.end
+            self._drop(start, end)
+            rest = self.text[end:].lstrip(" \t")
+            if rest.startswith(","):
+                end = len(self.text) - len(rest[1:].lstrip(" \t"))
+            if self._own_line(start) and not self._rest(end).strip():
+                start, end = self._line_start(start), self._line_end(end)
+            self.put(start, end, "")
         near = next((entries[key] for key in new if key in entries), None)
         if near is None:
             raise RewriteError("brackets over several lines lose every item")
@@ -274,16 +282,6 @@ class _Edits:
             alone = self._own_line(near.start) and "#" not in self._rest(near.value.end)
             between = self.newline + " " * self._column(near.start) if alone else " "
             self.put(near.value.end, near.value.end, f",{between}{made[key]}")
-
-    def _delete_item(self, start: int, end: int) -> None:
-        """Delete an item in brackets with its comma, and its line if nothing else is on it."""
-        behind = len(self.text) - len(self.text[end:].lstrip(" \t"))
-        if self.text[behind : behind + 1] == ",":
-            rest = self.text[behind + 1 :]
-            end = behind + 1 + len(rest) - len(rest.lstrip(" \t"))
-        if self._own_line(start) and not self._rest(end).strip():
-            start, end = self._line_start(start), self._line_end(end)
-        self.put(start, end, "")
 
     def _rest(self, at: int) -> str:
         """Return the rest of a line."""
