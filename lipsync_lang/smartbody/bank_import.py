@@ -30,7 +30,14 @@ from lipsync_lang.errors import LipsyncError, OutputError, did_you_mean, shortli
 from lipsync_lang.files import atomic
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.tables import RESOLUTION
-from lipsync_lang.smartbody.bank_files import ImportRemarks, Sets, read_smartbody, visible
+from lipsync_lang.smartbody.bank_files import (
+    Diphone,
+    DiphonePair,
+    ImportRemarks,
+    Sets,
+    read_smartbody,
+    visible,
+)
 from lipsync_lang.smartbody.conversion import BankNames, Conversion, ImportedCurves
 
 if TYPE_CHECKING:
@@ -126,16 +133,15 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     poseset = library.poseset(library.character(character).model.poseset).model
     names = _names(library.common().model, poseset, mapped or {})
     remarks = ImportRemarks()
-    sets = _merged([read_smartbody(path, remarks) for path in files], remarks)
-    chosen = _chosen(sets, style, remarks)
-    shapes = dict.fromkeys(shape for diphone in sets[chosen].values() for shape in diphone.shapes)
+    chosen, pairs = _chosen([read_smartbody(path, remarks) for path in files], style, remarks)
+    shapes = dict.fromkeys(shape for diphone in pairs.values() for shape in diphone.shapes)
     if shapes and names.poses.keys().isdisjoint(shapes):
         raise LipsyncError(
             f"no shape of this bank is a pose of {poseset.name}; select its pose set, or map its "
             f"shapes with --map THEIRS=OURS. Its shapes: {shortlist(map(visible, shapes), FEW)}. "
             f"The poses of {poseset.name}: {', '.join(poseset.poses)}"
         )
-    found = Conversion(names, remarks).fit(sets[chosen])
+    found = Conversion(names, remarks).fit(pairs)
     if not found:
         raise LipsyncError(_nothing(remarks))
     manner = style or (NEUTRAL if chosen in USUAL else chosen)
@@ -190,33 +196,31 @@ def _names(
     return BankNames(sounds, poses, common.silence)
 
 
-def _merged(files: Sequence[Sets], remarks: ImportRemarks) -> Sets:
-    """Merge the sets of several files; the first occurrence of a pair has precedence."""
+def _chosen(
+    files: Sequence[Sets], style: str | None, remarks: ImportRemarks
+) -> tuple[str, dict[DiphonePair, Diphone]]:
+    """Merge the sets of several files, and return the name and the pairs of the set to import.
+
+    The first occurrence of a pair has precedence.
+    """
     merged: Sets = {}
-    for sets in files:
-        for name, pairs in sets.items():
-            there = merged.setdefault(name, {})
-            for pair, diphone in pairs.items():
-                if pair in there:
-                    what = (
-                        f"{visible('-'.join(pair))} is already in {there[pair].file}, which is kept"
-                    )
-                    remarks.add("twice", diphone.file, diphone.line, what)
-                there.setdefault(pair, diphone)
-    return {name: pairs for name, pairs in merged.items() if pairs}
-
-
-def _chosen(sets: Sets, style: str | None, remarks: ImportRemarks) -> str:
-    """Return the name of the set for import."""
+    for name, pairs in (one for sets in files for one in sets.items()):
+        there = merged.setdefault(name, {})
+        for pair, diphone in pairs.items():
+            if pair in there:
+                what = f"{visible('-'.join(pair))} is already in {there[pair].file}, which is kept"
+                remarks.add("twice", diphone.file, diphone.line, what)
+            there.setdefault(pair, diphone)
+    sets = {name: pairs for name, pairs in merged.items() if pairs}
     if not sets:
         raise LipsyncError(_nothing(remarks))
-    if len(sets) == 1:
-        return next(iter(sets))
-    fit = [name for name in sets if name == style or (style == NEUTRAL and name in USUAL)]
+    fit = [*sets]
+    if len(sets) > 1:
+        fit = [name for name in sets if name == style or (style == NEUTRAL and name in USUAL)]
     if len(fit) != 1:
         listed = ", ".join(visible(name) or "a set without a name" for name in [*sets][:FEW])
         raise LipsyncError(f"the bank has {len(sets)} sets: {listed}; select one with --style")
-    return fit[0]
+    return fit[0], sets[fit[0]]
 
 
 def _nothing(remarks: ImportRemarks) -> str:

@@ -69,7 +69,15 @@ class Conversion:
             if curves is not None:
                 taken[key] = pair
                 self.bigrams[key] = curves
-        self._tell_unknown()
+        for (kind, name), diphones in self.unknown.items():
+            own = self.names.sounds if kind == "phoneme" else self.names.poses
+            count = "1 bigram" if len(diphones) == 1 else f"{len(diphones)} bigrams"
+            lost = "skipped" if kind == "phoneme" else "without it"
+            label = visible(name[:LONGEST])
+            near = self.remarks.counts[kind] < HINTS
+            hint = f"; {did_you_mean(label, set(own.values()))}" if near else ""
+            what = f"unknown {kind} '{label}', {count} {lost}{hint} (--map {label}=OURS)"
+            self._tell(kind, diphones[0], what)
         for _, what, diphone in sorted(self.strays, key=lambda one: -one[0]):
             self._tell("stray", diphone, what)
         order = {key: number for number, key in enumerate(ours.values())}
@@ -147,17 +155,6 @@ class Conversion:
             what = f"{key}: '{visible(shape)}' has repeated keys; {len(merged)} are kept"
             self._tell("repeat", diphone, what)
         return merged
-
-    def _tell_unknown(self) -> None:
-        for (kind, name), diphones in self.unknown.items():
-            ours = self.names.sounds if kind == "phoneme" else self.names.poses
-            count = "1 bigram" if len(diphones) == 1 else f"{len(diphones)} bigrams"
-            lost = "skipped" if kind == "phoneme" else "without it"
-            label = visible(name[:LONGEST])
-            near = self.remarks.counts[kind] < HINTS
-            hint = f"; {did_you_mean(label, set(ours.values()))}" if near else ""
-            what = f"unknown {kind} '{label}', {count} {lost}{hint}"
-            self._tell(kind, diphones[0], f"{what} (--map {label}=OURS)")
 
 
 def _unit(number: float) -> float:

@@ -35,6 +35,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.study.study_file import (
     MAX_ANSWERS_BYTES,
     MAX_SUBMISSION_BYTES,
+    STUDY_NAME,
     Study,
     Submission,
     as_text,
@@ -42,7 +43,7 @@ from lipsync_lang.study.study_file import (
     parsed,
     read_study,
 )
-from lipsync_lang.study.study_maker import KEY, PAGE
+from lipsync_lang.study.study_maker import PAGE
 from lipsync_lang.study.study_page import UNPOSTED, origin_of
 
 ANSWERS = "answers.jsonl"
@@ -243,19 +244,15 @@ class StudySite:
 
     def _refuse_other_sites(self, request: Request) -> None:
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
-        if not (_is_numeric(host) or host in self._hosts):
+        try:  # no other site can take over a numeric address, or localhost
+            name = urlsplit(f"//{host}").hostname or ""
+            numeric = name == "localhost" or bool(ip_address(name))
+        except ValueError:
+            numeric = False
+        if not numeric and host not in self._hosts:
             raise HTTPException(421, "this address is not that of the study")
         if origin is not None and origin not in {f"http://{host}", *self._origins}:
             raise HTTPException(403, "requests from other sites are refused")
-
-
-def _is_numeric(host: str) -> bool:
-    """Return True for numeric addresses and localhost, which no other site can take over."""
-    try:
-        name = urlsplit(f"//{host}").hostname or ""
-        return name == "localhost" or bool(ip_address(name))
-    except ValueError:
-        return False
 
 
 def _refusal(_: Request, error: Exception) -> Response:
@@ -321,7 +318,7 @@ def answer_server(
     LipsyncError
         The folder has no study, or the address cannot be used.
     """
-    study = read_study(folder / KEY)
+    study = read_study(folder / STUDY_NAME)
     allowed = frozenset(one if one == "null" else origin_of(one) for one in origins)
     log = AnswerLog(folder / ANSWERS, study)
     if not 0 <= port <= MAX_PORT:

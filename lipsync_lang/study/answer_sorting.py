@@ -172,9 +172,19 @@ class _Sorting:
         answers = given if isinstance(given, list) else []
         rater = data.get("rater") if isinstance(data, dict) else None
         name = rater if isinstance(rater, str) and len(rater) <= MAX_RATER_CHARS else ""
-        if not reason:
-            reason, words = self._header(data)
-        if not reason and not name:
+        if reason:
+            pass
+        elif not isinstance(data, dict) or data.get("kind") != "answers":
+            reason, words = "no answers", "its kind is not 'answers'"
+        elif data.get("format") != 1 or "finished" not in data:
+            reason, words = "no answers", "its format is not 1, or it has no time of finishing"
+        elif data.get("study") != self._study.study:
+            reason, words = "other study", f"it belongs to study {_shown(data.get('study'))}"
+        elif data.get("consent") is not True:
+            reason, words = "no consent", "its consent is not true"
+        elif not isinstance(given, list) or len(given) > 2 * MAX_PAIRS:
+            reason, words = "no answers", "its answers are not a list, or too many"
+        elif not name:
             reason, words = "no answers", "the rater has no number"
         if reason:
             self._told.answers += len(answers)
@@ -185,20 +195,6 @@ class _Sorting:
         found = _Rater(place, name, bool(data["finished"]), answers)
         self._read_answers(found)
         return found
-
-    def _header(self, data: Any) -> tuple[str, str]:
-        """Return the reason why a document is not a submission to this study, and its words."""
-        if not isinstance(data, dict) or data.get("kind") != "answers":
-            return "no answers", "its kind is not 'answers'"
-        if data.get("format") != 1 or "finished" not in data:
-            return "no answers", "its format is not 1, or it has no time of finishing"
-        if data.get("study") != self._study.study:
-            return "other study", f"it belongs to study {_shown(data.get('study'))}"
-        if data.get("consent") is not True:
-            return "no consent", "its consent is not true"
-        if not isinstance(data.get("answers"), list) or len(data["answers"]) > 2 * MAX_PAIRS:
-            return "no answers", "its answers are not a list, or too many"
-        return "", ""
 
     def _read_answers(self, one: _Rater) -> None:
         """Check the form of each answer, and compare it with the study."""
@@ -253,7 +249,8 @@ class _Sorting:
 
     def _answered(self, one: _Rater) -> int:
         """Return the number of pairs with an answer, valid or not."""
-        return len(self._pairs.keys() & {raw_pair(raw) for raw in one.given})
+        named = {str(raw.get("pair")) for raw in one.given if isinstance(raw, dict)}
+        return len(self._pairs.keys() & named)
 
     def without_copies(self, raters: Sequence[_Rater]) -> list[_Rater]:
         """Return the raters without copied answers, and name suspiciously similar raters."""
@@ -346,11 +343,6 @@ class _Sorting:
             if took
             < (self._pairs[pair].seconds or UNKNOWN_CLIP_SECONDS if stated is None else stated)
         }
-
-
-def raw_pair(raw: Any) -> str:
-    """Return the name of the pair in an answer, valid or not."""
-    return str(raw.get("pair")) if isinstance(raw, dict) else ""
 
 
 def _pattern(one: _Rater, *, timed: bool) -> tuple[Any, ...]:

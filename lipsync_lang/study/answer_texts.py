@@ -2,14 +2,14 @@
 
 import json
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import read_input
-from lipsync_lang.study.study_file import MAX_ANSWERS_BYTES, MAX_SUBMISSION_BYTES
+from lipsync_lang.study.study_file import MAX_ANSWERS_BYTES, MAX_SUBMISSION_BYTES, STUDY_NAME
 
-STUDY_NAME = "study.json"
 REPORT_FORMAT = "lipsync-lang study report 1"
 """Format of reports, which may be in the same folder as answers."""
 
@@ -32,14 +32,14 @@ def answer_files(places: Iterable[Path]) -> list[Path]:
         if not place.is_dir():
             found[place] = None
             continue
-        inside = sorted(
-            path
-            for path in place.iterdir()
-            if path.suffix in (".json", ".jsonl")
-            and path.name != STUDY_NAME
-            and path.is_file()
-            and not _is_report(path)
-        )
+        inside = []
+        for path in sorted(place.iterdir()):
+            if path.suffix in {".json", ".jsonl"} and path.name != STUDY_NAME and path.is_file():
+                start = b""
+                with suppress(OSError), path.open("rb") as stream:
+                    start = stream.read(REPORT_HEAD_BYTES)
+                if not (start.startswith(b"{") and f'"{REPORT_FORMAT}"'.encode() in start):
+                    inside.append(path)
         if not inside:
             raise LipsyncError(
                 f"{place}: contains no .json or .jsonl file of answers; name another folder"
@@ -66,16 +66,6 @@ def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]
         for number, line in enumerate(lines, 1):
             if line.strip():
                 yield f"{path}:{number}", line
-
-
-def _is_report(path: Path) -> bool:
-    """Return True if a file is a report in a folder of answers."""
-    try:
-        with path.open("rb") as stream:
-            start = stream.read(REPORT_HEAD_BYTES)
-    except OSError:
-        return False
-    return start.startswith(b"{") and f'"{REPORT_FORMAT}"'.encode() in start
 
 
 def parse_document(text: bytes | LipsyncError) -> tuple[str, str, Any]:

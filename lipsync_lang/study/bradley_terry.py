@@ -92,7 +92,16 @@ def ranking(
     index = {method: number for number, method in enumerate(methods)}
     wins = win_matrix(choices, index)
     freedom = len(methods) - 1
-    problem = _problem(wins, methods)
+    # Strengths are finite if choices connect all methods both ways (Ford 1957).
+    problem = ""
+    connected, beaten = _reachable((wins + wins.T) > 0), _reachable(wins > 0)
+    weakest = next((row for row in beaten if not row.all()), None)
+    if not connected.all():
+        groups = dict.fromkeys(_named(methods, row) for row in connected)
+        problem = f"no choice connects these groups of methods: {' | '.join(groups)}"
+    elif weakest is not None:
+        weak, strong = _named(methods, weakest), _named(methods, ~weakest)
+        problem = f"no choice prefers {weak} to {strong}, so the strengths have no limit"
     if problem:
         return Ranking(character, question, (), None, freedom, None, None, problem)
     strengths = fitted_strengths(wins)
@@ -215,19 +224,6 @@ def _described(
         )
         for n, method in enumerate(methods)
     ]
-
-
-def _problem(wins: Floats, methods: Sequence[str]) -> str:
-    """Return the reason for infinite strengths; empty if all are finite (Ford 1957)."""
-    reached = _reachable((wins + wins.T) > 0)
-    if not reached.all():
-        groups = dict.fromkeys(_named(methods, row) for row in reached)
-        return f"no choice connects these groups of methods: {' | '.join(groups)}"
-    for row in _reachable(wins > 0):
-        if not row.all():
-            weak, strong = _named(methods, row), _named(methods, ~row)
-            return f"no choice prefers {weak} to {strong}, so the strengths have no limit"
-    return ""
 
 
 def _named(methods: Sequence[str], among: Bools) -> str:

@@ -49,28 +49,24 @@ def chi_square_tail(statistic: float, freedom: int) -> float:
 
 @cache
 def t_quantile(freedom: int) -> float:
-    """Return the t that bounds `CONFIDENCE_LEVEL` of Student's distribution on both sides."""
+    """Return the t that bounds `CONFIDENCE_LEVEL` of Student's distribution on both sides.
+
+    Abramowitz and Stegun, 26.7.3 and 26.7.4, give the probability of less than t = √freedom tan(θ).
+    """
     z = NORMAL_QUANTILE
     if freedom > MAX_SERIES_FREEDOM:
         return z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
-    low, high = 0.0, pi / 2
+    odd, low, high = freedom % 2, 0.0, pi / 2
     for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        low, high = (
-            (middle, high) if _t_within(middle, freedom) < CONFIDENCE_LEVEL else (low, middle)
-        )
+        angle = (low + high) / 2
+        term, total = (cos(angle) if odd else 1.0), 0.0
+        for step in range(freedom // 2):
+            total += term
+            term *= cos(angle) ** 2 * (2 * step + 1 + odd) / (2 * step + 2 + odd)
+        within = sin(angle) * total
+        within = 2 / pi * (angle + within) if odd else within
+        low, high = (angle, high) if within < CONFIDENCE_LEVEL else (low, angle)
     return tan(low) * sqrt(freedom)
-
-
-def _t_within(angle: float, freedom: int) -> float:
-    """Return the probability of less than t = √freedom tan(angle) (26.7.3 and 26.7.4)."""
-    odd = freedom % 2
-    term, total = (cos(angle) if odd else 1.0), 0.0
-    for step in range(freedom // 2):
-        total += term
-        term *= cos(angle) ** 2 * (2 * step + 1 + odd) / (2 * step + 2 + odd)
-    within = sin(angle) * total
-    return 2 / pi * (angle + within) if odd else within
 
 
 def wilson(successes: float, trials: float, quantile: float = NORMAL_QUANTILE) -> Interval:

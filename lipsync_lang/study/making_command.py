@@ -189,7 +189,8 @@ def _number(least: int, text: str) -> int:
 
 def new(options: Namespace) -> int:
     """Render the clips of a study, and write its key and its page."""
-    from lipsync_lang.study.study_maker import KEY, PAGE, make_study
+    from lipsync_lang.study.study_file import STUDY_NAME
+    from lipsync_lang.study.study_maker import PAGE, make_study
 
     plan = _plan(options)
     try:
@@ -202,7 +203,7 @@ def new(options: Namespace) -> int:
     finally:
         wipe()
     checks = sum(pair.check is not None for pair in made.study.pairs)
-    key, page = options.output / KEY, options.output / PAGE
+    key, page = options.output / STUDY_NAME, options.output / PAGE
     if options.json:
         facts = {
             "study": made.study.study,

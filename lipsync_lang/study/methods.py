@@ -145,7 +145,16 @@ class StudyCharacter:
         if method.how == OURS:
             return own
         if method.how in PERFORMER_METHODS:
-            return _over(self.shown(self._by_other(method, own.schedule)), own)
+            other = self.other(method)
+            made = other.perform(own.schedule, self.fps)
+            if made.poses != self.performer.poses:
+                made = other.rigged(made)
+                if {one.name for one in own.columns}.isdisjoint(one.name for one in made.columns):
+                    raise LipsyncError(
+                        f"method '{method.name}': {other.character} moves no pose or channel of "
+                        f"{self.name}; name a character with the same pose set or rig"
+                    )
+            return _over(self.shown(made), own)
         if method.how in BASELINES:
             made = BASELINES[method.how](self.performer, own.schedule, self.fps)
         else:
@@ -158,20 +167,6 @@ class StudyCharacter:
     def shown(self, animation: Animation) -> Animation:
         """Return an animation on the model to draw."""
         return replace(on_model(animation, self.performer), model=self.model, source=None)
-
-    def _by_other(self, method: Method, schedule: "Schedule") -> Animation:
-        other = self.other(method)
-        made = other.perform(schedule, self.fps)
-        if made.poses == self.performer.poses:
-            return made
-        made = other.rigged(made)
-        own = {channel.name for channel in self.shown(self.performer.perform(schedule)).columns}
-        if not own & {channel.name for channel in made.columns}:
-            raise LipsyncError(
-                f"method '{method.name}': {other.character} moves no pose or channel of "
-                f"{self.name}; name a character with the same pose set or rig"
-            )
-        return made
 
     def _read(self, method: Method, path: Path, schedule: "Schedule") -> Animation:
         """Read an animation, or timings that a plain method animates."""

@@ -56,9 +56,7 @@ class Plot:
     caption: str
     rows: tuple[PlotRow, ...]
     ticks: tuple[tuple[str, float], ...]
-    """Text and position of each mark, in percent of the width."""
-    middle: float
-    """Position of the vertical line, in percent of the width."""
+    """Text and position of each mark, in percent of the width; the vertical line is at 50."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,6 @@ def _shares(rows: Sequence[Comparison]) -> Plot:
         f"95{NBSP}% intervals by raters.",
         drawn,
         tuple((f"{part}{NBSP}%", float(part)) for part in (0, 25, 50, 75, 100)),
-        50.0,
     )
 
 
@@ -147,7 +144,6 @@ def _strengths(rows: Sequence[Comparison]) -> Plot:
         "to 5 (strong).",
         tuple(PlotRow(one.character or EVERYBODY, words(one), dots(one)) for one in rows),
         tuple((str(n), 100 * _part(n, WEAKEST, STRONGEST)) for n in range(WEAKEST, STRONGEST + 1)),
-        50.0,
     )
 
 
@@ -170,7 +166,6 @@ def _strength_plot(ranking: Ranking) -> Plot | None:
         "",
         rows,
         ((f"{-most:.2g}", 0.0), ("0", 50.0), (f"{most:+.2g}", 100.0)),
-        50.0,
     )
 
 

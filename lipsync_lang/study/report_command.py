@@ -123,8 +123,7 @@ def report(options: Namespace) -> int:
     )
     with working("reading answers"):
         found = report_study(options.study, options.answers, rules)
-    _refuse_inputs(options, found)
-    text = _written(found, form)
+    text = _written(options, found, form)
     if options.output in (None, STANDARD_STREAM):
         sys.stdout.write(text)
     else:
@@ -140,20 +139,14 @@ def report(options: Namespace) -> int:
     return SOUND
 
 
-def _refuse_inputs(options: Namespace, found: "StudyReport") -> None:
-    """Refuse an output that is a file of the study."""
-    from lipsync_lang.study.answer_texts import STUDY_NAME
+def _written(options: Namespace, found: "StudyReport", form: str) -> str:
+    """Return the report in a format; refuse an output that is a file of the study."""
+    from lipsync_lang.study.study_file import STUDY_NAME
 
-    if options.output in (None, STANDARD_STREAM):
-        return
-    study = options.study / STUDY_NAME if options.study.is_dir() else options.study
-    read = {path.resolve() for path in (study, *map(Path, found.files))}
-    if options.output.resolve() in read:
-        raise OutputError(f"{options.output}: is a file of the study; name another file")
-
-
-def _written(found: "StudyReport", form: str) -> str:
-    """Return the report in a format."""
+    if options.output not in (None, STANDARD_STREAM):
+        study = options.study / STUDY_NAME if options.study.is_dir() else options.study
+        if options.output.resolve() in {Path(one).resolve() for one in (study, *found.files)}:
+            raise OutputError(f"{options.output}: is a file of the study; name another file")
     if form == "json":
         return as_json(found.to_dict()) + "\n"
     if form == "html":

@@ -16,6 +16,9 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import read_input
 from lipsync_lang.packs.models.fields import Strict
 
+STUDY_NAME = "study.json"
+"""Name of the file with the key, which stays with the authors of a study."""
+
 MAX_STUDY_BYTES = 16 * 2**20
 """Size limit in bytes of a study file."""
 
@@ -140,25 +143,20 @@ def read_study(path: Path) -> Study:
     """
     content = read_input(path, MAX_STUDY_BYTES, mend="name the study.json of a study")
     study = parsed(Study, content, str(path))
-    fault = _fault_of_study(study)
-    if fault:
-        raise LipsyncError(f"{path}: {fault}; make the study again")
-    return study
-
-
-def _fault_of_study(study: Study) -> str:
-    """Return the first contradiction within a study; empty if there is none."""
     seen: set[str] = set()
     for number, pair in enumerate(study.pairs):
         unknown = next((m for m in (pair.left, pair.right) if m not in study.methods), None)
+        fault = ""
         if unknown is not None:
-            return f"pairs.{number}: unknown method '{unknown}'"
-        if pair.left == pair.right and pair.check is None:
-            return f"pairs.{number}: '{pair.left}' is on both sides, but is not an attention check"
-        if pair.pair in seen:
-            return f"pairs.{number}: two pairs have the name '{pair.pair}'"
+            fault = f"unknown method '{unknown}'"
+        elif pair.left == pair.right and pair.check is None:
+            fault = f"'{pair.left}' is on both sides, but is not an attention check"
+        elif pair.pair in seen:
+            fault = f"two pairs have the name '{pair.pair}'"
+        if fault:
+            raise LipsyncError(f"{path}: pairs.{number}: {fault}; make the study again")
         seen.add(pair.pair)
-    return ""
+    return study
 
 
 def study_digest(contents: object) -> str:

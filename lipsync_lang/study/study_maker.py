@@ -12,6 +12,7 @@ from lipsync_lang.study.methods import Method, StudyCharacter, lacks, spoilt
 from lipsync_lang.study.study_clips import Clip, render_clips
 from lipsync_lang.study.study_file import (
     QUESTIONS,
+    STUDY_NAME,
     Study,
     StudyPair,
     as_text,
@@ -31,8 +32,8 @@ from lipsync_lang.study.study_pairs import (
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
 
-KEY, PAGE, CLIPS = "study.json", "page.html", "clips"
-"""Names in the folder of a study: key, page for raters, and rendered clips."""
+PAGE, CLIPS = "page.html", "clips"
+"""Names in the folder of a study, beside `STUDY_NAME`: page for raters, and rendered clips."""
 
 StepProgress = Callable[[str, int, int], None]
 """Progress: kind of work, number done, and total."""
@@ -112,7 +113,7 @@ def make_study(
     def key(stream: BinaryIO) -> None:
         stream.write(as_text(study).encode())
 
-    write_all({folder / KEY: key, folder / PAGE: page})
+    write_all({folder / STUDY_NAME: key, folder / PAGE: page})
     size = (folder / PAGE).stat().st_size
     return NewStudy(study, folder, rendered, size, tuple(stage.remarks))
 
@@ -214,7 +215,7 @@ def _study(plan: StudyPlan, pairs: tuple[StudyPair, ...], clips: dict[str, list[
 
 def _refuse_another(folder: Path, study: Study) -> None:
     """Refuse a folder with another study, and a folder that cannot be made."""
-    key = folder / KEY
+    key = folder / STUDY_NAME
     if key.exists():
         there = read_study(key)
         if there.study != study.study:

@@ -12,11 +12,11 @@ from lipsync_lang.study.answer_sorting import (
     reasons,
     sort_answers,
 )
-from lipsync_lang.study.answer_texts import REPORT_FORMAT, STUDY_NAME, answer_files
+from lipsync_lang.study.answer_texts import REPORT_FORMAT, answer_files
 from lipsync_lang.study.bradley_terry import Ranking, ranked
 from lipsync_lang.study.comparisons import Comparison, compared
 from lipsync_lang.study.distributions import CONFIDENCE_LEVEL
-from lipsync_lang.study.study_file import Study, read_study
+from lipsync_lang.study.study_file import STUDY_NAME, Study, read_study
 
 SIGNIFICANCE_LEVEL = 0.05
 """Level of significance in notes."""
