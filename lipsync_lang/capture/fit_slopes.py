@@ -11,7 +11,6 @@ the full pipeline; slopes only direct the search.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,28 +38,16 @@ PASSED = 1e-3
 """Maximum change of a value by stages that leave the curve unchanged."""
 
 
-@dataclass(frozen=True, eq=False)
-class ControlSlopes:
-    """Slopes of recorded values against the control values of drafted rows."""
+def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -> Sparse:
+    """Return slopes against control values at the current values: (O, R P n).
 
-    matrix: Sparse
-    """(O, R P n) for O values, including lost ones, in the order of lines, frames and signals."""
-    poses: int
-
-    def columns(self, rows: Ints) -> Sparse:
-        """Return the matrix columns of all control values of some rows."""
-        each = self.poses * len(TIMES)
-        wanted = (rows[:, None] * each + np.arange(each)).ravel()
-        return self.matrix[:, wanted]
-
-
-def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -> ControlSlopes:
-    """Return slopes against control values at the current values."""
+    Rows include lost values, in the order of lines, frames and signals.
+    """
     from scipy import sparse
 
     tables, motion = face.moved(values), face.motion(values)
     parts = [_line_slopes(face, tables, motion, line) for line in lines]
-    return ControlSlopes(sparse.vstack(parts, format="csr"), len(tables.priority))
+    return sparse.vstack(parts, format="csr")
 
 
 def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLine) -> Sparse:

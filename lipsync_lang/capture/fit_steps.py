@@ -144,7 +144,7 @@ def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
     def slopes(vector: Floats) -> Any:
         values = parameters.values(vector, base)
         drafts = draft_slopes(face, values)[:, free]
-        found = seen_rows(lines, control_slopes(face, values, lines).matrix @ drafts)
+        found = seen_rows(lines, control_slopes(face, values, lines) @ drafts)
         none = sparse.csr_matrix((found.shape[0], len(parameters.heights)))
         return sparse.hstack((none, found), format="csr")
 
@@ -227,6 +227,9 @@ def fit_bigrams(
     free[:, seen_poses(lines), 1:-1] = True
     strength = BIGRAM_PRIOR_OCCURRENCES * OCCURRENCE_SECONDS * lines[0].frames.fps / len(TIMES)
     start = np.zeros(int(free.sum()))
+    every = np.zeros((len(often), *free.shape[1:]), bool)
+    every[rows] = free
+    columns = np.flatnonzero(every)  # of the slopes
 
     def values(vector: Floats) -> FitValues:
         changes = np.zeros(drafts.shape)
@@ -237,8 +240,7 @@ def fit_bigrams(
         return face.errors(values(vector), lines)
 
     def slopes(vector: Floats) -> Any:
-        columns = control_slopes(face, values(vector), lines).columns(rows)
-        return seen_rows(lines, columns[:, np.flatnonzero(free.ravel())])
+        return seen_rows(lines, control_slopes(face, values(vector), lines)[:, columns])
 
     bounds = -drafts[free], 1 - drafts[free]
     prior = sparse.identity(len(start), format="csr") * np.sqrt(strength)

@@ -293,7 +293,7 @@ def test_slopes_are_those_of_the_pipeline():
     laid = lay_lines(performer, lines, FPS)
     face = FitFace.of(pair, laid)
     parameters = TargetParameters.of(face, face.start, seen_poses(laid))
-    slopes = control_slopes(face, face.start, laid).matrix @ draft_slopes(face, face.start)
+    slopes = control_slopes(face, face.start, laid) @ draft_slopes(face, face.start)
     slopes = slopes[:, parameters.free].toarray()
     vector = parameters.vector(face.start)
     before = face.errors(face.start, laid)
