@@ -332,7 +332,14 @@ class Speaker:
         direct = manner.direct or manner.voice is None or name != manner.voice[0]
         read = self._for_direct_voice(texts) if direct else self.transcribe_many(texts)
         ours, engines = tee(read)
-        spellings = (one.spelling for one in engines if isinstance(one, Transcript))
+        spellings = (
+            # In the engine's own spelling if the text has one.
+            " ".join(word.respelled or word.text for word in one.words)
+            if any(word.respelled for word in one.words)
+            else one.text
+            for one in engines
+            if isinstance(one, Transcript)
+        )
         said = iter(speak_many(spellings, voice, engine=name, words_per_minute=words_per_minute))
         for transcript in ours:
             if isinstance(transcript, SpeechError):

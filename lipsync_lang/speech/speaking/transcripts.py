@@ -40,13 +40,6 @@ class Transcript:
         return tuple(label for word in self.words for label in word.labels)
 
     @property
-    def spelling(self) -> str:
-        """The text for a voice to read, in the engine's own spelling if it has one."""
-        if not any(word.respelled for word in self.words):
-            return self.text
-        return " ".join(word.respelled or word.text for word in self.words)
-
-    @property
     def stress(self) -> tuple[int | None, ...]:
         """The stress of each label, as in a schedule; empty if no word states any."""
         if not any(word.stress for word in self.words):
