@@ -33,7 +33,7 @@ from matplotlib.figure import Figure
 from PIL import Image, ImageDraw, ImageFont
 
 import lipsync_lang as ll
-from lipsync_lang.animations.keys import cubic_curves
+from lipsync_lang.animations.keys import curves
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.quality.curve_statistics import HIGH_HERTZ
 from lipsync_lang.quality.likeness import CAPTURE_FPS
@@ -129,7 +129,7 @@ def fitted(path: Path) -> None:
     poses = ("open", "PBM", "W")
     named = {pose: animation[pose] for pose in poses}
     table = np.column_stack([*named.values()])
-    found = cubic_curves(poses, animation.times, table, 0.02, animation.contacts)
+    found = curves(poses, animation.times, table, 0.02, animation.contacts)
     figure = Figure((9, 4.2), layout="constrained")
     rows = figure.subplots(len(poses), sharex=True)
     seconds = float(animation.times[-1] - animation.times[0])

@@ -12,8 +12,8 @@ from lipsync_lang.authoring.new_pack import (
     PackDraft,
     PackWish,
     check_name,
-    encoded,
     head,
+    pack_bytes,
     place_model,
     scalar,
 )
@@ -115,7 +115,7 @@ def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> C
     match = _chosen(library, wanted, model, matches)
     stated, copies = place_model(wanted.model, path)
     rig = match.rig if match.complete else wanted.name
-    outputs: dict[Path, bytes | Path] = {path: encoded(_lines(wanted, match, rig, stated))}
+    outputs: dict[Path, bytes | Path] = {path: pack_bytes(_lines(wanted, match, rig, stated))}
     summaries = {path: f"the poses of {match.poseset}" + (f", rig {rig}" if rig else "")}
     if not match.complete:
         rig_path = _new_rig_path(library, match, wanted.name, folder)
@@ -124,7 +124,7 @@ def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> C
             known = {one.stem: one for one in library.rigs_of(match.poseset)}
             base = cast("RigPack", library.load(known[match.rig], "rig", match.rig).model)
         made = drafted(wanted.name, wanted.heading, match, poseset, base)
-        outputs[rig_path] = encoded(rig_lines(made, model, match, poseset))
+        outputs[rig_path] = pack_bytes(rig_lines(made, model, match, poseset))
         count = sum(len(places) for places in match.found.places.values())
         summaries[rig_path] = f"{count} channel{'s' * (count != 1)} for the model"
     summaries |= dict.fromkeys(copies, f"a copy of {wanted.model}")

@@ -13,7 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.inventories import Inventory, read_inventory
-from lipsync_lang.authoring.new_pack import PackDraft, PackWish, check_name, encoded, head, scalar
+from lipsync_lang.authoring.new_pack import (
+    PackDraft,
+    PackWish,
+    check_name,
+    head,
+    pack_bytes,
+    scalar,
+)
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, IPA
 from lipsync_lang.phonology.g2p import Settings, engine
@@ -130,7 +137,7 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
     parents = {common.shades[n].like if n in common.shades else n for n in mapped}
     added, order = sorted(parents - {*common.base}), [*common.phonemes, *common.shades]
     parts = _head(wanted, inventory, added), _body(sounds, found, order)
-    content = encoded([*chain(*parts, _inventory(inventory, found)), EMPTY_TESTS])
+    content = pack_bytes([*chain(*parts, _inventory(inventory, found)), EMPTY_TESTS])
     doubtful = sum(map(_doubtful, found.values()))
     return LanguageDraft(path, {path: content} | outputs, doubtful, len(found))
 

@@ -1,6 +1,6 @@
 """The parts that all drafts of packs share: name, head, YAML values, model reference and files.
 
-A draft is lines of YAML under a head; `encoded` makes the file. Paths in a pack are POSIX paths
+A draft is lines of YAML under a head; `pack_bytes` makes the file. Paths in a pack are POSIX paths
 relative to the folder of the pack.
 """
 
@@ -114,7 +114,7 @@ def flow(value: object, spaced: re.Pattern[str] | None = None) -> str:
     return f"{value:g}" if isinstance(value, float) else json.dumps(value)
 
 
-def encoded(lines: Iterable[str]) -> bytes:
+def pack_bytes(lines: Iterable[str]) -> bytes:
     """Return the content of a pack."""
     return ("\n".join(lines) + "\n").encode()
 

@@ -16,7 +16,7 @@ from lipsync_lang.authoring.new_pack import (
     PackDraft,
     PackWish,
     check_name,
-    encoded,
+    pack_bytes,
     place_model,
     scalar,
 )
@@ -128,7 +128,7 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
         *([f"{len(left)} unused, in a comment"] if left else ()),
         *([f"the model has no shape called {', '.join(absent)}"] if absent else ()),
     ]
-    outputs: NewFiles = {path: encoded(poseset_lines(made, common, why, left)), **copies}
+    outputs: NewFiles = {path: pack_bytes(poseset_lines(made, common, why, left)), **copies}
     return PoseSetDraft(path, outputs, "; ".join(said))
 
 

@@ -3,7 +3,6 @@
 import math
 import subprocess
 import time
-import wave
 from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
@@ -15,13 +14,13 @@ from typing import BinaryIO
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.writers.wav import write_samples
 from lipsync_lang.errors import OutputError
 from lipsync_lang.extras import install_line
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged, sweep
-from lipsync_lang.schedules.schedule import Audio
 from lipsync_lang.terminal import progress, wipe
 
 FRAME_PIXELS = 720
@@ -92,7 +91,12 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
         inputs = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size}x{size}", "-r", f"{rate}"]
         inputs += ["-i", "-"]
         if audio is not None:
-            _write_sound(audio, scene.sound, count / animation.fps, sound)
+            # Silence before the sound, and after it up to the end of the video.
+            before = round(scene.sound * audio.rate)
+            whole = math.ceil(count / animation.fps * audio.rate)
+            after = max(0, whole - before - len(audio.samples))
+            with sound.open("wb") as stream:
+                write_samples(np.pad(audio.samples, (before, after)), audio.rate, stream)
             inputs += ["-i", str(sound)]
         quiet = ["-loglevel", "error", "-nostdin", "-y"]
         output = [*COLOURS, *(codec or CODECS[kind]), *REPRODUCIBLE_FLAGS, str(path)]
@@ -121,17 +125,6 @@ def find_ffmpeg() -> str:
             f"ffmpeg was not found ({error}); set the environment variable IMAGEIO_FFMPEG_EXE "
             "to its path"
         ) from None
-
-
-def _write_sound(audio: Audio, start: float, seconds: float, path: Path) -> None:
-    """Write a sound with silence before it, and after it up to the end of the video."""
-    before = round(start * audio.rate)
-    after = max(0, math.ceil(seconds * audio.rate) - before - len(audio.samples))
-    with wave.open(str(path), "wb") as sound:
-        sound.setnchannels(1)
-        sound.setsampwidth(2)
-        sound.setframerate(audio.rate)
-        sound.writeframes(np.pad(audio.samples, (before, after)).astype("<i2").tobytes())
 
 
 def _encode(command: Sequence[str], artist: Artist, times: Sequence[float]) -> None:

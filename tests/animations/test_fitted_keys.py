@@ -18,7 +18,7 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.fitted_keys import CONTACT_TOLERANCE, fit
-from lipsync_lang.animations.keys import cubic_curves
+from lipsync_lang.animations.keys import curves
 from lipsync_lang.animations.readers.glb import read_glb
 from lipsync_lang.animations.writers.blender import TEMPLATE
 from lipsync_lang.rigs.splines import Spline, sample
@@ -115,7 +115,7 @@ def test_a_spline_holds_its_ends():
 @pytest.mark.parametrize("error", [0.02, 0.1, 0.5])
 def test_contacts_keep_their_floor(animation, error):
     assert animation.contacts == {"PBM": 0.9, "FV": 0.8}
-    for curve in cubic_curves(
+    for curve in curves(
         animation.poses, animation.times, animation.weights, error, animation.contacts
     ):
         floor = animation.contacts.get(curve.name, 0)

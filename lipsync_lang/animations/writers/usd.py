@@ -22,7 +22,7 @@ from lipsync_lang.errors import OutputError
 if TYPE_CHECKING:
     from lipsync_lang.arrays import Floats
 
-ESCAPES = str.maketrans({"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\t": r"\t"})
+USD_ESCAPES = str.maketrans({"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\t": r"\t"})
 """Characters of a name that a string of USD cannot hold."""
 
 PRIM_NAME = "Speech"
@@ -54,7 +54,7 @@ def write_usd(animation: Animation, out: TextIO) -> None:
     numbers = (f"{round(frame, 6) + 0.0:.6f}" for frame in frames.tolist())
     codes = [number.rstrip("0").rstrip(".") for number in numbers]
     rate = repr(float(animation.fps)).removesuffix(".0")
-    tokens = ", ".join(f'"{name.translate(ESCAPES)}"' for name in moves)
+    tokens = ", ".join(f'"{name.translate(USD_ESCAPES)}"' for name in moves)
     out.write(
         f'#usda 1.0\n(\n    defaultPrim = "{PRIM_NAME}"\n'
         f"    endTimeCode = {codes[-1]}\n"

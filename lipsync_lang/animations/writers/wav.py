@@ -3,6 +3,9 @@
 import wave
 from typing import BinaryIO
 
+import numpy as np
+import numpy.typing as npt
+
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.errors import OutputError
@@ -17,8 +20,13 @@ def write_wav(animation: Animation, out: BinaryIO) -> None:
             f"there is no sound to write: {animation.schedule.source} has no audio; "
             "speak text instead, or omit the .wav"
         )
+    write_samples(audio.samples, audio.rate, out)
+
+
+def write_samples(samples: npt.NDArray[np.int16], rate: int, out: BinaryIO) -> None:
+    """Write mono samples as a WAV file."""
     with wave.open(out, "wb") as sound:
         sound.setnchannels(1)
         sound.setsampwidth(2)
-        sound.setframerate(audio.rate)
-        sound.writeframes(audio.samples.astype("<i2").tobytes())
+        sound.setframerate(rate)
+        sound.writeframes(samples.astype("<i2").tobytes())
