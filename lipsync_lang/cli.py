@@ -7,23 +7,28 @@ Data goes to stdout, messages to stderr. Exit codes: 0 success; 1 faults found; 
 import logging
 import os
 import sys
-from collections.abc import Sequence
-from contextlib import suppress
+import warnings
+from argparse import Namespace
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager, redirect_stderr, suppress
 from io import TextIOWrapper
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.defaults import fill
-from lipsync_lang.commands.output import FAULTS, INTERRUPTED, MISUSE, SOUND
+from lipsync_lang.commands.output import FAULTS, INTERRUPTED, MISUSE, SOUND, as_options
 from lipsync_lang.commands.parser import parser
-from lipsync_lang.commands.spelling import as_options
-from lipsync_lang.commands.words import saying
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.extensions import plug_in_behind
+from lipsync_lang.extensions import PluginWarning, plug_in_behind
 from lipsync_lang.files.signals import Terminated, terminating
 from lipsync_lang.terminal import safe_streams
 
 if TYPE_CHECKING:
     from lipsync_lang.commands.registry import Handler
+
+LOG_VARIABLE = "LIPSYNC_LANG_LOG"
+"""Environment variable for the log level: `debug` or `info`."""
+
+LOG_LEVELS = {"debug": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING}
 
 _log = logging.getLogger(__name__)
 
@@ -56,7 +61,12 @@ def _worded(arguments: Sequence[str] | None) -> int:
         return FAULTS if of_packs else MISUSE
     except OSError as error:
         _discard_output()
-        print(f"lipsync-lang: {_os_words(error)}", file=sys.stderr)
+        if isinstance(error, FileNotFoundError) and error.filename is None:
+            told = "the current folder no longer exists; change to another"
+        else:
+            where = f"{error.filename}: " if error.filename else ""
+            told = f"{where}{error.strerror or error}"
+        print(f"lipsync-lang: {told}", file=sys.stderr)
         return MISUSE
     except MemoryError:
         print("lipsync-lang: out of memory; use fewer --fps or a shorter line", file=sys.stderr)
@@ -66,7 +76,11 @@ def _worded(arguments: Sequence[str] | None) -> int:
         if plug_in is None:
             raise  # a fault of this program: its traceback belongs in the report
         _log.debug("%s failed", plug_in, exc_info=True)
-        print(f"lipsync-lang: {_blame(plug_in, error)}", file=sys.stderr)
+        print(
+            f"lipsync-lang: the plug-in {plug_in} failed: {type(error).__name__}: {error}; "
+            "report it to its authors with the output of `-v`",
+            file=sys.stderr,
+        )
         return MISUSE
 
 
@@ -83,16 +97,39 @@ def _run(arguments: Sequence[str] | None) -> int:
             sys.stdout.flush()
 
 
-def _blame(plug_in: str, error: Exception) -> str:
-    problem = f"the plug-in {plug_in} failed: {type(error).__name__}: {error}"
-    return f"{problem}; report it to its authors with the output of `-v`"
+@contextmanager
+def saying(options: Namespace) -> Iterator[None]:
+    """Configure the log, one-line warnings and --quiet while a command runs.
 
+    Errors are reported by the caller, after this context has closed.
+    """
+    shown = "debug" if options.verbose else os.environ.get(LOG_VARIABLE, "")
+    if shown and shown.lower() not in LOG_LEVELS:
+        known = ", ".join(LOG_LEVELS)
+        raise LipsyncError(f"{LOG_VARIABLE}={shown}: set it to one of {known}, or unset it")
+    usual = warnings.showwarning
 
-def _os_words(error: OSError) -> str:
-    if isinstance(error, FileNotFoundError) and error.filename is None:
-        return "the current folder no longer exists; change to another"
-    where = f"{error.filename}: " if error.filename else ""
-    return f"{where}{error.strerror or error}"
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+        if issubclass(category, PluginWarning):
+            print(message, file=sys.stderr)  # without a source line
+        else:
+            usual(message, category, *rest, **more)
+
+    with ExitStack() as stack:
+        if shown:
+            ours = logging.getLogger("lipsync_lang")
+            handler = logging.StreamHandler(sys.stderr)
+            handler.setFormatter(logging.Formatter("%(name)s: %(message)s"))
+            stack.callback(ours.setLevel, ours.level)
+            stack.callback(ours.removeHandler, handler)
+            ours.addHandler(handler)
+            ours.setLevel(LOG_LEVELS[shown.lower()])
+        stack.callback(setattr, warnings, "showwarning", usual)
+        warnings.showwarning = show
+        if options.quiet:
+            nowhere = stack.enter_context(open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123
+            stack.enter_context(redirect_stderr(nowhere))
+        yield
 
 
 def _encode_all() -> None:

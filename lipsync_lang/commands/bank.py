@@ -61,11 +61,9 @@ def _add_diff(action: Add) -> None:
         help="another character of the pose set, or the bare pose set [the layers below]",
     )  # fmt: skip
     made.add_argument(
-        "--plot",
-        metavar="FILE",
-        type=argument_path,
+        "--plot", metavar="FILE", type=argument_path,
         help="draw the bigrams that differ most; - is standard output, as PNG",
-    )
+    )  # fmt: skip
     made.add_argument("--all", action="store_true", help="list every bigram that differs")
     add_json(made)
 

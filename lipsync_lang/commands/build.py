@@ -1,6 +1,5 @@
 """The command that builds a whole project."""
 
-import argparse
 import json
 import sys
 from argparse import Namespace
@@ -9,7 +8,7 @@ from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.build_watch import MadeByBuilds, StandingRemarks, watch_project
 from lipsync_lang.commands.output import FAULTS, SOUND, count
@@ -45,13 +44,7 @@ def add_build(add: Add) -> None:
         "make all lines of a script, and then only the changed ones",
         "build --dry-run",
     )
-    _add_which(made.add_argument_group("which lines to make"))
-    _add_how(made.add_argument_group("how to make them"))
-    add_path(made)
-    made.set_defaults(in_project=False)
-
-
-def _add_which(which: argparse._ArgumentGroup) -> None:
+    which = made.add_argument_group("which lines to make")
     which.add_argument(
         "--only", metavar="PATTERN", action="append", default=[],
         help="make lines whose ids match, such as 'intro_*'; may be repeated",
@@ -64,21 +57,14 @@ def _add_which(which: argparse._ArgumentGroup) -> None:
         "-c", "--character", metavar="CHARACTER", action="append", default=[], dest="characters",
         help="make lines on this character; may be repeated [all]",
     )  # fmt: skip
-    which.add_argument(
-        "--prune", action="store_true", help="delete files of lines that the script no longer has"
-    )
-    which.add_argument(
-        "--force", action="store_true", help="make lines again even if nothing changed"
-    )
-    which.add_argument(
-        "--overwrite", action="store_true", help="replace files that were edited by hand"
-    )
-    which.add_argument(
-        "--dry-run", action="store_true", help="list the lines that would be made, and why"
-    )
-
-
-def _add_how(how: argparse._ArgumentGroup) -> None:
+    for option, told in (
+        ("--prune", "delete files of lines that the script no longer has"),
+        ("--force", "make lines again even if nothing changed"),
+        ("--overwrite", "replace files that were edited by hand"),
+        ("--dry-run", "list the lines that would be made, and why"),
+    ):
+        which.add_argument(option, action="store_true", help=told)
+    how = made.add_argument_group("how to make them")
     how.add_argument(
         "--workers", metavar="N", type=int, default=None, help="number of processes [one per core]"
     )
@@ -95,6 +81,8 @@ def _add_how(how: argparse._ArgumentGroup) -> None:
         help="write a report: .html, .xml (JUnit) or .json; may be repeated [the project's]",
     )  # fmt: skip
     how.add_argument("--json", action="store_true", help="print events as JSON, one on each line")
+    add_path(made)
+    made.set_defaults(in_project=False)
 
 
 def build(options: Namespace) -> int:
@@ -107,13 +95,17 @@ def build(options: Namespace) -> int:
 def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> int:
     from lipsync_lang.build.build_run import locked, make
     from lipsync_lang.build.keeping import prune
+    from lipsync_lang.build.project_build import ProjectBuild, Selection
     from lipsync_lang.build.records import Records
 
     teller = BuildTeller(as_events=options.json)
     teller.begin("reading the script")
-    project = _opened(options, remarks)
+    selection = Selection(tuple(options.only), tuple(options.languages), tuple(options.characters))
+    project = ProjectBuild.open(
+        paths=options.path, selection=selection, tts=options.tts, remark=remarks
+    )
     wipe()
-    reports = _reports(options, project)
+    reports = options.reports or [project.folder / path for path in project.project.reports]
     if options.watch:
         made.learn(project, reports)
     for fault in project.unsound.values():
@@ -125,35 +117,22 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
             records,
             force=options.force,
             overwrite=options.overwrite,
-            figures=bool(_reports(options, project)) and not options.dry_run,
+            figures=bool(reports) and not options.dry_run,
         )
         if options.dry_run:
             return _listed(plan, project, as_events=options.json)
         outcome = make(
-            plan,
-            project.maker,
-            project.pairs,
-            records,
-            workers=options.workers,
-            scheduler=options.scheduler,
-            tell=teller,
-        )
+            plan, project.maker, project.pairs, records, workers=options.workers,
+            scheduler=options.scheduler, tell=teller,
+        )  # fmt: skip
         deleted = prune(plan, project.folder, records) if options.prune else []
-    return _ended(options, project, outcome, teller, Ended(reports, deleted, remarks.changed))
-
-
-def _opened(options: Namespace, remarks: StandingRemarks) -> "ProjectBuild":
-    from lipsync_lang.build.project_build import ProjectBuild, Selection
-
-    selection = Selection(
-        tuple(options.only or ()), tuple(options.languages or ()), tuple(options.characters or ())
-    )
-    return ProjectBuild.open(
-        paths=options.path,
-        selection=selection,
-        tts=options.tts,
-        remark=remarks,
-    )
+    wipe()
+    figures, over, passed = _report(options, project, outcome, reports, deleted)
+    if options.json:
+        teller("end", figures)
+    elif outcome.built or remarks.changed or not options.watch:
+        _tell_all(_in_words(figures, over))
+    return SOUND if passed else FAULTS
 
 
 class BuildTeller:
@@ -174,30 +153,24 @@ class BuildTeller:
         if self.as_events:
             print(json.dumps({"event": name, **values}), flush=True)
         elif name == "progress":
-            self._progress(values)
+            done, of = values["done"], values["of"]
+            rate = done / max(values["seconds"], 1e-3)
+            left = _clock((of - done) / rate if rate else 0)
+            told = f"{done:,} of {of:,} lines, {rate:,.0f} a second, {left} left"
+            if sys.stderr.isatty():
+                progress(told)
+            elif monotonic() - self._told > LOG_SECONDS:
+                self._told = monotonic()
+                print(told, file=sys.stderr, flush=True)
         elif name == "waiting":
             print("another build of this project is running; waiting for it", file=sys.stderr)
         elif values.get("outcome") == "failed":
-            self._failed(values["message"])
-
-    def _failed(self, message: str) -> None:
-        self._failures += 1
-        if self._failures <= SHOWN_FAILURES:
-            wipe()
-            print(message, file=sys.stderr)
-        elif self._failures == SHOWN_FAILURES + 1:
-            print("more lines fail; a report or --json names them all", file=sys.stderr)
-
-    def _progress(self, values: Mapping[str, Any]) -> None:
-        done, of, seconds = values["done"], values["of"], values["seconds"]
-        rate = done / max(seconds, 1e-3)
-        left = (of - done) / rate if rate else 0
-        told = f"{done:,} of {of:,} lines, {rate:,.0f} a second, {_clock(left)} left"
-        if sys.stderr.isatty():
-            progress(told)
-        elif monotonic() - self._told > LOG_SECONDS:
-            self._told = monotonic()
-            print(told, file=sys.stderr, flush=True)
+            self._failures += 1
+            if self._failures <= SHOWN_FAILURES:
+                wipe()
+                print(values["message"], file=sys.stderr)
+            elif self._failures == SHOWN_FAILURES + 1:
+                print("more lines fail; a report or --json names them all", file=sys.stderr)
 
 
 def _clock(seconds: float) -> str:
@@ -224,44 +197,25 @@ def _listed(plan: "BuildPlan", project: "ProjectBuild", *, as_events: bool) -> i
             named = {"language": line.language, "character": line.character, "name": line.name}
             print(json.dumps({"event": "stale", **named, "reasons": list(step.reasons)}))
         else:
-            print(f"{line.language} {line.character} {line.name}: {_reasons(step.reasons)}")
+            reasons = shortlist(step.reasons, MAX_NAMED)
+            print(f"{line.language} {line.character} {line.name}: {reasons}")
     told = f"{count(len(stale), 'line')} of {len(plan.steps)} would be made"
     _tell_all([f"{told}; {_kept(plan.kept)}" if plan.kept else told])
     return FAULTS if project.unsound else SOUND
 
 
-def _reasons(reasons: tuple[str, ...]) -> str:
-    return shortlist(reasons, MAX_NAMED)
-
-
-class Ended(NamedTuple):
-    """Results of a build besides its lines.
-
-    Parameters
-    ----------
-    reports : files to write
-    deleted : outputs of lines that the script no longer has
-    changed : True if its remarks are others than those of the build before
-    """
-
-    reports: Sequence[Path]
-    deleted: list[str]
-    changed: bool
-
-
-def _ended(
+def _report(
     options: Namespace,
     project: "ProjectBuild",
     outcome: "BuildOutcome",
-    teller: BuildTeller,
-    ended: "Ended",
-) -> int:
-    """Report the outcome, write the reports, and return the exit code."""
+    reports: Sequence[Path],
+    deleted: list[str],
+) -> tuple[dict[str, Any], list[Any], bool]:
+    """Write the reports; return the figures, the lines past a limit, and if all passed."""
     from lipsync_lang.build.build_reports import report
 
-    wipe()
-    refused = project.refused()
-    tally, over = report(project, outcome, refused, ended.reports, SHOWN_LINES)
+    tally, over = report(project, outcome, project.refused(), reports, SHOWN_LINES)
+    gone = [path for _, record in outcome.plan.gone for path in record.outputs]
     figures = {
         "lines": len(project.lines),
         "built": sum(one.outcome == "built" for one in outcome.built.values()),
@@ -270,26 +224,12 @@ def _ended(
         "over_limits": tally.over,
         "doubted": tally.doubtful,
         "kept": outcome.kept,
-        "gone": [] if options.prune else _gone(outcome),
-        "deleted": ended.deleted,
-        "reports": [str(path) for path in ended.reports],
+        "gone": [] if options.prune else gone,
+        "deleted": deleted,
+        "reports": [str(path) for path in reports],
         "seconds": round(outcome.seconds, 3),
     }
-    if options.json:
-        teller("end", figures)
-    elif outcome.built or ended.changed or not options.watch:
-        _tell_all(_in_words(figures, over))
-    return SOUND if tally.passed() else FAULTS
-
-
-def _reports(options: Namespace, project: "ProjectBuild") -> list[Path]:
-    """Return the files of the requested reports."""
-    return options.reports or [project.folder / path for path in project.project.reports]
-
-
-def _gone(outcome: "BuildOutcome") -> list[str]:
-    """Return the outputs of lines that the script no longer has."""
-    return [path for _, record in outcome.plan.gone for path in record.outputs]
+    return figures, over, tally.passed()
 
 
 def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
@@ -305,7 +245,8 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
         told = f"{count(figures['doubted'], 'line')} past a limit of the face"
         yield f"{told}; state `limits` in the project if they should fail the build"
     if figures["deleted"]:
-        yield f"{count(len(figures['deleted']), 'file')} deleted: {_some(figures['deleted'])}"
+        deleted = figures["deleted"]
+        yield f"{count(len(deleted), 'file')} deleted: {shortlist(deleted, MAX_NAMED)}"
     yield from (f"wrote {path}" for path in figures["reports"])
     if figures["kept"]:
         yield _kept(figures["kept"])
@@ -313,17 +254,13 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
         gone = figures["gone"]
         yield (
             f"{count(len(gone), 'file')} of lines that the script no longer has: "
-            f"{_some(gone)}; --prune deletes them"
+            f"{shortlist(gone, MAX_NAMED)}; --prune deletes them"
         )
 
 
 def _kept(paths: Any) -> str:
-    told = f"{count(len(paths), 'file')} changed by hand and kept: {_some(paths)}"
+    told = f"{count(len(paths), 'file')} changed by hand and kept: {shortlist(paths, MAX_NAMED)}"
     return f"{told}; --overwrite replaces them"
-
-
-def _some(paths: Any) -> str:
-    return shortlist(paths, MAX_NAMED)
 
 
 def _tell_all(lines: Any) -> None:

@@ -58,11 +58,32 @@ def add_check(add: Add) -> None:
 def check(options: Namespace) -> int:
     """Print the figures of an animation; a figure past its limit is a fault."""
     from lipsync_lang.files import write_all
+    from lipsync_lang.quality.baselines import BASELINES
+    from lipsync_lang.quality.check_animation import check as judge
     from lipsync_lang.quality.quality_report import FORMATS
 
     performer = performer_for(options)
-    takes, remarks = _takes(options, performer)
-    judged = _judged(options, performer, takes, remarks)
+    animation, remarks = _animation(options, performer)
+    first = str(options.animation) if options.animation else "performed"
+    takes = {first: animation}
+    for method, make in BASELINES.items() if options.baseline else ():
+        plain = make(performer, animation.schedule, options.fps)
+        takes[method] = performer.rigged(plain) if options.channels else plain
+    limits: dict[str, float] = {}
+    for one in options.limits:
+        measure, _, number = one.partition("=")
+        try:
+            limits[measure] = float(number)
+        except ValueError:
+            raise LipsyncError(
+                f"--limit {one}: write NAME=NUMBER (--limit {measure or 'jitter'}=2)"
+            ) from None
+    judged = {
+        name: judge(
+            take, performer=performer, limits=limits, remarks=remarks if name == first else ()
+        )
+        for name, take in takes.items()
+    }
     form = options.format
     if form is None:
         form = SUFFIXES.get(options.output.suffix.lower(), "text") if options.output else "text"
@@ -73,51 +94,12 @@ def check(options: Namespace) -> int:
         content = f"{told}\n".encode()
         write_all({options.output: lambda out: out.write(content)})
         tell_written(options.output)
-    first = next(iter(judged.values()))
+    quality = judged[first]
     if form != "text" or options.output is not None:
-        print(summary(first), file=sys.stderr)
-    return SOUND if first.passed else FAULTS
-
-
-def summary(quality: "Quality") -> str:
-    """Summarise the quality figures in one line."""
-    if quality.passed:
-        return "all limits are met"
-    names = ", ".join(figure.name for figure in quality.failed)
-    return f"{count(len(quality.failed), 'limit')} missed: {names}"
-
-
-def _takes(
-    options: Namespace, performer: "Performer"
-) -> "tuple[dict[str, Animation], tuple[str, ...]]":
-    """Return the animation and the plain methods by name, and remarks on the first."""
-    from lipsync_lang.quality.baselines import BASELINES
-
-    animation, remarks = _animation(options, performer)
-    takes = {str(options.animation) if options.animation else "performed": animation}
-    for method, make in BASELINES.items() if options.baseline else ():
-        plain = make(performer, animation.schedule, options.fps)
-        takes[method] = performer.rigged(plain) if options.channels else plain
-    return takes, remarks
-
-
-def _judged(
-    options: Namespace,
-    performer: "Performer",
-    takes: "Mapping[str, Animation]",
-    remarks: tuple[str, ...],
-) -> "dict[str, Quality]":
-    """Measure all takes; the first entry sets the exit code."""
-    from lipsync_lang.quality.check_animation import check as judge
-
-    limits = _limits(options.limits)
-    first = next(iter(takes))
-    return {
-        name: judge(
-            take, performer=performer, limits=limits, remarks=remarks if name == first else ()
-        )
-        for name, take in takes.items()
-    }
+        names = ", ".join(figure.name for figure in quality.failed)
+        missed = f"{count(len(quality.failed), 'limit')} missed: {names}"
+        print("all limits are met" if quality.passed else missed, file=sys.stderr)
+    return SOUND if quality.passed else FAULTS
 
 
 def _page(
@@ -149,17 +131,3 @@ def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, 
     if options.channels and performer.compiled.rig is None:
         raise LipsyncError(f"{performer.character} has no rig; leave out --channels")
     return (performer.rigged(animation) if options.channels else animation), ()
-
-
-def _limits(stated: list[str]) -> dict[str, float]:
-    """Parse limits such as ``jitter=2``."""
-    limits: dict[str, float] = {}
-    for one in stated:
-        name, _, number = one.partition("=")
-        try:
-            limits[name] = float(number)
-        except ValueError:
-            raise LipsyncError(
-                f"--limit {one}: write NAME=NUMBER (--limit {name or 'jitter'}=2)"
-            ) from None
-    return limits

@@ -1,9 +1,8 @@
 """The command that generates shell completion scripts."""
 
-from argparse import Action, ArgumentParser, Namespace, _SubParsersAction
+from argparse import ArgumentParser, Namespace, _SubParsersAction
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
@@ -46,31 +45,21 @@ def completion(options: Namespace) -> int:
     except ImportError:
         raise LipsyncError(f"completion needs shtab: {install_line('completion')}") from None
     from lipsync_lang.commands.parser import parser
-
-    top = parser()
-    names = _names()
-    for _, leaf in leaves(top):
-        for action in leaf._actions:  # noqa: SLF001 argparse has no other list of them
-            _complete(action, names, shtab.FILE)
-    print(shtab.complete(top, options.shell))
-    return SOUND
-
-
-def _complete(action: Action, names: dict[str, list[str]], files: Any) -> None:
-    if action.type is Path or str(action.metavar) in FILES:
-        action.complete = files  # type: ignore[attr-defined] # where shtab looks for it
-    elif action.metavar in names and action.option_strings:
-        action.choices = names[str(action.metavar)]
-
-
-def _names() -> dict[str, list[str]]:
-    """Map option placeholders to pack names."""
     from lipsync_lang.packs.finding import Finder
 
     finder = Finder()
     languages, posesets, characters = (
-        sorted({found.name for found in finder.names(kind)})
+        {found.name for found in finder.names(kind)}
         for kind in ("language", "poseset", "character")
     )
-    faces = sorted({*posesets, *characters})
-    return {"LANGUAGE": languages, "POSESET": faces, "CHARACTER": faces}
+    faces = sorted(posesets | characters)
+    names = {"LANGUAGE": sorted(languages), "POSESET": faces, "CHARACTER": faces}
+    top = parser()
+    for _, leaf in leaves(top):
+        for action in leaf._actions:  # noqa: SLF001 argparse has no other list of them
+            if action.type is Path or str(action.metavar) in FILES:
+                action.complete = shtab.FILE  # type: ignore[attr-defined] # where shtab looks
+            elif action.metavar in names and action.option_strings:
+                action.choices = names[str(action.metavar)]
+    print(shtab.complete(top, options.shell))
+    return SOUND

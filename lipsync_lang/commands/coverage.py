@@ -2,13 +2,14 @@
 
 import sys
 from argparse import Namespace
+from dataclasses import replace
+from functools import cache
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.commands.coverage_corpus import (
     corpus_parts,
-    named_lines,
     shown_names,
     weights_of,
 )
@@ -27,7 +28,7 @@ from lipsync_lang.files import STANDARD_STREAM, argument_path
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from lipsync_lang.coverage import Coverage
     from lipsync_lang.lines import Line
@@ -127,27 +128,21 @@ def _counted(options: Namespace) -> "Coverage":
     parts = corpus_parts(options)
     weights = weights_of(options)
     shown = shown_names(path for part in parts for path in part.paths)
-    told = _CoverageRemarks()
+
+    @cache  # each remark once, however many columns are read
+    def tell(remark: str) -> None:
+        print(as_options(remark), file=sys.stderr)
+
     documents = []
     for part in parts:
         lines = read_lines(
-            part.paths,
-            column=part.column,
-            encoding=options.encoding,
-            remark=told,
-            cleaning=cleaning(options),
-            names=part.names,
-            speaker=options.speaker_column,
-        )
+            part.paths, column=part.column, encoding=options.encoding, remark=tell,
+            cleaning=cleaning(options), names=part.names, speaker=options.speaker_column,
+        )  # fmt: skip
         found = count(
-            _shown(named_lines(lines, shown)),
-            part.languages,
-            options.character,
-            paths=options.path,
-            minutes=options.minutes,
-            weights=weights,
-            cast=options.cast,
-        )
+            _shown(lines, shown), part.languages, options.character,
+            paths=options.path, minutes=options.minutes, weights=weights, cast=options.cast,
+        )  # fmt: skip
         documents.append((part.column, found))
     found = joined(documents, weights)
     others = [f"{one.what} ({one.count})" for one in found.corpus.other_speakers]
@@ -157,26 +152,16 @@ def _counted(options: Namespace) -> "Coverage":
     return found
 
 
-class _CoverageRemarks:
-    """Remarks, each printed once however many columns are read."""
-
-    def __init__(self) -> None:
-        self._told: set[str] = set()
-
-    def __call__(self, remark: str) -> None:
-        """Print a remark unless it was printed before."""
-        if remark not in self._told:
-            self._told.add(remark)
-            print(as_options(remark), file=sys.stderr)
-
-
-def _shown(lines: "Iterable[Line]", every: int = 1000) -> "Iterator[Line]":
-    """Yield lines unchanged, with a running count on a terminal."""
+def _shown(lines: "Iterable[Line]", shown: "Callable[[str], str]") -> "Iterator[Line]":
+    """Yield lines whose places name files as reports do, with a running count on a terminal."""
     try:
         for number, line in enumerate(lines):
-            if number % every == 0:
-                progress(f"{number:,} lines, {line.file}")
-            yield line
+            file, colon, at = line.place.rpartition(":")
+            name = shown(file)
+            named = line if name == file else replace(line, place=f"{name}{colon}{at}")
+            if number % 1000 == 0:
+                progress(f"{number:,} lines, {named.file}")
+            yield named
     finally:
         wipe()
 

@@ -1,8 +1,8 @@
 """The corpus of `coverage`: which files and which column each language is read from."""
 
 from argparse import Namespace
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from math import inf
 from os.path import commonpath
 from pathlib import Path
@@ -13,7 +13,6 @@ from lipsync_lang.files import STANDARD_STREAM
 from lipsync_lang.packs.project import FILE, find_project
 
 if TYPE_CHECKING:
-    from lipsync_lang.lines import Line
     from lipsync_lang.packs.finding import Finder
 
 WORD = "{language}"
@@ -50,9 +49,13 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
     stated = _stated(options.language, options.column)
     finding = _Columns(options.encoding, finder, options.language, options.words)
     parts: dict[object, CorpusPart] = {}
+    if options.language and not (options.corpus or options.lines):
+        raise LipsyncError(f"there is no script to count; name a file, or state `lines` in {FILE}")
     for language in dict.fromkeys(options.language):
         word = options.words.get(language) or language
-        paths = _paths(options, word)
+        paths = tuple(
+            options.corpus or (Path(str(path).replace(WORD, word)) for path in options.lines)
+        )
         default = options.text_column and options.text_column.replace(WORD, word)
         names = finding.names[language]
         for column in stated.get(language, [default]):
@@ -82,14 +85,6 @@ def _stated(languages: Sequence[str], columns: Sequence[str]) -> dict[str, list[
     return own
 
 
-def _paths(options: Namespace, word: str) -> tuple[Path, ...]:
-    if options.corpus:
-        return tuple(options.corpus)
-    if not options.lines:
-        raise LipsyncError(f"there is no script to count; name a file, or state `lines` in {FILE}")
-    return tuple(Path(str(path).replace(WORD, word)) for path in options.lines)
-
-
 class _Columns:
     """The columns of tables that are named after languages."""
 
@@ -107,31 +102,27 @@ class _Columns:
 
     def of(self, language: str, paths: tuple[Path, ...]) -> tuple[int, ...]:
         """Return the column in each table, or -1 where the likeliest text is taken."""
-        from lipsync_lang.lines.columns import language_column
+        from lipsync_lang.lines.columns import language_column, text_column
         from lipsync_lang.lines.line_readers import heads
 
         if paths not in self._heads:
             self._heads[paths] = heads(paths, self._encoding)
+        others = [names for other, names in self.names.items() if other != language]
         found = []
         for path, head in self._heads[paths].items():
             at = language_column(head, self.names[language])
-            if at < 0:
-                self._check(language, path, head)
             found.append(at)
+            if at >= 0:
+                continue
+            # A text of no stated language is taken; that of another language never.
+            at = text_column(head)
+            theirs = at >= 0 and self._finder.lookup("language", head[at].casefold())
+            if at < 0 or theirs or any(language_column(head, one) >= 0 for one in others):
+                raise LipsyncError(
+                    f"{path}:1: which column is the text in {language}? Say "
+                    f"--column {language}=NAME. Its columns: {', '.join(head)}"
+                )
         return tuple(found)
-
-    def _check(self, language: str, path: Path, head: list[str]) -> None:
-        """Raise an error unless a table has a text of no stated language."""
-        from lipsync_lang.lines.columns import language_column, text_column
-
-        at = text_column(head)
-        others = [names for other, names in self.names.items() if other != language]
-        theirs = at >= 0 and self._finder.lookup("language", head[at].casefold())
-        if at < 0 or theirs or any(language_column(head, names) >= 0 for names in others):
-            raise LipsyncError(
-                f"{path}:1: which column is the text in {language}? Say "
-                f"--column {language}=NAME. Its columns: {', '.join(head)}"
-            )
 
 
 def _names(finder: "Finder", language: str, word: str | None) -> tuple[str, ...]:
@@ -159,7 +150,10 @@ def weights_of(options: Namespace) -> dict[str, float]:
     weights: dict[str, float] = {}
     for one in options.weight:
         given, equals, number = one.partition("=")
-        weight = _number(number)
+        try:
+            weight = float(number)
+        except ValueError:
+            weight = -1.0  # refused below
         if not (equals and 0 <= weight < inf):
             raise LipsyncError(f"--weight {one}: write LANGUAGE=NUMBER")
         if own(given) not in counted:
@@ -171,13 +165,6 @@ def weights_of(options: Namespace) -> dict[str, float]:
     if weights and not any(weights.get(one, 1.0) for one in counted):
         raise LipsyncError("--weight: all weights are 0; give a language a larger weight")
     return weights
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return -1.0
 
 
 def shown_names(corpus: Iterable[Path]) -> Callable[[str], str]:
@@ -204,11 +191,3 @@ def shown_names(corpus: Iterable[Path]) -> Callable[[str], str]:
         return known[file]
 
     return shown
-
-
-def named_lines(lines: "Iterable[Line]", shown: Callable[[str], str]) -> "Iterator[Line]":
-    """Yield lines whose places name their files as reports do."""
-    for line in lines:
-        file, colon, number = line.place.rpartition(":")
-        name = shown(file)
-        yield line if name == file else replace(line, place=f"{name}{colon}{number}")

@@ -65,9 +65,11 @@ def _take(options: Namespace, project: "Project", folder: Path) -> None:
     if getattr(options, "offset", "") is None and project.offset is not None:
         options.offset = str(project.offset)
     if project.motion is not None and hasattr(options, "settings"):
-        stated = project.motion.model_dump(exclude_none=True)
+        stated = project.motion.model_dump(exclude_none=True).items()
         again = any(one.startswith("motion=") for one in options.settings)
-        own_settings = [] if again else [_setting(name, value) for name, value in stated.items()]
+        own_settings = [f"motion.{name}={value}" for name, value in stated if not again]
+        # A preset is the setting of motion as a whole.
+        own_settings = [one.replace("motion.preset=", "motion=") for one in own_settings]
         options.settings = [*own_settings, *options.settings]
     if hasattr(options, "values"):
         stated = [f"{name}={text}" for name, text in project.values.items()]
@@ -76,7 +78,9 @@ def _take(options: Namespace, project: "Project", folder: Path) -> None:
     if getattr(options, "shades", True) is None:
         options.shades = project.shades
     if getattr(options, "output", None) == []:
-        named = {"id": _line(options), "line": _line(options), "speaker": NARRATOR}
+        file = options.schedule or options.audio
+        line = _slug(options.line or (file.stem if file else options.text) or "") or "line"
+        named = {"id": line, "line": line, "speaker": NARRATOR}
         named |= {name: _slug(getattr(options, name, None) or "") for name in PAIR}
         options.output = [_output(one, folder, named) for one in project.outputs]
 
@@ -97,10 +101,6 @@ def _take_script(options: Namespace, project: "Project", folder: Path) -> None:
         options.cast = {name: list(own) for name, own in stated.items()}
 
 
-def _setting(name: str, value: object) -> str:
-    return f"motion={value}" if name == "preset" else f"motion.{name}={value}"
-
-
 def _output(stated: str, folder: Path, named: dict[str, str]) -> str:
     """Return an output path relative to the command line's working folder."""
     from lipsync_lang.animations.animation_writers import WRITERS
@@ -113,13 +113,6 @@ def _output(stated: str, folder: Path, named: dict[str, str]) -> str:
         raise LipsyncError(f"{FILE}: {stated} leads outside {folder}; name it with -o instead")
     path.parent.mkdir(parents=True, exist_ok=True)
     return f"{name}{colon}{os.path.relpath(path)}"
-
-
-def _line(options: Namespace) -> str:
-    """Return the line's name: the requested name, its file name, or its text."""
-    file = options.schedule or options.audio
-    said = options.line or (file.stem if file else options.text) or ""
-    return _slug(said) or "line"
 
 
 def _slug(text: str) -> str:

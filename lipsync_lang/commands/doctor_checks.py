@@ -1,18 +1,22 @@
-"""The form of a check of `doctor`, and checks of voices, speech engines, models and ffmpeg."""
+"""Checks of `doctor`, in the order of its report."""
 
 import os
 import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
 
+from lipsync_lang.commands.output import count
 from lipsync_lang.errors import LipsyncError, SpeechError, shortlist
 from lipsync_lang.extensions import Extensions
-from lipsync_lang.extras import extras, install_line
+from lipsync_lang.extras import Extra, extras, install_line
 
 if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Language
 
@@ -24,6 +28,18 @@ IMPORT_SECONDS = 60.0
 
 SHOWN_NAMES = 5
 """Maximum number of names of voices or models in a line."""
+
+IMPORT_PLUG_IN = """
+import sys
+from lipsync_lang.extensions import faults_of_plug_in
+sys.exit("; ".join(faults_of_plug_in(sys.argv[1])) or 0)
+"""
+
+LEAST_FREE_BYTES = 200 * 2**20
+"""Free space that the cache of compiled pairs should have."""
+
+SAMPLES = "aəʃ漢あ한نकกע"
+"""A letter of each of several scripts that texts are written in."""
 
 VERSION_SECONDS = 20
 """Time in which ffmpeg tells its version."""
@@ -40,8 +56,17 @@ class CheckedPart(NamedTuple):
 
 Check = Callable[[], Iterator[CheckedPart]]
 
+CHECKS: list[Check] = []
+"""Checks of the program."""
+
 MORE_CHECKS: Extensions[Check] = Extensions("doctor_checks", "check")
 """Checks of distributions and of rooms that can be closed, run after those of the program."""
+
+
+def check(one: Check) -> Check:
+    """Add a check of the program to the report."""
+    CHECKS.append(one)
+    return one
 
 
 def fault_of(code: str, *arguments: str) -> str:
@@ -63,6 +88,59 @@ def fault_of(code: str, *arguments: str) -> str:
     return words[-1] if words else f"its import ended with code {done.returncode}"
 
 
+@check
+def _python() -> Iterator[CheckedPart]:
+    from lipsync_lang.pipeline import kernel
+    from lipsync_lang.version import __version__
+
+    yield CheckedPart("Python", OK, f"{sys.version.split()[0]} at {sys.executable}")
+    yield CheckedPart("lipsync-lang", OK, f"{__version__} ({kernel.summary()})")
+
+
+@check
+def _packs() -> Iterator[CheckedPart]:
+    """Count the packs, and their faults by code."""
+    from collections import Counter
+
+    from lipsync_lang.packs.checking.validate import validate
+    from lipsync_lang.packs.library import Library
+
+    library = Library()
+    counts = (
+        count(len(library.names("language")), "language"),
+        count(len(library.names("poseset")), "pose set"),
+    )
+    faults = validate(library)
+    real = Counter(fault.code for fault in faults if fault.severity == "fault")
+    if faults:
+        codes = ", ".join(f"{number} {code}" for code, number in sorted(real.items()))
+        warned = count(len(faults) - real.total(), "warning")
+        told = f"{count(real.total(), 'fault')}{codes and f' ({codes})'}, {warned}"
+        told = f"{told}; list them: lipsync-lang validate --no-tests"
+    else:
+        told = ", ".join(counts)
+    yield CheckedPart("packs", BROKEN if real else OK, told)
+
+
+@check
+def _project() -> Iterator[CheckedPart]:
+    from lipsync_lang.packs.project import find_project, load_project
+
+    path = find_project()
+    if path is None:
+        yield CheckedPart(
+            "project", MISSING, "none in this folder; make one: lipsync-lang new NAME"
+        )
+        return
+    try:
+        load_project(path)
+    except LipsyncError as error:
+        yield CheckedPart("project", BROKEN, f"{error}; then run: lipsync-lang validate")
+        return
+    yield CheckedPart("project", OK, os.path.relpath(path))
+
+
+@check
 def voices() -> Iterator[CheckedPart]:
     """Check the voice of each of the project's languages, or of the default language."""
     from lipsync_lang.build.project_folder import starter
@@ -106,6 +184,50 @@ def _voice(name: str, pack: "Pack[Language]") -> Iterator[CheckedPart]:
         yield CheckedPart(f"voice of {name}", BROKEN if faults else OK, faults or "found")
 
 
+@check
+def _extras() -> Iterator[CheckedPart]:
+    """Import the modules of each extra in a process of its own."""
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        yield from pool.map(_extra, extras())
+
+
+def _extra(extra: Extra) -> CheckedPart:
+    part, line = f"extra {extra.name}", install_line(extra.name)
+    missing = extra.missing()
+    if missing:
+        told = f"{extra.purpose} (for {extra.used_by}): {line}"
+        return CheckedPart(part, MISSING, told)
+    fault = fault_of(f"import {', '.join(extra.modules)}")
+    if fault:
+        return CheckedPart(part, BROKEN, f"{fault}; install it again: {line}")
+    return CheckedPart(part, OK, extra.purpose)
+
+
+@check
+def _plug_ins() -> Iterator[CheckedPart]:
+    """Import each plug-in in a process of its own; find the folders of its packs."""
+    from lipsync_lang.extensions import plug_ins
+
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        yield from pool.map(lambda found: _plug_in(*found), sorted(plug_ins().items()))
+
+
+def _plug_in(name: str, entry_points: "list[EntryPoint]") -> CheckedPart:
+    from lipsync_lang.extensions import PACKS
+    from lipsync_lang.packs.finding import location
+
+    lost = [one.value for one in entry_points if one.group == PACKS and location(one) is None]
+    fault = f"no folder {lost[0]}" if lost else fault_of(IMPORT_PLUG_IN, name)
+    if fault:
+        return CheckedPart(f"plug-in {name}", BROKEN, f"{fault}; update it, or uninstall it")
+    dist = entry_points[0].dist
+    kinds = sorted({one.group.rpartition(".")[2].replace("_", " ") for one in entry_points})
+    return CheckedPart(
+        f"plug-in {name}", OK, f"{dist.version if dist else ''} with {', '.join(kinds)}"
+    )
+
+
+@check
 def engines() -> Iterator[CheckedPart]:
     """Check the voices of the speech engines that are programs of others."""
     from lipsync_lang.packs.checking.voices import ESPEAK
@@ -121,6 +243,7 @@ def engines() -> Iterator[CheckedPart]:
         yield CheckedPart(f"voices of {name}", state, told)
 
 
+@check
 def models() -> Iterator[CheckedPart]:
     """Check the models of recognisers that are installed."""
     if find_spec("faster_whisper") is not None:
@@ -135,6 +258,7 @@ def models() -> Iterator[CheckedPart]:
             yield CheckedPart("model of whisper", OK, os.fspath(folder))
 
 
+@check
 def ffmpeg() -> Iterator[CheckedPart]:
     """Check the program that encodes films, and that converts recordings by hand."""
     program, purpose = shutil.which("ffmpeg"), "converts recordings such as .m4a"
@@ -161,3 +285,58 @@ def ffmpeg() -> Iterator[CheckedPart]:
     mend = "install it again, or name another in IMAGEIO_FFMPEG_EXE"
     told = f"{version}, {purpose}, {program}" if sound else f"{program} does not run; {mend}"
     yield CheckedPart("ffmpeg", OK if sound else BROKEN, told)
+
+
+@check
+def _browser() -> Iterator[CheckedPart]:
+    import webbrowser
+
+    try:
+        webbrowser.get()
+    except webbrowser.Error:
+        yield CheckedPart("browser", MISSING, "open pages and the studio's address in one yourself")
+    else:
+        yield CheckedPart("browser", OK, "opens the studio")
+
+
+@check
+def _fonts() -> Iterator[CheckedPart]:
+    """Check the fonts of plots."""
+    from lipsync_lang.render.fonts import fonts_to_install, letters_of
+
+    if any(one.name == "plot" and one.missing() for one in extras()):
+        return  # the extra is told as missing
+    from lipsync_lang.render.plot_fonts import fonts_for
+
+    missing = fonts_for(letters_of([SAMPLES])).missing
+    for name, how in fonts_to_install(missing).items():
+        yield CheckedPart("font of plots", MISSING, f"{name}: {how}")
+    if not missing:
+        yield CheckedPart("fonts of plots", OK, f"for {' '.join(SAMPLES)}")
+
+
+@check
+def _cache() -> Iterator[CheckedPart]:
+    from lipsync_lang.resolver.cache import CACHE_VARIABLE, folder
+
+    path = folder()
+    if path is None:
+        yield CheckedPart("cache", MISSING, f"is off by {CACHE_VARIABLE}, so each start is slower")
+        return
+    there = next(one for one in (path, *path.absolute().parents) if one.exists())
+    free = shutil.disk_usage(there).free
+    mend = f"name another folder in {CACHE_VARIABLE}"
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        yield CheckedPart("cache", BROKEN, f"{path} cannot be written; {mend}")
+    elif free < LEAST_FREE_BYTES:
+        yield CheckedPart("cache", BROKEN, f"{path} has {free / 2**20:.0f} MB left; {mend}")
+    else:
+        yield CheckedPart("cache", OK, f"{path}, {free / 2**30:.0f} GB free")
+
+
+@check
+def _terminal() -> Iterator[CheckedPart]:
+    encoding = getattr(sys.stdout, "encoding", None) or "none"
+    plain = not encoding.lower().startswith("utf")
+    told = f"{encoding} shows no IPA; set PYTHONUTF8=1" if plain else encoding
+    yield CheckedPart("terminal", MISSING if plain else OK, told)

@@ -1,7 +1,6 @@
 """Commands that list voices and formats."""
 
 from argparse import Namespace
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.output import SOUND, as_json
@@ -62,11 +61,9 @@ def formats(options: Namespace) -> int:
         told = [(kind, name, " ".join(suffixes), title) for kind, name, suffixes, title in rows]
         print(as_json([dict(zip(keys, row, strict=True)) for row in told]))
     else:
-        shown = [(kind, name, _shown(suffixes), title) for kind, name, suffixes, title in rows]
+        shown = [
+            (kind, name, " ".join(of[:SHOWN]) + (" ..." if len(of) > SHOWN else ""), title)
+            for kind, name, of, title in rows
+        ]
         print("\n".join(columns(shown)))
     return SOUND
-
-
-def _shown(suffixes: Sequence[str]) -> str:
-    """Return the first suffixes of a long list."""
-    return " ".join(suffixes[:SHOWN]) + (" ..." if len(suffixes) > SHOWN else "")

@@ -3,7 +3,7 @@
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -62,7 +62,10 @@ def live(options: Namespace) -> int:
 
     addresses = [parse_address(one) for one in dict.fromkeys(options.to or [STANDARD_OUTPUT])]
     performer, fps = performer_for(options), options.fps
-    renamed = _renamed(options.rename)
+    renamed = dict(one.partition("=")[::2] for one in options.rename)
+    for name, other in renamed.items():
+        if not name or not other:
+            raise LipsyncError(f"--rename {name}: write POSE=NAME, such as --rename mouth_open=A")
     refuse_unknown(renamed, performer.poses)
     how: dict[str, Any] = {
         "styles": levels("--style", options.styles),
@@ -140,15 +143,6 @@ def lines(stream: TextIO) -> Iterator[str]:
             whole, rest = [*whole, rest], b""
         yield from (line.decode("utf-8", "replace") for line in whole)
     yield rest.decode("utf-8", "replace")
-
-
-def _renamed(stated: list[str]) -> Mapping[str, str]:
-    """Parse ``a=A``."""
-    found = dict(one.partition("=")[::2] for one in stated)
-    for name, other in found.items():
-        if not name or not other:
-            raise LipsyncError(f"--rename {name}: write POSE=NAME, such as --rename mouth_open=A")
-    return found
 
 
 def _complain(message: str) -> None:

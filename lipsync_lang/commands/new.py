@@ -63,11 +63,6 @@ def new(options: Namespace) -> int:
         )
     if len(options.characters) > 1:
         raise LipsyncError(f"a new folder has one character; add others to `cast` in its {FILE}")
-    return _folder(options)
-
-
-def _folder(options: Namespace) -> int:
-    """Make a project folder, and print its files and the next commands."""
     from lipsync_lang.build.project_folder import make_project
     from lipsync_lang.packs.library import Library
 

@@ -1,6 +1,7 @@
-"""Shared output helpers: exit codes, counts, JSON and progress."""
+"""Shared output helpers: exit codes, counts, JSON, progress, and names of options in messages."""
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -17,6 +18,19 @@ MAX_THING_CHARS = 40
 
 SOUND, FAULTS, MISUSE, INTERRUPTED = 0, 1, 2, 130
 """Exit codes."""
+
+OPTIONS = {
+    name: f"--{name.replace('_', '-')}"
+    for name in (
+        "aligner", "alpha", "audio", "channels", "column", "correlation", "cut", "encoding", "fps",
+        "gaps", "language", "model", "notation", "offset", "pairs", "power", "rate", "raters",
+        "read_as", "recogniser", "schedule", "share", "tier", "unknown",
+    )
+} | {"engine": "--tts", "paths": "--path"}  # fmt: skip
+"""Option names by Python argument name."""
+
+_ARGUMENT = re.compile(r"`([a-z_]+)(?:=(['\"]?)([^`]*?)\2)?`")
+_PLAIN = re.compile(r"[\w.,@%+:/-]+")
 
 
 @contextmanager
@@ -81,3 +95,17 @@ def as_json(data: object) -> str:
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"
     plain = not encoding.lower().startswith("utf")
     return json.dumps(data, ensure_ascii=plain, indent=2, default=str)
+
+
+def as_options(message: str) -> str:
+    """Replace Python arguments in a message by options: `unknown='rest'` by --unknown rest."""
+    return _ARGUMENT.sub(_option, message)
+
+
+def _option(found: re.Match[str]) -> str:
+    name, _, value = found.groups()
+    if name not in OPTIONS:
+        return found[0]
+    if value is None:
+        return OPTIONS[name]
+    return f"{OPTIONS[name]} {value}" if _PLAIN.fullmatch(value) else f'{OPTIONS[name]} "{value}"'

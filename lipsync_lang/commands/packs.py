@@ -22,8 +22,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import argument_path
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
+    from lipsync_lang.authoring.new_pack import PackDraft
     from lipsync_lang.packs.describe import Description
     from lipsync_lang.packs.library import Library
 
@@ -33,41 +32,6 @@ def add_languages(add: Add) -> None:
     """Add `languages`."""
     title = "list language packs, show one, check one, or draft a new one"
     made = _add_kind(add, "languages", title, ("list", "show", "check", "new"))
-    _add_language_check(made)
-    _add_new_language(made)
-    add_path(made)
-    add_json(made)
-
-
-@command("posesets")
-def add_posesets(add: Add) -> None:
-    """Add `posesets`."""
-    title = "list pose sets, show one, or draft a new one"
-    made = _add_kind(add, "posesets", title, ("list", "show", "new"))
-    _add_new_poseset(made)
-    add_path(made)
-    add_json(made)
-
-
-@command("characters")
-def add_characters(add: Add) -> None:
-    """Add `characters`."""
-    title = "list characters, show one, or draft one from a model"
-    made = _add_kind(add, "characters", title, ("list", "show", "new"))
-    _add_new_character(made)
-    add_path(made)
-    add_json(made)
-
-
-def _add_kind(add: Add, kind: str, title: str, actions: tuple[str, ...]) -> argparse.ArgumentParser:
-    made = add(kind, packs, title, f"{kind} list")
-    made.set_defaults(kind=kind[:-1])
-    made.add_argument("action", choices=actions, nargs="?", default="list")
-    made.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to create")
-    return made
-
-
-def _add_language_check(made: argparse.ArgumentParser) -> None:
     made.set_defaults(choosing=True)  # a character is welcome, but not needed
     check = made.add_argument_group("how a language is checked")
     check.add_argument(
@@ -78,9 +42,6 @@ def _add_language_check(made: argparse.ArgumentParser) -> None:
         "--picture", metavar="FILE", type=argument_path,
         help="draw the mouths of the character on its model, as PNG",
     )  # fmt: skip
-
-
-def _add_new_language(made: argparse.ArgumentParser) -> None:
     new = made.add_argument_group("sources of a new language")
     new.add_argument("--voice", metavar="VOICE", help="an eSpeak NG voice, such as sw")
     new.add_argument("--epitran", metavar="CODE", help="an Epitran code, such as xho-Latn")
@@ -98,16 +59,20 @@ def _add_new_language(made: argparse.ArgumentParser) -> None:
         help="PHOIBLE inventory number, or an ISO 639-3 code or name",
     )
     new.add_argument(
-        "--text",
-        metavar="FILE",
-        type=argument_path,
+        "--text", metavar="FILE", type=argument_path,
         help="sample lines to collect sounds from; - is standard input",
-    )
+    )  # fmt: skip
     new.add_argument("--tag", metavar="TAG", help="the BCP 47 tag of the language")
     new.add_argument("--title", metavar="TITLE", help="the full name of the language")
+    add_path(made)
+    add_json(made)
 
 
-def _add_new_poseset(made: argparse.ArgumentParser) -> None:
+@command("posesets")
+def add_posesets(add: Add) -> None:
+    """Add `posesets`."""
+    title = "list pose sets, show one, or draft a new one"
+    made = _add_kind(add, "posesets", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new pose set")
     new.add_argument("poses", metavar="POSE", nargs="*", help="the names of its poses")
     new.add_argument(
@@ -123,14 +88,30 @@ def _add_new_poseset(made: argparse.ArgumentParser) -> None:
         help="assign sounds to unknown poses by a first guess",
     )  # fmt: skip
     new.add_argument("--title", metavar="TITLE", help="its title in lists")
+    add_path(made)
+    add_json(made)
 
 
-def _add_new_character(made: argparse.ArgumentParser) -> None:
+@command("characters")
+def add_characters(add: Add) -> None:
+    """Add `characters`."""
+    title = "list characters, show one, or draft one from a model"
+    made = _add_kind(add, "characters", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new character")
     new.add_argument("--model", metavar="FILE", type=Path, help="the model of the face (.glb)")
     new.add_argument("--poseset", metavar="POSESET", help="its pose set [the best match]")
     new.add_argument("--rig", metavar="RIG", help="a rig of the pose set [the best match]")
     new.add_argument("--title", metavar="TITLE", help="its title in lists")
+    add_path(made)
+    add_json(made)
+
+
+def _add_kind(add: Add, kind: str, title: str, actions: tuple[str, ...]) -> argparse.ArgumentParser:
+    made = add(kind, packs, title, f"{kind} list")
+    made.set_defaults(kind=kind[:-1])
+    made.add_argument("action", choices=actions, nargs="?", default="list")
+    made.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to create")
+    return made
 
 
 def packs(options: Namespace) -> int:
@@ -140,7 +121,12 @@ def packs(options: Namespace) -> int:
 
     library = Library(options.path)
     if options.action == "new":
-        return NEW[options.kind](library, options)
+        made: Any = NEW[options.kind](library, options)
+        made.write()
+        print(made, file=sys.stderr)
+        if options.json and options.kind == "character":
+            print(as_json(made.to_dict()))
+        return SOUND
     if options.action == "check":
         return _check_language(library, options)
     if vars(options).get("picture"):
@@ -151,7 +137,13 @@ def packs(options: Namespace) -> int:
         if options.name is None:
             raise LipsyncError(f"name the {options.kind} to show: {options.kind}s show NAME")
         if options.kind == "language":
-            return _show_language(library, options)
+            from lipsync_lang.authoring.language_description import describe as describe_language
+            from lipsync_lang.authoring.printing import language_table
+
+            with working(f"trying {options.name}"):
+                described = describe_language(library, library.language(options.name))
+            print(as_json(described) if options.json else language_table(described))
+            return SOUND
         told = _with_losses(library, options, describe.show(library, options.kind, options.name))
     elif options.name is not None:
         raise LipsyncError(f"list takes no name; run: {options.kind}s show {options.name}")
@@ -184,49 +176,33 @@ def _with_losses(library: "Library", options: Namespace, told: "Description") ->
     return Description("\n".join([told.text, *lines]), data)
 
 
-def _new_language(library: "Library", options: Namespace) -> int:
+def _new_language(library: "Library", options: Namespace) -> "PackDraft":
     from lipsync_lang.authoring.language_draft import LanguageWish, draft
 
     if options.name is None:
         raise LipsyncError("name the new language: languages new NAME --voice sw")
     wanted = LanguageWish(
-        options.name,
-        tag=options.tag,
-        title=options.title,
-        voice=options.voice,
-        epitran=options.epitran,
-        lexicon=options.lexicon,
-        inventory=options.inventory,
-        inventory_id=options.inventory_id,
-        texts=lines_of(options.text) if options.text else (),
-    )
+        options.name, tag=options.tag, title=options.title, voice=options.voice,
+        epitran=options.epitran, lexicon=options.lexicon, inventory=options.inventory,
+        inventory_id=options.inventory_id, texts=lines_of(options.text) if options.text else (),
+    )  # fmt: skip
     with working(f"drafting {options.name}"):
-        made = draft(library, wanted)
-    made.write()
-    print(made, file=sys.stderr)
-    return SOUND
+        return draft(library, wanted)
 
 
-def _new_poseset(library: "Library", options: Namespace) -> int:
+def _new_poseset(library: "Library", options: Namespace) -> "PackDraft":
     from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft
 
     if options.name is None:
         raise LipsyncError("name the new pose set, and its poses: posesets new NAME POSE ...")
     wanted = PoseSetWish(
-        options.name,
-        poses=options.poses,
-        model=options.model,
-        like=options.like,
-        title=options.title,
-        guess=options.guess,
-    )
-    made = draft(library, wanted)
-    made.write()
-    print(made, file=sys.stderr)
-    return SOUND
+        options.name, poses=options.poses, model=options.model, like=options.like,
+        title=options.title, guess=options.guess,
+    )  # fmt: skip
+    return draft(library, wanted)
 
 
-def _new_character(library: "Library", options: Namespace) -> int:
+def _new_character(library: "Library", options: Namespace) -> "PackDraft":
     from lipsync_lang.authoring.character_draft import CharacterWish, draft
 
     if options.name is None or options.model is None:
@@ -237,29 +213,17 @@ def _new_character(library: "Library", options: Namespace) -> int:
         options.name, options.model, options.poseset, options.rig, title=options.title
     )
     with working(f"trying pose sets on {options.model}"):
-        made = draft(library, wanted)
-    made.write()
-    print(made, file=sys.stderr)
-    if options.json:
-        print(as_json(made.to_dict()))
-    return SOUND
-
-
-def _show_language(library: "Library", options: Namespace) -> int:
-    from lipsync_lang.authoring.language_description import describe
-    from lipsync_lang.authoring.printing import language_table
-
-    with working(f"trying {options.name}"):
-        told = describe(library, library.language(options.name))
-    print(as_json(told) if options.json else language_table(told))
-    return SOUND
+        return draft(library, wanted)
 
 
 def _check_language(library: "Library", options: Namespace) -> int:
     """Print the faults, the mouths and the tests of a language pack."""
     from lipsync_lang.authoring.language_check import check_language
+    from lipsync_lang.authoring.mouth_sheet import draw_mouths
+    from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import located
     from lipsync_lang.packs.library import Library
+    from lipsync_lang.performing.resolving import resolve
 
     if options.name is None:
         raise LipsyncError("name the language or its file: languages check languages/NAME.yaml")
@@ -270,22 +234,15 @@ def _check_language(library: "Library", options: Namespace) -> int:
     with working(f"checking {name}"):
         found = check_language(library, library.find("language", name), options.character)
     if found.sounds is not None and options.picture is not None:
-        _draw_mouths(options, found.sounds)
+        sounds, paths = found.sounds, options.path
+        performer = resolve(options.name, options.character, paths=paths, gaps="rest")
+        write_all({options.picture: lambda out: draw_mouths(performer, sounds, out)})
+        tell_written(options.picture)
     print(as_json(found.to_dict()) if options.json else found)
     faults = sum(fault.severity == "fault" for fault in found.faults)
     warnings = count(len(found.faults) - faults, "warning")
     print(f"{count(faults, 'fault')}, {warnings}", file=sys.stderr)
     return SOUND if found.sound else FAULTS
-
-
-def _draw_mouths(options: Namespace, sounds: "Mapping[str, Any]") -> None:
-    from lipsync_lang.authoring.mouth_sheet import draw_mouths
-    from lipsync_lang.files import write_all
-    from lipsync_lang.performing.resolving import resolve
-
-    performer = resolve(options.name, options.character, paths=options.path, gaps="rest")
-    write_all({options.picture: lambda out: draw_mouths(performer, sounds, out)})
-    tell_written(options.picture)
 
 
 NEW = {"language": _new_language, "poseset": _new_poseset, "character": _new_character}

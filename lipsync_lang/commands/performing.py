@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.delivery import Points
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.schedules.schedule import Schedule
-    from lipsync_lang.schedules.timed_words import TimedWords
-
 
 LINE_PAGE = "html"
 """Format that shows several takes."""
@@ -36,13 +34,9 @@ def perform(options: Namespace) -> "Animation":
 def perform_line(options: Namespace, performer: "Performer", schedule: "Schedule") -> "Animation":
     """Perform a line with the requested delivery options."""
     return performer.perform(
-        schedule,
-        fps=options.fps,
-        line=options.line,
-        styles=levels("--style", options.styles),
-        dials=levels("--dial", options.dials),
-        intensity=options.intensity,
-    )
+        schedule, fps=options.fps, line=options.line, styles=levels("--style", options.styles),
+        dials=levels("--dial", options.dials), intensity=options.intensity,
+    )  # fmt: skip
 
 
 def levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
@@ -67,14 +61,9 @@ def performer_for(options: Namespace, character: str | None = None) -> "Performe
     from lipsync_lang.performing.resolving import resolve as resolve_pair
 
     performer = resolve_pair(
-        options.language,
-        character or options.character,
-        paths=options.path,
-        gaps=options.gaps,
-        unknown=options.unknown,
-        motion=motion_settings(options.settings),
-        shades=options.shades,
-    )
+        options.language, character or options.character, paths=options.path, gaps=options.gaps,
+        unknown=options.unknown, motion=motion_settings(options.settings), shades=options.shades,
+    )  # fmt: skip
     return replace(performer, cleaning=cleaning(options))
 
 
@@ -148,33 +137,22 @@ def _timed(options: Namespace, performer: "Performer") -> "Schedule":
     from lipsync_lang.schedules.timing_readers import read_timings
 
     found = read_timings(
-        options.schedule,
-        options.notation,
-        read_as=options.read_as,
-        tier=options.tier,
-        rate=options.rate,
-        encoding=options.encoding,
-    )
-    if isinstance(found, TimedWords):
-        return _filled(options, performer, found)
-    if options.audio is None:
-        return found
-    from lipsync_lang.speech.sound import with_sound
-
-    return with_sound(found, options.audio, options.audio_channel)
-
-
-def _filled(options: Namespace, performer: "Performer", words: "TimedWords") -> "Schedule":
+        options.schedule, options.notation, read_as=options.read_as, tier=options.tier,
+        rate=options.rate, encoding=options.encoding,
+    )  # fmt: skip
+    audio, channel = options.audio, options.audio_channel
+    if audio is None and not isinstance(found, TimedWords):
+        return found  # without the imports for sound
     from lipsync_lang.speech.filling import filled
-    from lipsync_lang.speech.sound import read_audio
+    from lipsync_lang.speech.sound import read_audio, with_sound
 
+    if not isinstance(found, TimedWords):
+        return with_sound(found, audio, channel)
     if options.notation is not None:
         raise LipsyncError(
             f"{options.schedule} has timed words, not phonemes; leave out --notation"
         )
-    if options.audio is None:
-        return filled(performer.speaker, words)
-    with listening(f"listening to {options.audio}"):
-        return filled(
-            performer.speaker, words, audio=read_audio(options.audio, options.audio_channel)
-        )
+    if audio is None:
+        return filled(performer.speaker, found)
+    with listening(f"listening to {audio}"):
+        return filled(performer.speaker, found, audio=read_audio(audio, channel))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.commands.output import SOUND, count, listed
+from lipsync_lang.commands.output import SOUND, as_options, count, listed
 from lipsync_lang.commands.performing import (
     LINE_PAGE,
     perform_line,
@@ -17,11 +17,7 @@ from lipsync_lang.commands.performing import (
     schedule_for,
 )
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import (
-    Options,
-    add_line,
-)
-from lipsync_lang.commands.spelling import as_options
+from lipsync_lang.commands.shared_options import add_line
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files import STANDARD_STREAM, argument_path
 
@@ -40,23 +36,16 @@ def add_run(add: Add) -> None:
         'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav --plot hello.png',
     )
     add_line(run_)
-    _add_written(run_.add_argument_group("output"))
-
-
-def _add_written(written: Options) -> None:
-    """Add the options of `run` for its outputs."""
+    written = run_.add_argument_group("output")
     written.add_argument(
         "-o", "--output", metavar="FILE", action="append", default=[],
         help="write the animation in the format of the suffix, or as FORMAT:FILE; csv:- is "
-        "standard "
-        "output; may be repeated",
+        "standard output; may be repeated",
     )  # fmt: skip
     written.add_argument(
-        "--plot",
-        metavar="FILE",
-        type=argument_path,
+        "--plot", metavar="FILE", type=argument_path,
         help="draw every stage in a picture; - is standard output, as PNG",
-    )
+    )  # fmt: skip
     written.add_argument(
         "--model", metavar="GLB", type=Path,
         help="the model for -o line.glb, instead of the character's own",
@@ -82,9 +71,8 @@ def _add_written(written: Options) -> None:
     written.add_argument(
         "--keys", metavar="[lines:]ERROR",
         help="store few keys with tangents, with at most this error, such as 0.01; lines:ERROR "
-        "stores "
-        "straight lines instead, as formats without tangents do; lines:0 keeps every frame that is "
-        "not on a line [lines:0.005 in formats that are edited by hand, else every frame]",
+        "stores straight lines instead, as formats without tangents do; lines:0 keeps every frame "
+        "that is not on a line [lines:0.005 in formats that are edited by hand, else every frame]",
     )  # fmt: skip
     written.add_argument(
         "--check", action="store_true", help="check the animation's poses as well, as `check` does"
@@ -98,6 +86,7 @@ def run(options: Namespace) -> int:
     from lipsync_lang.animations.keys import parse_keys
     from lipsync_lang.animations.rates import parse_offset
     from lipsync_lang.files import write_all
+    from lipsync_lang.packs.finding import is_model
 
     error, lines = parse_keys(options.keys) if options.keys is not None else (None, False)
     writers = dict(map(parse_output, options.output))
@@ -124,7 +113,12 @@ def run(options: Namespace) -> int:
     print(_summary(performer, shown, list(outputs)), file=sys.stderr)
     if options.schedule is None and performer.speaker.manner.weak:
         print(performer.speaker.manner.weak, file=sys.stderr)
-    for remark in (*_recognised(options, performer), *_overriding(options, performer)):
+    if is_model(options.character):
+        compiled = performer.compiled
+        rig = f" through rig {compiled.rig['name']}" if compiled.rig else ""
+        poses = f"performed with the poses of {compiled.poseset}{rig}"
+        print(f"{options.character}: {poses}", file=sys.stderr)
+    for remark in _overriding(options, performer):
         print(remark, file=sys.stderr)
     for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
         print(as_options(remark), file=sys.stderr)
@@ -139,21 +133,11 @@ def _against(
     options: Namespace, performer: "Performer", animation: "Animation"
 ) -> "dict[str, Animation]":
     """Return the takes to compare with, on the requested model, with the same cut as the line."""
-    found = takes_against(options, performer, animation) if options.against else {}
+    found = {name: _take(options, performer, animation, name) for name in options.against}
     if options.model is not None:
         own, same = options.model, performer.model
         found = {n: replace(t, model=own) if t.model == same else t for n, t in found.items()}
     return {n: t.cut() for n, t in found.items()} if options.cut else found
-
-
-def _recognised(options: Namespace, performer: "Performer") -> Iterable[str]:
-    """Return a remark on the pose set and rig that were chosen for a model."""
-    from lipsync_lang.packs.finding import is_model
-
-    if is_model(options.character):
-        compiled = performer.compiled
-        rig = f" through rig {compiled.rig['name']}" if compiled.rig else ""
-        yield f"{options.character}: performed with the poses of {compiled.poseset}{rig}"
 
 
 def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
@@ -242,18 +226,6 @@ def _summary(performer: "Performer", animation: "Animation", written: list[Path]
     if not written:
         return f"{told}\nno file was written; name files with -o line.csv or --plot line.png"
     return told + "".join(f"\nwrote {path}" for path in written if path != STANDARD_STREAM)
-
-
-def takes_against(
-    options: Namespace, performer: "Performer", animation: "Animation"
-) -> "dict[str, Animation]":
-    """Return the animations that `--against` names, by name.
-
-    Parameters
-    ----------
-    animation : performed with the same options
-    """
-    return {name: _take(options, performer, animation, name) for name in options.against}
 
 
 def _take(

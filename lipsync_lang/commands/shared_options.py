@@ -38,23 +38,17 @@ def add_json(made: Options) -> None:
 def add_json_form(made: Options) -> None:
     """Add the option for JSON output to commands with several `--format` values."""
     made.add_argument(
-        "--json",
-        action="store_const",
-        const="json",
-        dest="format",
+        "--json", action="store_const", const="json", dest="format",
         help="the same as --format json",
-    )
+    )  # fmt: skip
 
 
 def add_output(made: Options) -> None:
     """Add the option for the file to write instead of printing."""
     made.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        type=argument_path,
+        "-o", "--output", metavar="FILE", type=argument_path,
         help="write to a file; - is standard output [print it]",
-    )
+    )  # fmt: skip
 
 
 def add_language(made: Options) -> None:
@@ -77,13 +71,6 @@ def add_line(made: argparse.ArgumentParser) -> None:
     made.add_argument("text", metavar="TEXT", nargs="?", help="the text to say")
     add_pair(made.add_argument_group("speaker"), models=True)
     said = made.add_argument_group("line")
-    _add_said(said)
-    add_values(said)
-    _add_delivery(made.add_argument_group("performance"))
-
-
-def _add_said(said: Options) -> None:
-    """Add the sources of a line beside its text."""
     said.add_argument(
         "--audio", metavar="FILE", type=Path,
         help="a recording of the TEXT or of the --schedule; alone, its speech is recognised",
@@ -101,11 +88,9 @@ def _add_said(said: Options) -> None:
         help="recogniser and its model [the language's]",
     )  # fmt: skip
     said.add_argument(
-        "--schedule",
-        metavar="FILE",
-        type=argument_path,
+        "--schedule", metavar="FILE", type=argument_path,
         help="timed phonemes instead of text; - is standard input",
-    )
+    )  # fmt: skip
     said.add_argument(
         "--read-as", metavar="FORMAT", help="the schedule's format [by its suffix and content]"
     )
@@ -126,10 +111,8 @@ def _add_said(said: Options) -> None:
         metavar="ENGINE",
         help="speech engine; none estimates times [the language's]",
     )
-
-
-def _add_delivery(how: Options) -> None:
-    """Add the options that change the performance of a line."""
+    add_values(said)
+    how = made.add_argument_group("performance")
     add_manner(how)
     how.add_argument(
         "--intensity", metavar="X", type=float, default=None,

@@ -8,9 +8,7 @@ from pathlib import Path
 from lipsync_lang.commands.output import SOUND, tell_written
 from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import (
-    add_line,
-)
+from lipsync_lang.commands.shared_options import add_line
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import argument_path
 
@@ -43,7 +41,12 @@ def stills(options: Namespace) -> int:
     from lipsync_lang.files import write_all
     from lipsync_lang.render.sheet import moments
 
-    seconds = _seconds(options.at)
+    try:
+        seconds = [float(one) for one in options.at.split(",")]
+    except ValueError:
+        raise LipsyncError(
+            f"--at {options.at}: write seconds separated by commas (--at 0.5,0.7)"
+        ) from None
     performer = performer_for(options)
     animation = perform_line(options, performer, schedule_for(options, performer))
     shown = performer.rigged(animation)
@@ -54,13 +57,3 @@ def stills(options: Namespace) -> int:
     for remark in animation.schedule.remarks:
         print(remark, file=sys.stderr)
     return SOUND
-
-
-def _seconds(stated: str) -> list[float]:
-    """Parse times such as ``0.5,0.7``."""
-    try:
-        return [float(one) for one in stated.split(",")]
-    except ValueError:
-        raise LipsyncError(
-            f"--at {stated}: write seconds separated by commas (--at 0.5,0.7)"
-        ) from None

@@ -10,12 +10,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import (
-    add_motion,
-    add_pair,
-    add_values,
-    cleaning,
-)
+from lipsync_lang.commands.shared_options import add_motion, add_pair, add_values, cleaning
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 
@@ -69,6 +64,7 @@ def studio(options: Namespace) -> int:
     """Open the studio in a browser, until it is interrupted."""
     import threading
     import webbrowser
+    from hashlib import sha256
 
     try:
         import uvicorn
@@ -78,6 +74,8 @@ def studio(options: Namespace) -> int:
         raise LipsyncError(
             f"the studio needs Starlette and uvicorn: {install_line('studio')}"
         ) from None
+    from platformdirs import user_state_path
+
     from lipsync_lang.commands.performing import motion_settings
     from lipsync_lang.packs.project import find_project
     from lipsync_lang.studio.desk import Desk
@@ -85,8 +83,11 @@ def studio(options: Namespace) -> int:
     from lipsync_lang.studio.workshop import Workshop
 
     token = _token(options)
+    # Unsaved edits are kept outside the project, in a file of its own.
+    name = sha256(str(Path.cwd().resolve()).encode()).hexdigest()[:16]
+    journal = user_state_path("lipsync-lang") / "studio" / f"{name}.jsonl"
     workshop = Workshop(
-        Path.cwd(), options.path, Desk(_journal(Path.cwd())),
+        Path.cwd(), options.path, Desk(journal),
         motion=motion_settings(options.settings), engine=options.tts, cleaning=cleaning(options),
         script=ProjectLines(find_project(), options.path),
     )  # fmt: skip
@@ -136,16 +137,6 @@ def _token(options: Namespace) -> str:
             file=sys.stderr,
         )
     return token
-
-
-def _journal(project: Path) -> Path:
-    """Return the file for a project's unsaved edits, outside the project."""
-    from hashlib import sha256
-
-    from platformdirs import user_state_path
-
-    name = sha256(str(project.resolve()).encode()).hexdigest()[:16]
-    return user_state_path("lipsync-lang") / "studio" / f"{name}.jsonl"
 
 
 def _listening(host: str, port: int) -> "socket.socket":

@@ -26,11 +26,9 @@ def add_transcribe(add: Add) -> None:
     )
     transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="the text to read")
     transcribe_.add_argument(
-        "--file",
-        metavar="FILE",
-        type=argument_path,
+        "--file", metavar="FILE", type=argument_path,
         help="read the lines of this file instead of a TEXT; - is standard input",
-    )
+    )  # fmt: skip
     add_language(transcribe_)
     add_values(transcribe_)
     add_path(transcribe_)

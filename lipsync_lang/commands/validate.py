@@ -2,17 +2,11 @@
 
 import sys
 from argparse import Namespace
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.yaml.faults import Fault
 
 
 @command("validate")
@@ -37,13 +31,18 @@ def add_validate(add: Add) -> None:
 
 def validate(options: Namespace) -> int:
     """Print every fault; warnings alone leave the packs sound."""
+    from lipsync_lang.authoring.trial import doubts, languages_in, try_out
     from lipsync_lang.packs.checking.validate import validate as find_faults
     from lipsync_lang.packs.library import Library
 
     library = Library(options.path)
     faults = find_faults(library, options.paths or None)
     if not options.no_tests:
-        faults = sorted({*faults, *_failing(library, options.paths)})
+        silence, found = library.common().model.silence, set(faults)
+        for pack in languages_in(library, options.paths):
+            with working(f"trying {pack.model.name}"):
+                found.update(try_out(library, pack).faults(silence), doubts(library, pack))
+        faults = sorted(found)
     if options.json:
         print(as_json([fault.to_dict() for fault in faults]))
     else:
@@ -53,14 +52,3 @@ def validate(options: Namespace) -> int:
     warned = count(len(faults) - real, "warning")
     print(f"{count(real, 'fault')}, {warned}", file=sys.stderr)
     return FAULTS if real else SOUND
-
-
-def _failing(library: "Library", paths: list[Path]) -> Iterator["Fault"]:
-    """Run the tests of the selected languages, with progress messages."""
-    from lipsync_lang.authoring.trial import doubts, languages_in, try_out
-
-    silence = library.common().model.silence
-    for pack in languages_in(library, paths):
-        with working(f"trying {pack.model.name}"):
-            yield from try_out(library, pack).faults(silence)
-            yield from doubts(library, pack)

@@ -11,9 +11,9 @@ import pytest
 from lanes import full
 
 import lipsync_lang as ll
+from lipsync_lang.cli import saying
 from lipsync_lang.commands.completion import leaves
 from lipsync_lang.commands.parser import parser
-from lipsync_lang.commands.words import saying
 from lipsync_lang.extensions import PluginWarning
 
 SAYING = {path: made for path, made in leaves(parser()) if path}

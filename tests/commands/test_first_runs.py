@@ -348,7 +348,9 @@ def states(ended):
 @pytest.fixture
 def healthy(here, monkeypatch):
     """Checks that start no process."""
-    monkeypatch.setattr(doctor, "_extra", lambda one: doctor.CheckedPart(one.name, "ok", ""))
+    monkeypatch.setattr(
+        doctor_checks, "_extra", lambda one: doctor_checks.CheckedPart(one.name, "ok", "")
+    )
     return here
 
 
@@ -395,7 +397,7 @@ def test_an_extra_is_imported_in_a_process_of_its_own(tmp_path, monkeypatch, mod
     (tmp_path / "antigravity_broken.py").write_text("raise OSError('no library')\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    found = doctor._extra(extras.Extra("tables", "reads", "build", (module,)))  # noqa: SLF001
+    found = doctor_checks._extra(extras.Extra("tables", "reads", "build", (module,)))  # noqa: SLF001
     assert (found.state, told in found.told) == (state, True)
 
 
@@ -405,7 +407,7 @@ def test_an_import_that_hangs_is_given_up(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setattr(doctor_checks, "IMPORT_SECONDS", 0.3)
     extra = extras.Extra("tables", "reads", "build", ("hanging_module",))
-    assert doctor._extra(extra).state == "broken"  # noqa: SLF001
+    assert doctor_checks._extra(extra).state == "broken"  # noqa: SLF001
 
 
 CHECKS = {check.__name__.strip("_"): check for check in doctor.CHECKS}
@@ -467,8 +469,8 @@ def test_the_cache_can_be_written_and_has_room(here, monkeypatch):
         assert one("cache")[0] == state
         assert told in one("cache")[1]
     monkeypatch.setenv(CACHE_VARIABLE, "new/cache")
-    few = SimpleNamespace(free=doctor.LEAST_FREE_BYTES - 1)
-    monkeypatch.setattr(doctor.shutil, "disk_usage", lambda _: few)
+    few = SimpleNamespace(free=doctor_checks.LEAST_FREE_BYTES - 1)
+    monkeypatch.setattr(doctor_checks.shutil, "disk_usage", lambda _: few)
     assert one("cache")[0] == "broken"
     assert "has 200 MB left" in one("cache")[1]
 

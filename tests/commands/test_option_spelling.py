@@ -7,8 +7,8 @@ from lanes import full
 from test_house import modules, part, texts
 
 import lipsync_lang as ll
+from lipsync_lang.commands.output import OPTIONS, as_options
 from lipsync_lang.commands.parser import parser
-from lipsync_lang.commands.spelling import OPTIONS, as_options
 
 AT_HOME = {"cli", "commands", "authoring", "build", "live", "capture", "cluster", "mfa"}
 AT_HOME |= {"smartbody", "study"}

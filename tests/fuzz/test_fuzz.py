@@ -48,7 +48,6 @@ NO_TARGET = {
     "capture/capture_reading.py": "the head of a file that is a target",
     "commands/output.py": "lines of plain text",
     "commands/studio.py": "opens a pair by its name",
-    "commands/words.py": "opens the null device",
     "packs/answers.py": "looks for names with a pattern; the packs are targets",
     "packs/finding.py": "looks for names with a pattern; the packs are targets",
     "packs/yaml/faults.py": "its own table of codes",
