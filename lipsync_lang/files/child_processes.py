@@ -37,7 +37,11 @@ def child_pool(
 
 
 def _begin(then: "Callable[..., None] | None", values: tuple[object, ...]) -> None:
-    begin_child()
+    """Prepare a process: its parent alone answers to Ctrl-C, and it ends with its parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = parent_process()
+    if parent is not None:
+        Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
     if then is not None:
         then(*values)
 
@@ -57,14 +61,6 @@ def deaf_to_interrupts() -> Iterator[None]:
         yield
     finally:
         mask(signal.SIG_SETMASK, before)
-
-
-def begin_child() -> None:
-    """Prepare a process: its parent alone answers to Ctrl-C, and it ends with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = parent_process()
-    if parent is not None:
-        Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
 
 
 def _end_with(sentinel: int) -> None:

@@ -28,10 +28,6 @@ def fault_of_name(name: str) -> str:
     usual = _USUAL.fullmatch(name) and len(name) <= MAX_NAME_BYTES
     if usual and len(name) > len("COM1"):
         return ""
-    return _fault(name)
-
-
-def _fault(name: str) -> str:
     parting = next((mark for mark in "/\\" if mark in name), "")
     unfit = _UNFIT.search(name)
     faults = {

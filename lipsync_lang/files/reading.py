@@ -23,22 +23,21 @@ def read_input(
     mend : advice for a file that is too large
     """
     try:
-        content = _content(path, max_bytes + 1)
+        if path != STANDARD_STREAM:
+            with path.open("rb") as stream:
+                content = b"".join(_blocks(stream, max_bytes + 1))
+        elif sys.stdin is None:
+            raise ValueError("there is no standard input here")  # noqa: TRY301 told below
+        else:
+            content = b"".join(_blocks(sys.stdin.buffer, max_bytes + 1))
     except (OSError, ValueError) as wrong:
         why = getattr(wrong, "strerror", None) or wrong
         raise error(f"{path}: cannot be read: {why}; check the path") from None
     if len(content) > max_bytes:
-        raise error(f"{path}: is larger than {_size(max_bytes)}; {mend}")
+        gibibytes, rest = divmod(max_bytes, 2**10 * MIB_BYTES)
+        size = f"{gibibytes} GB" if gibibytes and not rest else f"{max_bytes // MIB_BYTES} MB"
+        raise error(f"{path}: is larger than {size}; {mend}")
     return content
-
-
-def _content(path: Path, max_bytes: int) -> bytes:
-    if path != STANDARD_STREAM:
-        with path.open("rb") as stream:
-            return b"".join(_blocks(stream, max_bytes))
-    if sys.stdin is None:
-        raise ValueError("there is no standard input here")
-    return b"".join(_blocks(sys.stdin.buffer, max_bytes))
 
 
 def _blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
@@ -47,9 +46,3 @@ def _blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
     while block := stream.read(min(left, MIB_BYTES)):
         yield block
         left -= len(block)
-
-
-def _size(count: int) -> str:
-    """Return a number of bytes in MB or GB, for messages."""
-    gibibytes, rest = divmod(count, 2**10 * MIB_BYTES)
-    return f"{gibibytes} GB" if gibibytes and not rest else f"{count // MIB_BYTES} MB"

@@ -51,15 +51,7 @@ def file_behind(path: Path) -> Path | None:
         raise OutputError(f"{path}: is a socket; write to - and pipe it into a program")
     if not stat.S_ISREG(there.st_mode):
         return None
-    _refuse_read_only(path, there)
-    return target
-
-
-def _refuse_read_only(path: Path, there: os.stat_result) -> None:
-    """Raise an error for a file without write permission, even for root.
-
-    Version control marks files that are not checked out as read-only.
-    """
+    # Version control marks files that are not checked out as read-only; root must heed it too.
     if not there.st_mode & WRITE_BITS:
         raise OutputError(
             f"{path}: is read-only; open it in your version control or make it writable "
@@ -67,6 +59,7 @@ def _refuse_read_only(path: Path, there: os.stat_result) -> None:
         )
     if not may_write(path):
         raise OutputError(f"{path}: is write-protected; ask its owner, or name another file")
+    return target
 
 
 def may_write(path: Path) -> bool:

@@ -151,7 +151,10 @@ class _Waiting:
         flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
         self.stream = os.fdopen(os.open(self.temporary, flags, mode), "w+b")
         if there is not None:
-            _copy_owner(self.temporary, there)
+            mine = self.temporary.stat()
+            if hasattr(os, "chown") and (mine.st_uid, mine.st_gid) != (there.st_uid, there.st_gid):
+                with suppress(PermissionError):  # only root can keep the owner
+                    os.chown(self.temporary, there.st_uid, there.st_gid)
             self.temporary.chmod(stat.S_IMODE(there.st_mode) & 0o777)
         return self.stream
 
@@ -170,14 +173,6 @@ class _Waiting:
                 self.stream.close()
         with suppress(OSError):
             self.temporary.unlink(missing_ok=True)
-
-
-def _copy_owner(path: Path, there: os.stat_result) -> None:
-    """Keep the owner of a replaced file; only root can."""
-    mine = path.stat()
-    if hasattr(os, "chown") and (mine.st_uid, mine.st_gid) != (there.st_uid, there.st_gid):
-        with suppress(PermissionError):
-            os.chown(path, there.st_uid, there.st_gid)
 
 
 # Streams
