@@ -85,8 +85,7 @@ class Extensions(Mapping[str, T]):
             The name belongs to another distribution. During a plug-in import, the clash is a
             `PluginWarning`, and the other names of the plug-in stay registered.
         """
-        here = _owner(module)
-        here = here if here == PROGRAM else self.origin or here
+        here = PROGRAM if _top(module) == _top(__name__) else self.origin or _top(module)
         first = PROGRAM if name in self.modules else self.origins.get(name, here)
         if first != here:
             # Built-in names are reserved, even before the import of their modules.
@@ -215,7 +214,9 @@ def _load(entry_point: "EntryPoint") -> None:
     try:
         entry_point.load()
     except (Exception, SystemExit) as error:  # noqa: BLE001 a plug-in may raise anything
-        if Extensions.origin == PROGRAM and _is_closed(entry_point.module, error):
+        lacking = error.name if isinstance(error, ModuleNotFoundError) else None
+        closed = lacking is not None and f"{entry_point.module}.".startswith(f"{lacking}.")
+        if Extensions.origin == PROGRAM and closed:  # a room such as `study` was removed
             _log.info("%s is left out, because its folder is not there", entry_point.value)
             return
         for kind, name in Extensions.journal[start:]:
@@ -233,19 +234,8 @@ def _load(entry_point: "EntryPoint") -> None:
         del Extensions.journal[start:]
 
 
-def _is_closed(module: str, error: BaseException) -> bool:
-    """Return True if a room of the program, such as `study`, was removed from the package."""
-    missing = error.name if isinstance(error, ModuleNotFoundError) else None
-    return missing is not None and f"{module}.".startswith(f"{missing}.")
-
-
 def _top(module: str) -> str:
     return module.partition(".")[0]
-
-
-def _owner(module: str) -> str:
-    """Return the distribution of a module, guessed from its name."""
-    return PROGRAM if _top(module) == _top(__name__) else _top(module)
 
 
 def plug_in_behind(error: BaseException) -> str | None:

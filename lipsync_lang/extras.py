@@ -6,6 +6,7 @@
 import json
 import os
 import sys
+from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -73,15 +74,10 @@ def _pip() -> str:
     """Return `pip` in an activated environment, and the interpreter's own pip elsewhere."""
     if os.environ.get("VIRTUAL_ENV") == sys.prefix:
         return "pip"
-    python = os.path.relpath(sys.executable) if _below(sys.executable) else sys.executable
+    python = sys.executable
+    with suppress(OSError):  # the current folder may be gone
+        python = os.path.relpath(python) if Path(python).is_relative_to(Path.cwd()) else python
     return f'"{python}" -m pip' if " " in python else f"{python} -m pip"
-
-
-def _below(path: str) -> bool:
-    try:
-        return Path(path).is_relative_to(Path.cwd())
-    except OSError:
-        return False
 
 
 def _requirement(names: set[str]) -> str:

@@ -67,17 +67,13 @@ def safe_streams() -> Iterator[None]:
 
 def progress(text: str) -> None:
     """Show a line of progress on a terminal only; the next line replaces it."""
-    _show(f"{WIPE}{spelled_out(text)}\r")
+    stream = sys.stderr
+    if stream is not None and stream.isatty():
+        stream = getattr(stream, "raw", stream)
+        stream.write(f"{WIPE}{spelled_out(text)}\r")
+        stream.flush()
 
 
 def wipe() -> None:
     """Erase the line of progress."""
-    _show(f"{WIPE}\r")
-
-
-def _show(text: str) -> None:
-    stream = sys.stderr
-    if stream is not None and stream.isatty():
-        stream = getattr(stream, "raw", stream)
-        stream.write(text)
-        stream.flush()
+    progress("")
