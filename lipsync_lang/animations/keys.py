@@ -96,7 +96,7 @@ def curves(
     names: tuple[str, ...],
     times: Floats,
     weights: Floats,
-    error: float,
+    error: float = ERROR,
     floors: Mapping[str, float] | None = None,
 ) -> list[KeyedCurve]:
     """Return the keyframes of every channel of an animation.
