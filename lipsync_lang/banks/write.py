@@ -30,7 +30,7 @@ class Drafts:
 
 
 @dataclass(frozen=True)
-class Made:
+class BankBigrams:
     """Bigrams of one pose set from any source, with the style and curve type of their bank."""
 
     poseset: str
@@ -82,7 +82,7 @@ def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -
         )
     path = path or Path("posesets") / drafts.poseset / "banks" / "common.yaml"
     make_room(path)
-    new = add_bigrams(library, path, Made(drafts.poseset, drafts.bigrams, "drafted"))
+    new = add_bigrams(library, path, BankBigrams(drafts.poseset, drafts.bigrams, "drafted"))
     return done(path, len(new), len(drafts.bigrams) - len(new), "drafted")
 
 
@@ -97,7 +97,7 @@ def make_room(path: Path) -> None:
         raise OutputError(f"{path.parent}: cannot be made: {why}; name another place") from None
 
 
-def add_bigrams(library: "Library", path: Path, made: Made) -> list[str]:
+def add_bigrams(library: "Library", path: Path, made: BankBigrams) -> list[str]:
     """Add bigrams to a bank file, which is made if missing, and return the new ones."""
     from lipsync_lang.files import atomic
     from lipsync_lang.packs.splicing import spliced
@@ -129,7 +129,7 @@ def done(path: Path, new: int, kept: int, what: str) -> str:
     return f"{new} {what} bigram{'' if new == 1 else 's'} put into {path}{there}"
 
 
-def _refuse_other(path: Path, bank: object, made: Made) -> None:
+def _refuse_other(path: Path, bank: object, made: BankBigrams) -> None:
     """Raise an error if a file is not a bank of this pose set and style."""
     stated = bank if isinstance(bank, dict) else {}
     if (stated.get("kind"), stated.get("poseset")) != ("bank", made.poseset):
@@ -149,10 +149,10 @@ def empty_bank(poseset: str, path: Path) -> str:
     comment = (
         "# Bigrams that a person edited or approved; all others are drafted from the targets.\n"
     )
-    return comment + bank_yaml(Made(poseset, {}, ""), path.stem)
+    return comment + bank_yaml(BankBigrams(poseset, {}, ""), path.stem)
 
 
-def bank_yaml(made: Made, name: str) -> str:
+def bank_yaml(made: BankBigrams, name: str) -> str:
     """Return bigrams as the text of a bank of their own."""
     return (
         f"kind: bank\nformat: 1\nname: {name}\n"

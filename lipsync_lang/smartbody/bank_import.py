@@ -20,7 +20,7 @@ from lipsync_lang.banks.write import (
     NEUTRAL,
     CurvePoints,
     Interpolation,
-    Made,
+    BankBigrams,
     add_bigrams,
     bank_yaml,
     done,
@@ -147,7 +147,7 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     manner = style or (NEUTRAL if chosen in USUAL else chosen)
     stem = re.sub(r"[^A-Za-z0-9_-]+", "-", files[0].stem).strip("-_")[:80] or "imported"
     path = to or Path("posesets") / poseset.name / "banks" / f"{stem}.yaml"
-    made = Made(poseset.name, found, STATUS, manner, interpolation)
+    made = BankBigrams(poseset.name, found, STATUS, manner, interpolation)
     origin = ", ".join(visible(file.name) for file in files)
     origin += f", set '{visible(chosen)}'" if chosen else ""
     new = _write(library, path, made, f"# Imported from SmartBody: {origin}.\n")
@@ -229,7 +229,7 @@ def _nothing(remarks: ImportRemarks) -> str:
     return f"no bigram can be imported from these files{''.join(why)}"
 
 
-def _write(library: "Library", path: Path, made: Made, header: str) -> list[str]:
+def _write(library: "Library", path: Path, made: BankBigrams, header: str) -> list[str]:
     """Write a new bank or extend an existing one, and return the keys of new bigrams."""
     make_room(path)
     if path.exists():
