@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
 
-class Known(Collection[str]):
+class KnownPhonemes(Collection[str]):
     """Phonemes of every language, loaded lazily.
 
     Loading every language is slow, so `in` does so only for a label missing from `common`.
@@ -46,11 +46,11 @@ def added_by(library: "Library", language: str) -> set[str]:
         return set()
 
 
-def known(library: "Library", common: Collection[str]) -> Known:
+def known(library: "Library", common: Collection[str]) -> KnownPhonemes:
     """Return the phonemes of every language in a library."""
 
     def added() -> set[str]:
         names = {found.name for found in library.names("language")}
         return set().union(*(added_by(library, name) for name in sorted(names)))
 
-    return Known(set(common), added)
+    return KnownPhonemes(set(common), added)

@@ -144,7 +144,7 @@ class Library:
             )
             for entry in self.finder.missing
         ]
-        self._loaded: dict[_FileRequest, _Inspected] = {}
+        self._loaded: dict[_FileRequest, _LoadedFile] = {}
         self._earlier = {} if earlier is None else earlier.by_content()
 
     @property
@@ -274,7 +274,9 @@ class Library:
             raise PackFaults(faults)
         return Pack(model, (source,))
 
-    def inspect(self, path: Path, kind: str | None = None, name: str | None = None) -> "_Inspected":
+    def inspect(
+        self, path: Path, kind: str | None = None, name: str | None = None
+    ) -> "_LoadedFile":
         """Return the model (None if faulty), source and faults of a file, which is read once."""
         key = path, kind, name
         if key not in self._loaded:
@@ -287,12 +289,12 @@ class Library:
                 _log.debug("reading %s", path)
                 source = scan(path, content)
                 model, faults = validated(source, kind=kind, name=name)
-                found = _Inspected(model, source, faults)
+                found = _LoadedFile(model, source, faults)
             self.faults.extend(found.faults)
             self._loaded[key] = found
         return self._loaded[key]
 
-    def by_content(self) -> "dict[tuple[_FileRequest, str], _Inspected]":
+    def by_content(self) -> "dict[tuple[_FileRequest, str], _LoadedFile]":
         """Return the files loaded so far, by what was asked for and the digest of the content."""
         return {(key, self.files[str(key[0])]): found for key, found in self._loaded.items()}
 
@@ -340,7 +342,7 @@ class Library:
         return packs
 
 
-class _Inspected(NamedTuple):
+class _LoadedFile(NamedTuple):
     """A file with its model, its data and its faults."""
 
     model: "models.PackModel | None"

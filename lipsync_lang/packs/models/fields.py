@@ -196,6 +196,22 @@ OrNames = Short(_names, forms=lambda full: [full, {"type": "array", "items": {"t
 """Accepts a list of names as a mapping from each name to null."""
 
 
+def labels_as_sounds(value: Data) -> Data:
+    """Expand the short form of sounds: `to` alone, as a label or a list of labels."""
+    if isinstance(value, (str, tuple, list)):
+        return {"to": value}
+    if not isinstance(value, (dict, Strict)):
+        raise PydanticCustomError(
+            "P103", "must be a label, a list of labels, or a mapping with `to`"
+        )
+    return value
+
+
+def sound_forms(full: JsonSchema) -> list[JsonSchema]:
+    """Return the schemas of sounds: in full, a label, and a list of labels."""
+    return [full, {"type": "string"}, {"type": "array", "items": {"type": "string"}}]
+
+
 class PackModel(Strict):
     """The fields of every pack."""
 

@@ -22,9 +22,10 @@ from lipsync_lang.packs.models.fields import (
     Short,
     Strict,
     Text,
+    labels_as_sounds,
+    sound_forms,
 )
 from lipsync_lang.packs.models.text_models import LanguageText, SharedText
-from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
 
 SoundClass = Literal[
@@ -100,25 +101,7 @@ class Sounds(Strict):
         return self
 
 
-def _sounds(value: Data) -> Data:
-    """Expand the short form: `to` alone, as a label or a list of labels."""
-    if isinstance(value, (str, tuple, list)):
-        return {"to": value}
-    if not isinstance(value, (dict, Sounds)):
-        raise PydanticCustomError(
-            "P103", "must be a label, a list of labels, or a mapping with `to`"
-        )
-    return value
-
-
-ShortSounds = Short(
-    _sounds,
-    forms=lambda full: [
-        full,
-        {"type": "string"},
-        {"type": "array", "items": {"type": "string"}},
-    ],
-)
+ShortSounds = Short(labels_as_sounds, forms=sound_forms)
 
 
 class Visemes(Strict):

@@ -3,9 +3,16 @@
 from typing import Annotated
 
 from pydantic import Field
-from pydantic_core import PydanticCustomError
 
-from lipsync_lang.packs.models.fields import Label, OrOne, Short, Strict, Text
+from lipsync_lang.packs.models.fields import (
+    Label,
+    OrOne,
+    Short,
+    Strict,
+    Text,
+    labels_as_sounds,
+    sound_forms,
+)
 from lipsync_lang.packs.yaml.source import Data
 
 
@@ -19,22 +26,10 @@ class InterjectionSounds(Strict):
 
 
 def _interjection(value: Data) -> Data:
-    """Expand the short form: `to` alone, as a label or a list of labels."""
-    if value is None or isinstance(value, (dict, InterjectionSounds)):
-        return value
-    if isinstance(value, (str, tuple, list)):
-        return {"to": value}
-    raise PydanticCustomError("P103", "must be a label, a list of labels, or a mapping with `to`")
+    return None if value is None else labels_as_sounds(value)
 
 
-ShortInterjection = Short(
-    _interjection,
-    forms=lambda full: [
-        full,
-        {"type": "string"},
-        {"type": "array", "items": {"type": "string"}},
-    ],
-)
+ShortInterjection = Short(_interjection, forms=sound_forms)
 
 InterjectionTable = dict[Text, Annotated[InterjectionSounds | None, ShortInterjection]]
 """The sounds of interjections by their shortest spelling; null for a word that is none."""

@@ -163,7 +163,7 @@ class _Frame:
     """The next value belongs to a faulty key and is discarded."""
 
 
-class _Anchored(NamedTuple):
+class _Anchor(NamedTuple):
     """A value that aliases may repeat, with the number of characters that state it."""
 
     data: Data
@@ -178,7 +178,7 @@ class _Builder:
         self.path = path
         self.faults: list[Fault] = []
         self.frames: list[_Frame] = []
-        self.anchors: dict[str, _Anchored] = {}
+        self.anchors: dict[str, _Anchor] = {}
         self.scalars: dict[str, Data] = {}
         """Values of plain scalars; those of a bank repeat a thousand times."""
         self.chars = 0
@@ -264,7 +264,7 @@ class _Builder:
             self._add(value, SourceMark(line, column))
         if event.anchor:
             chars = event.end_mark.index - mark.index
-            self.anchors[event.anchor] = _Anchored(value, SourceMark(line, column), chars)
+            self.anchors[event.anchor] = _Anchor(value, SourceMark(line, column), chars)
 
     def _key(self, frame: _Frame, text: str, line: int, column: int, *, plain: bool) -> None:
         """Store the text as the key of the next value."""
@@ -295,7 +295,7 @@ class _Builder:
         mark = SourceMark(frame.start.line + 1, frame.start.column + 1, frame.inner)
         if frame.anchor:
             chars = event.end_mark.index - frame.start.index
-            self.anchors[frame.anchor] = _Anchored(data, mark, chars)
+            self.anchors[frame.anchor] = _Anchor(data, mark, chars)
         self._add(data, mark)
 
     def _on_alias(self, event: Event) -> None:
