@@ -1,6 +1,7 @@
 """The open pair with unsaved edits, updated in milliseconds while only bigrams change."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -67,12 +68,9 @@ def _beside(pair: OpenPair, contents: Mapping[Path, bytes]) -> dict[Path, bytes]
 
 def _written(pair: OpenPair, contents: Mapping[Path, bytes]) -> dict[Path, int | None]:
     """Return the modification times of files without unsaved edits."""
-    files = {*map(Path, pair.shelf.library.files), *pair.data}
-    return {path: _time(path) for path in files if path not in contents}
-
-
-def _time(path: Path) -> int | None:
-    try:
-        return path.stat().st_mtime_ns
-    except OSError:
-        return None
+    files = {*map(Path, pair.shelf.library.files), *pair.data} - contents.keys()
+    times: dict[Path, int | None] = dict.fromkeys(files)
+    for path in files:
+        with suppress(OSError):
+            times[path] = path.stat().st_mtime_ns
+    return times

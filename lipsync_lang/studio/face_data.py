@@ -72,7 +72,20 @@ def _face(animation: Animation, pack: ArrayPack) -> Json:
         "count": scene.count,
         "camera": _camera(framed(scene)),
         "close": _camera(close_up(scene)),
-        "light": _light(),
+        "light": {
+            "lamps": [
+                [*(np.array(one.way) / np.linalg.norm(one.way)).tolist(), *one.colour, one.wrap,
+                 one.shine] for one in light.LAMPS
+            ],
+            "sky": light.SKY.tolist(),
+            "ground": light.GROUND.tolist(),
+            "sharpest": light.SHARPEST,
+            "least": light.LEAST_LIGHT,
+            "around": light.AROUND,
+            "cells": light.CELLS,
+            "bias": light.BIAS,
+            "behind": BEHIND,
+        },
         "nodes": _nodes(scene, animation),
         "parts": [_part(scene, part, pack, kind) for part in scene.parts],
         "triangles": pack.add(scene.triangles[order], kind),
@@ -82,7 +95,7 @@ def _face(animation: Animation, pack: ArrayPack) -> Json:
         "places": pack.add(scene.places, "f4") if textured else None,
         "moving": pack.add(scene.moving, "u1"),
         "materials": list(_materials(scene, pack)),
-    }
+    }  # fmt: skip
 
 
 def _camera(camera: Camera) -> Json:
@@ -93,23 +106,6 @@ def _camera(camera: Camera) -> Json:
         "half": camera.half,
         "field": FIELD_DEGREES,
     }
-
-
-def _light() -> Json:
-    return {
-        "lamps": [
-            [*(np.array(one.way) / np.linalg.norm(one.way)).tolist(), *one.colour, one.wrap,
-             one.shine] for one in light.LAMPS
-        ],
-        "sky": light.SKY.tolist(),
-        "ground": light.GROUND.tolist(),
-        "sharpest": light.SHARPEST,
-        "least": light.LEAST_LIGHT,
-        "around": light.AROUND,
-        "cells": light.CELLS,
-        "bias": light.BIAS,
-        "behind": BEHIND,
-    }  # fmt: skip
 
 
 # Movement

@@ -9,6 +9,7 @@ import json
 import re
 from base64 import b64encode
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
@@ -22,7 +23,7 @@ from lipsync_lang.quality.figures import Quality
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.module_bundle import bundle, static
-from lipsync_lang.studio.take_data import curves_data, settings_texts, take_data
+from lipsync_lang.studio.take_data import curves_data, take_data
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
@@ -83,10 +84,14 @@ def _document(
     takes: list[Json] = []
     faces: list[Json] = []
     line = PerformedLine.of(animation)
+    settings = line.settings if line else {}
     known: dict[Any, int] = {}
     for name, one in {"": animation, **animation.export.against}.items():
         own, posed = performer_of(one) or performer, _posed(one)
-        quality = _judged(posed, own) if qualities is None else qualities.get(name)
+        quality = None if qualities is None else qualities.get(name)
+        if qualities is None and own is not None:
+            with suppress(LipsyncError):  # no measure applies
+                quality = check(posed, performer=own)
         take = take_data(posed, own, pack, quality)
         key = (one.model, one.columns)
         if key not in known:
@@ -98,7 +103,7 @@ def _document(
     return {
         "format": PAGE_FORMAT,
         "title": animation.title,
-        "settings": settings_texts(line.settings if line else {}),
+        "settings": [f"{name}: {value}" for name, value in settings.items() if value],
         "sound": None
         if audio is None
         else {"rate": audio.rate, "samples": pack.add(audio.samples, "i2")},
@@ -117,13 +122,3 @@ def _posed(animation: Animation) -> Animation:
     low, high = animation.times[0] - half, animation.times[-1] + half
     inside = (posed.times > low) & (posed.times < high)
     return replace(posed, times=posed.times[inside], weights=posed.weights[inside])
-
-
-def _judged(animation: Animation, performer: "Performer | None") -> Quality | None:
-    """Measure an animation; None if no measure applies."""
-    if performer is None:
-        return None
-    try:
-        return check(animation, performer=performer)
-    except LipsyncError:
-        return None

@@ -43,10 +43,6 @@ JOIN_SECONDS = 600.0
 """Maximum waiting time of `wait`."""
 
 
-class _CountCancelled(Exception):  # noqa: N818 no error: another script took its place
-    """The count is no longer needed."""
-
-
 @dataclass(eq=False)
 class _CountRun:
     """A running count, or its result."""
@@ -68,22 +64,16 @@ class _CountRun:
         finalize(self, pages.__exit__, None, None, None)
         try:
             lines = read_lines(
-                path,
-                column=reading.column,
-                encoding=reading.encoding,
-                remark=self.remarks.append,
-                cleaning=self.performer.cleaning,
-                names=reading.names,
+                path, column=reading.column, encoding=reading.encoding,
+                remark=self.remarks.append, cleaning=self.performer.cleaning, names=reading.names,
                 speaker=reading.speaker,
-            )
+            )  # fmt: skip
             own = Reading(self.performer, scripts, reading.takes)
             corpus, counts = count(self._seen(lines), [own], pages, reading.faces)
             if corpus.lines:
                 self.figures = CountFigures(counts[0], pages)
             else:
                 self.fault = f"{path.name} has no lines to count"
-        except _CountCancelled:
-            pass
         except LipsyncError as error:
             self.fault = str(error).replace(f"{path.parent}{os.sep}", "")
         except Exception:  # noqa: BLE001 a thread has nobody else to tell
@@ -95,7 +85,7 @@ class _CountRun:
     def _seen(self, lines: "Iterable[Line]") -> "Iterator[Line]":
         for line in lines:
             if self.dropped:
-                raise _CountCancelled
+                return  # another script took its place
             self.lines += 1
             yield line
 
@@ -176,20 +166,6 @@ class ScriptCount:
             return
         performer = workshop.performer
         reading = reading_of(workshop, self.column, sent=self.sent)
-        key = self._key(performer, reading)
-        if self._run is not None and self._run.key == key:
-            return
-        if self._run is not None:
-            self._run.dropped = True
-        run = self._run = _CountRun(key, replace(performer))
-        pack = workshop.library().language(performer.compiled.language)
-        run.thread = Thread(
-            target=run.work, args=(self._path, reading, scripts_of(pack.model)), daemon=True
-        )
-        run.thread.start()
-
-    def _key(self, performer: "Performer", reading: ScriptReading) -> object:
-        assert self._path is not None  # noqa: S101 only called with a script
         try:
             with self._path.open("rb") as stream:
                 digest = file_digest(stream, "sha256").hexdigest()
@@ -197,7 +173,17 @@ class ScriptCount:
             raise LipsyncError(f"{self.name} cannot be read: {error.strerror}") from None
         compiled = performer.compiled
         sounds = (compiled.manner, compiled.words, compiled.notations, compiled.counted)
-        return digest, reading, sounds, tuple(compiled.report.trigrams)
+        key = digest, reading, sounds, tuple(compiled.report.trigrams)
+        if self._run is not None and self._run.key == key:
+            return
+        if self._run is not None:
+            self._run.dropped = True
+        run = self._run = _CountRun(key, replace(performer))
+        pack = workshop.library().language(compiled.language)
+        run.thread = Thread(
+            target=run.work, args=(self._path, reading, scripts_of(pack.model)), daemon=True
+        )
+        run.thread.start()
 
     def wait(self) -> None:
         """Wait until the count is done."""

@@ -10,7 +10,6 @@ from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.corpus import Takes
-    from lipsync_lang.packs.models import Project
     from lipsync_lang.studio.workshop import Workshop
 
 
@@ -64,7 +63,16 @@ def reading_of(workshop: "Workshop", column: str | None, *, sent: bool) -> Scrip
     """
     file = find_project(workshop.project)
     project = None if file is None else load_project(file).model
-    word, names = _names(workshop, project)
+    given, finder = workshop.language, workshop.library().finder
+    paths = () if ":" in given else finder.lookup("language", given)
+    own = [
+        name
+        for name in ({} if project is None else project.languages)
+        if name == given or (paths and ":" not in name and finder.lookup("language", name) == paths)
+    ]
+    word = given if project is None or not own else project.languages[own[0]] or own[0]
+    known = column_names(Path(paths[0])) if paths else []
+    names = tuple(dict.fromkeys([word, given, *known]))  # that the column of the texts may have
     if project is None:
         return ScriptReading(column, names)
     character = workshop.character
@@ -76,18 +84,3 @@ def reading_of(workshop: "Workshop", column: str | None, *, sent: bool) -> Scrip
     return ScriptReading(
         column or stated, names, project.columns.speaker, project.encoding, cast, character
     )
-
-
-def _names(workshop: "Workshop", project: "Project | None") -> tuple[str, tuple[str, ...]]:
-    """Return the project's word for the open language, and the names that a column may have."""
-    given, finder = workshop.language, workshop.library().finder
-    paths = () if ":" in given else finder.lookup("language", given)
-    languages = {} if project is None else project.languages
-    own = [
-        name
-        for name in languages
-        if name == given or (paths and ":" not in name and finder.lookup("language", name) == paths)
-    ]
-    word = next((languages[one] or one for one in own), given)
-    known = column_names(Path(paths[0])) if paths else []
-    return word, tuple(dict.fromkeys([word, given, *known]))

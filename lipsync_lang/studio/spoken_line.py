@@ -65,7 +65,18 @@ class SpokenLine:
         """Return the shown part of at most some seconds, or a shorter line as a whole."""
         first, stop = self._span(seconds)
         if self._part is None or self._part[:3] != (self.whole, first, stop):
-            self._part = self.whole, first, stop, _excerpt(self.whole, first, stop)
+            part = line = self.whole
+            if (first, stop) != (0, len(line)):
+                words = tuple(
+                    replace(w, first=max(w.first, first) - first, stop=min(w.stop, stop) - first)
+                    for w in line.words
+                    if first <= w.first < stop
+                )
+                part = replace(
+                    line, labels=line.labels[first:stop], times=line.times[first : stop + 1],
+                    words=words, stress=line.stress[first:stop], lines=line.lines[first:stop],
+                )  # fmt: skip
+            self._part = line, first, stop, part
         return self._part[3]
 
     def _span(self, seconds: float) -> tuple[int, int]:
@@ -161,22 +172,3 @@ def _cuts(schedule: Schedule, seconds: float) -> "list[int]":
         worth = pauses[places - 1] + 1e-3 * starts[places] - 1e3 * inside[places] + 1e-6 * places
         found.append(int(places[worth.argmax()]))
     return [*found, last] if found[-1] < last else found
-
-
-def _excerpt(schedule: Schedule, first: int, stop: int) -> Schedule:
-    """Return a part of a line with unchanged times."""
-    if (first, stop) == (0, len(schedule)):
-        return schedule
-    words = tuple(
-        replace(word, first=max(word.first, first) - first, stop=min(word.stop, stop) - first)
-        for word in schedule.words
-        if first <= word.first < stop
-    )
-    return replace(
-        schedule,
-        labels=schedule.labels[first:stop],
-        times=schedule.times[first : stop + 1],
-        words=words,
-        stress=schedule.stress[first:stop],
-        lines=schedule.lines[first:stop],
-    )

@@ -3,7 +3,7 @@
 Conventions: T frames of the animation, P poses; stages are (P, T).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cache
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -255,8 +255,3 @@ class _Stages:
 def _short(place: str) -> str:
     """Shorten ``folder/pack/file.yaml:3:1`` to its last parts."""
     return "/".join(PurePath(place.replace("\\", "/")).parts[-SHOWN_FOLDERS:])
-
-
-def settings_texts(asked: Mapping[str, Any]) -> list[str]:
-    """Return the options of a performance as text."""
-    return [f"{name}: {value}" for name, value in asked.items() if value]

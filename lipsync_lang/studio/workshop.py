@@ -173,7 +173,15 @@ class Workshop:
             raise LipsyncError("no pair is open; choose a language and a character")
         revision = self.desk.revision
         if self._now is None or self._now[0] != revision:
-            self._now = revision, self._cached() or self._performer(self.pair().compiled)
+            if self.desk.contents or self._pair is not None or self.project != Path.cwd():
+                performer = self._performer(self.pair().compiled)
+            else:  # the cache of the command line has it, perhaps
+                found = resolve(
+                    self.language, self.character, paths=self.paths, gaps="rest", unknown="rest",
+                    motion=self.motion,
+                )  # fmt: skip
+                performer = replace(found, cleaning=self.cleaning)
+            self._now = revision, performer
         return self._now[1]
 
     def pair(self) -> OpenPair:
@@ -217,16 +225,6 @@ class Workshop:
         if any(self.desk.content(path) != content for path, content in before.items()):
             self.look_again()  # the disk had changed as well
         return written
-
-    def _cached(self) -> Performer | None:
-        """Return the performer from the cache of the command line, if there are no edits."""
-        if self.desk.contents or self._pair is not None or self.project != Path.cwd():
-            return None
-        found = resolve(
-            self.language, self.character, paths=self.paths, gaps="rest", unknown="rest",
-            motion=self.motion,
-        )  # fmt: skip
-        return replace(found, cleaning=self.cleaning)
 
     def _performer(self, compiled: "CompiledPair") -> Performer:
         motion = motion_with(compiled.motion, self.motion)

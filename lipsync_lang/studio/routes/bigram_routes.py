@@ -90,10 +90,16 @@ def bigram(workshop: Workshop, request: StudioRequest) -> Json:
     pair = _pair(packs, request.name)
     row = packs.row(pair)
     key = stated(packs, row)
-    # A bigram that copies another has no fields of its own.
-    own = _written(workshop, packs, row) if key == request.name else {}
-    data = _drawn(packs, row) | _home(workshop, packs, pair)
-    data |= {
+    own: Any = None  # fields as in the file; a bigram that copies another has none
+    if key == request.name and row.place is not None:
+        files: tuple[Pack[Any], ...] = (packs.character, *packs.own_banks, *packs.banks)
+        data = {pack.path: pack.source.data for pack in files}
+        text = workshop.desk.text(row.place.file)  # with the unsaved edits
+        stated_in = data.get(row.place.file) if text is None else text.data
+        own = get(stated_in, ("bigrams", "-".join(row.origin.pair)))
+    own = own if isinstance(own, dict) else {}
+    answer = _drawn(packs, row) | _home(workshop, packs, pair)
+    answer |= {
         "status": row.origin.status or "drafted",
         "word": row.origin.word or "",
         "why": own.get("why") or "",
@@ -110,8 +116,8 @@ def bigram(workshop: Workshop, request: StudioRequest) -> Json:
         name = request.query.get(side, "")
         beside = _parted(packs, name)
         if beside:
-            data[side] = {"pair": name} | _drawn(packs, packs.row(beside))
-    return data
+            answer[side] = {"pair": name} | _drawn(packs, packs.row(beside))
+    return answer
 
 
 def _home(workshop: Workshop, packs: PairPacks, pair: Pair) -> Json:
@@ -152,18 +158,6 @@ def _pair(packs: PairPacks, name: str) -> Pair:
     every = [f"{a}-{b}" for a in known for b in known if a != b or a != known[0]]
     language = packs.language.model.name
     raise LipsyncError(f"unknown bigram '{short}' in {language}; {did_you_mean(short, every)}")
-
-
-def _written(workshop: Workshop, packs: PairPacks, row: BigramRow) -> Json:
-    """Return the fields of a row as in its file, with the unsaved edits."""
-    if row.place is None:
-        return {}
-    files: tuple[Pack[Any], ...] = (packs.character, *packs.own_banks, *packs.banks)
-    data = {pack.path: pack.source.data for pack in files}
-    text = workshop.desk.text(row.place.file)
-    stated_in = data.get(row.place.file) if text is None else text.data
-    found = get(stated_in, ("bigrams", "-".join(row.origin.pair)))
-    return found if isinstance(found, dict) else {}
 
 
 def _drawn(packs: PairPacks, row: BigramRow) -> Json:

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -86,7 +86,16 @@ def pose(workshop: Workshop, request: StudioRequest) -> Json:
     mixes = listed(request.body.get("mixes"), "mixes")
     if len(mixes) > MAX_MIXES:
         raise LipsyncError(f"give at most {MAX_MIXES} mixes at once")
-    weights = np.array([_mix(performer, one) for one in mixes]).reshape(-1, len(performer.poses)).T
+    for mix in mixes:
+        if not isinstance(mix, dict):
+            raise LipsyncError("a mix must be an object of poses and weights")
+        for name, one in mix.items():
+            if name not in performer.poses or type(one) not in {int, float} or not 0 <= one <= 1:
+                raise LipsyncError(
+                    f"'{name}' must be a pose of this face with a weight from 0 to 1"
+                )
+    rows = [[float(mix.get(name, 0.0)) for name in performer.poses] for mix in mixes]
+    weights = np.array(rows).reshape(-1, len(performer.poses)).T
     tables = performer.compiled.tables
     tables = tables.papers if performer.motion.thresholds == "paper" else tables
     kept = constrain(weights, tables.binding, tables.at_most) if within else weights
@@ -101,16 +110,6 @@ def pose(workshop: Workshop, request: StudioRequest) -> Json:
             for number in range(weights.shape[1])
         ]
     }
-
-
-def _mix(performer: "Performer", mix: Any) -> Floats:
-    """Read a mix of poses."""
-    if not isinstance(mix, dict):
-        raise LipsyncError("a mix must be an object of poses and weights")
-    for name, weight in mix.items():
-        if name not in performer.poses or type(weight) not in {int, float} or not 0 <= weight <= 1:
-            raise LipsyncError(f"'{name}' must be a pose of this face with a weight from 0 to 1")
-    return np.array([mix.get(name, 0.0) for name in performer.poses], float)
 
 
 def _acting(
@@ -169,7 +168,14 @@ def model(workshop: Workshop, request: StudioRequest) -> Json:
         missing = [name for name in names if name not in found.places]
         pack, _ = workshop.editable("character")
         target = pack.with_name(path.name)
-        _write_new(target, path.read_bytes())
+        content = path.read_bytes()
+        if not target.exists():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            write_all({target: lambda stream: stream.write(content)}, durable=True)
+        elif target.read_bytes() != content:
+            raise LipsyncError(
+                f"{target.name}: the project has another model with this name; rename your file"
+            )
     return {
         "name": target.name,
         "shown": len(names) - len(missing),
@@ -232,15 +238,3 @@ def _draw(animation: Animation) -> None:
     face = face_data(animation, ArrayPack())
     if "parts" not in face:
         raise ModelError("; ".join(face["unshown"]))
-
-
-def _write_new(path: Path, content: bytes) -> None:
-    """Write a model, but never replace another one."""
-    if path.exists():
-        if path.read_bytes() != content:
-            raise LipsyncError(
-                f"{path.name}: the project has another model with this name; rename your file"
-            )
-        return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_all({path: lambda stream: stream.write(content)}, durable=True)

@@ -1,7 +1,6 @@
 """Routes of edits: their undo and redo, and saving."""
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from lipsync_lang.errors import LipsyncError
@@ -12,7 +11,10 @@ from lipsync_lang.studio.routes.requests import StudioRequest, UnresolvedConflic
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from lipsync_lang.packs.yaml.source import Loc
+    from lipsync_lang.studio.sheets import PackEdit
 
 MAX_TITLE_CHARS = 80
 """Maximum length of the title of an edit."""
@@ -24,34 +26,30 @@ MAX_TAB_CHARS = 40
 def edit(workshop: Workshop, request: StudioRequest) -> Json:
     """Change values of packs."""
     body = request.body
-    edits = [_edit(workshop, one) for one in listed(body.get("edits"), "edits")]
+    edits: list[PackEdit] = []
+    create: dict[Path, str] = {}
+    for one in listed(body.get("edits"), "edits"):
+        if not isinstance(one, dict):
+            raise LipsyncError("an edit must be an object with `file`, `at` and `value`")
+        loc = tuple(listed(one.get("at"), "steps"))
+        if not loc or not all(isinstance(step, (str, int)) for step in loc):
+            raise LipsyncError("`at` must be a list of keys and numbers, the place of the edit")
+        if one.get("file") == "bank":
+            path, text = workshop.bank_for(str(loc[1]) if len(loc) > 1 else "")
+        else:
+            path, text = workshop.editable(str(one.get("file")))
+        edits.append((path, loc, one.get("value", ABSENT)))
+        if text is not None:
+            create[path] = text
     seen, merge = body.get("seen"), body.get("merge")
     if not edits:
         raise LipsyncError("the request has no edits")
     workshop.edit(
-        request.text("title")[:MAX_TITLE_CHARS],
-        [(path, loc, value) for path, loc, value, _ in edits],
-        seen=seen if isinstance(seen, int) else None,
-        tab=_tab(request),
-        merge=merge if isinstance(merge, str) else "",
-        create={path: text for path, _, _, text in edits if text is not None},
-    )
+        request.text("title")[:MAX_TITLE_CHARS], edits,
+        seen=seen if isinstance(seen, int) else None, tab=_tab(request),
+        merge=merge if isinstance(merge, str) else "", create=create,
+    )  # fmt: skip
     return workshop.state()
-
-
-def _edit(workshop: Workshop, one: Any) -> tuple[Path, tuple[str | int, ...], Any, str | None]:
-    """Read an edit: file, place, value, and the initial text of a new file."""
-    if not isinstance(one, dict):
-        raise LipsyncError("an edit must be an object with `file`, `at` and `value`")
-    loc = tuple(listed(one.get("at"), "steps"))
-    if not loc or not all(isinstance(step, (str, int)) for step in loc):
-        raise LipsyncError("`at` must be a list of keys and numbers, the place of the edit")
-    value = one.get("value", ABSENT)
-    if one.get("file") == "bank":
-        path, text = workshop.bank_for(str(loc[1]) if len(loc) > 1 else "")
-        return path, loc, value, text
-    path, text = workshop.editable(str(one.get("file")))
-    return path, loc, value, text
 
 
 def undo(workshop: Workshop, request: StudioRequest) -> Json:

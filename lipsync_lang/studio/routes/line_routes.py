@@ -28,7 +28,6 @@ from lipsync_lang.studio.workshop import LineSettings, Workshop
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.schedules.schedule import Schedule
 
 SOUND_MARGIN_SECONDS = 1.0
 """Seconds of sound to send before and after a line."""
@@ -130,10 +129,15 @@ def whole(workshop: Workshop) -> PackedResponse:
     """Return the sound and the take of the line, or of its shown part."""
     packed = takes(workshop, None)
     schedule = workshop.schedule
-    sound = None if schedule is None else _sound(schedule, packed.arrays)
-    labels = workshop.performer.labels
-    remarks = [] if schedule is None else [*schedule.remarks, *label_remarks(labels, schedule)]
-    unread = "" if schedule is None else " ".join(schedule.unread)
+    sound, remarks, unread = None, [], ""
+    if schedule is not None:
+        remarks = [*schedule.remarks, *label_remarks(workshop.performer.labels, schedule)]
+        unread, audio = " ".join(schedule.unread), schedule.audio
+        if audio is not None:
+            first = max(0, int((schedule.start - SOUND_MARGIN_SECONDS) * audio.rate))
+            stop = max(first, int((schedule.end + SOUND_MARGIN_SECONDS) * audio.rate))
+            samples = packed.arrays.add(audio.samples[first:stop], "i2")
+            sound = {"rate": audio.rate, "start": first / audio.rate, "samples": samples}
     data = {
         "sound": sound,
         "remarks": remarks,
@@ -145,23 +149,22 @@ def whole(workshop: Workshop) -> PackedResponse:
     return PackedResponse(packed.document | data, packed.arrays)
 
 
-def _sound(schedule: "Schedule", pack: ArrayPack) -> Json | None:
-    """Return the samples around a schedule, and the time of the first one."""
-    audio = schedule.audio
-    if audio is None:
-        return None
-    first = max(0, int((schedule.start - SOUND_MARGIN_SECONDS) * audio.rate))
-    stop = max(first, int((schedule.end + SOUND_MARGIN_SECONDS) * audio.rate))
-    samples = pack.add(audio.samples[first:stop], "i2")
-    return {"rate": audio.rate, "start": first / audio.rate, "samples": samples}
-
-
 def takes(workshop: Workshop, against: Any) -> PackedResponse:
     """Return the take, and the take to compare it with."""
     pack = ArrayPack()
     made = [_take(workshop.perform(), workshop.performer, pack, "")]
     if isinstance(against, str) and against:
-        made.append(_take(_other(workshop, against), workshop.performer, pack, against))
+        from lipsync_lang.quality.baselines import BASELINES
+
+        if against == SAVED:
+            other = workshop.perform(workshop.saved)
+        elif against in BASELINES:
+            schedule = workshop.spoken.part(workshop.part_seconds)
+            other = BASELINES[against](workshop.performer, schedule, workshop.settings.fps)
+        else:
+            known = ", ".join((SAVED, *BASELINES))
+            raise LipsyncError(f"'{against}' is not a take; compare with {known}")
+        made.append(_take(other, workshop.performer, pack, against))
     line, seconds = workshop.spoken, workshop.part_seconds
     count, length = len(line.cuts(seconds)) - 1, line.whole.end - line.whole.start
     part = {"number": line.number(seconds), "count": count, "seconds": length}
@@ -171,18 +174,6 @@ def takes(workshop: Workshop, against: Any) -> PackedResponse:
         "part": part if count > 1 else None,
     }
     return PackedResponse(data, pack)
-
-
-def _other(workshop: Workshop, name: str) -> "Animation":
-    """Return the take to compare with."""
-    from lipsync_lang.quality.baselines import BASELINES
-
-    performer, schedule = workshop.performer, workshop.schedule
-    if name == SAVED:
-        return workshop.perform(workshop.saved)
-    if name in BASELINES and schedule is not None:
-        return BASELINES[name](performer, schedule, workshop.settings.fps)
-    raise LipsyncError(f"'{name}' is not a take; compare with {', '.join((SAVED, *BASELINES))}")
 
 
 def _take(animation: "Animation", own: "Performer", pack: ArrayPack, name: str) -> Json:

@@ -78,7 +78,10 @@ def start(workshop: Workshop, request: StudioRequest) -> Json:
     schedule = workshop.schedule
     if schedule is None:
         raise LipsyncError("there is no line; type a line that contains the word")
-    word, phoneme = (_query_number(request, name) for name in ("word", "phoneme"))
+    for name in ("word", "phoneme"):
+        if request.query.get(name) and whole_number(request.query[name]) is None:
+            raise LipsyncError(f"`{name}` must be a whole number from 0 on")
+    word, phoneme = (whole_number(request.query.get(name, "")) for name in ("word", "phoneme"))
     first, stop = 0, len(schedule)
     if word is not None:
         if word >= len(schedule.words):
@@ -95,11 +98,3 @@ def start(workshop: Workshop, request: StudioRequest) -> Json:
         first, stop = spoken[phoneme], spoken[phoneme] + 1
     fps = workshop.settings.fps
     return {"curves": performed_curves(workshop.performer, schedule, first, stop, fps)}
-
-
-def _query_number(request: StudioRequest, name: str) -> int | None:
-    text = request.query.get(name, "")
-    number = whole_number(text)
-    if text and number is None:
-        raise LipsyncError(f"`{name}` must be a whole number from 0 on")
-    return number
