@@ -228,17 +228,13 @@ class LabelReader:
             own = self.own_notations
             name = recognise(schedule.labels, own)
             labels, known, ipa = dict.fromkeys(schedule.labels), own.get(name), own.get(IPA)
-            # sounds of the IPA that no notation lists still tell that the labels are IPA
-            lacking = known is not None and any(known.find(one) is None for one in labels)
-            if (
-                lacking
-                and ipa is not None
-                and all(
+            if known and ipa and any(known.find(one) is None for one in labels):
+                # sounds of the IPA that no notation lists still tell that the labels are IPA
+                sounds = all(
                     ipa.find(one) is not None or self.unlisted(ipa, one) is not None
                     for one in labels
                 )
-            ):
-                name = IPA
+                name = IPA if sounds else name
             self._recognised[schedule] = name
         if name not in self.notations:
             raise ScheduleError(

@@ -216,7 +216,6 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "CompiledPair":
     from lipsync_lang.resolver.compiled import CompiledPair, Report
 
     plain = head["plain"]
-    # indices are checked, because numpy would read other rows for negative ones
     tables = _tables(head, body)
     _check_indices(tables)
     origins = tuple(map(_origin, plain.pop("origins")))
@@ -275,16 +274,15 @@ def _tables(head: dict[str, Any], body: memoryview) -> Tables:
 
 def _check_indices(tables: Tables) -> None:
     """Raise an error for indices of rows, phonemes or poses outside the tables."""
+    # numpy would read other rows for negative indices
+    rows = np.concatenate((tables.pairs.ravel(), tables.trigram_rows.ravel()))
     poses = {pose for pair in tables.at_most for pose in pair}
-    sound = (
-        all(
-            bool((rows >= 0).all()) and bool((rows < len(tables.boundary)).all())
-            for rows in (tables.pairs, tables.trigram_rows)
-        )
-        and tables.silence in range(len(tables.pairs))
-        and poses <= set(range(len(tables.priority)))
-    )
-    if not sound:
+    if (
+        rows.min() < 0
+        or rows.max() >= len(tables.boundary)
+        or tables.silence not in range(len(tables.pairs))
+        or not poses <= set(range(len(tables.priority)))
+    ):
         raise ValueError("an index is out of range")
 
 
