@@ -5,6 +5,7 @@ contiguous schedule in seconds, or an error that names the line.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from math import log
 from operator import attrgetter
 from statistics import median
@@ -12,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, words_from_spans
 from lipsync_lang.schedules.timing_file import TimingFile
 
@@ -126,8 +128,6 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
 
 def with_words(schedule: Schedule, spans: Sequence[tuple[str, float, float]]) -> Schedule:
     """Return a schedule with words from (text, start, end); silent words are left out."""
-    from dataclasses import replace
-
     if not spans and not schedule.words:
         return schedule
     found = words_from_spans(schedule, list(spans))
@@ -190,16 +190,9 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
             row = row._replace(start=middle)
             end = middle
         if row.start < end - SNAP_SECONDS:
-            before = filled[-1]
-            raise source.fault(
-                f"{told_row(row)}, starts before {before.label!r} ends ({before.end:g} s): they "
-                "overlap; move one of the two boundaries, or keep one speaker in the file",
-                row.line,
-            )
+            raise overlap(source, row, filled[-1])
         if row.end <= max(row.start, end):
-            raise source.fault(
-                f"{told_row(row)}, has no length; give it some time, or leave it out", row.line
-            )
+            raise without_length(source, row)
         if row.start > end + SNAP_SECONDS:
             _append(filled, LabelRow(SILENCE, end, row.start, None))
             end = row.start
@@ -211,19 +204,32 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
 def check_span(source: TimingFile, row: LabelRow) -> None:
     """Raise an error for a row that starts below zero, or ends before it starts."""
     if row.start < -SNAP_SECONDS:
-        raise source.fault(
-            f"{told_row(row)}, starts below 0; shift all times so that the sound starts at 0",
-            row.line,
-        )
+        what = "starts below 0; shift all times so that the sound starts at 0"
+        raise source.fault(f"{_told(row)}, {what}", row.line)
     _check_order(source, row)
 
 
 def _check_order(source: TimingFile, row: LabelRow) -> None:
     if row.end < row.start:
-        raise source.fault(f"{told_row(row)}, ends before it starts; swap its times", row.line)
+        raise source.fault(f"{_told(row)}, ends before it starts; swap its times", row.line)
 
 
-def told_row(row: LabelRow) -> str:
+def overlap(source: TimingFile, row: LabelRow, before: LabelRow) -> ScheduleError:
+    """Return the error for a row that starts before the one before it ends."""
+    return source.fault(
+        f"{_told(row)}, starts before {before.label!r} ends ({before.end:g} s): they overlap; "
+        "move one of the two boundaries, or keep one speaker in the file",
+        row.line,
+    )
+
+
+def without_length(source: TimingFile, row: LabelRow) -> ScheduleError:
+    """Return the error for a row that ends where it starts."""
+    what = "has no length; give it some time, or leave it out"
+    return source.fault(f"{_told(row)}, {what}", row.line)
+
+
+def _told(row: LabelRow) -> str:
     """Return a row with its times, for messages."""
     return f"{row.label.strip()[:MAX_LABEL_CHARS] or SILENCE!r}, {row.start:g} to {row.end:g} s"
 

@@ -15,8 +15,9 @@ from lipsync_lang.schedules.rows import (
     LabelRow,
     check_span,
     guessed_rate,
+    overlap,
     schedule_of,
-    told_row,
+    without_length,
 )
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
@@ -169,12 +170,7 @@ def _parted(source: TimingFile, words: list[TimedWord]) -> list[TimedWord]:
         start = max(word.start, 0.0)
         if before is not None and start < before.end:
             if start < before.end - ROUNDING_SECONDS and word.end > word.start:
-                raise source.fault(
-                    f"{told_row(_row(word))}, starts before {before.text!r} ends "
-                    f"({before.end:g} s): they overlap; move one of the two boundaries, or keep "
-                    "one speaker in the file",
-                    word.line,
-                )
+                raise overlap(source, _row(word), _row(before))
             start = max((start + before.end) / 2, before.start)
             if word.end > start > before.start:
                 parted[-1] = replace(before, end=start)
@@ -186,10 +182,7 @@ def _parted(source: TimingFile, words: list[TimedWord]) -> list[TimedWord]:
             parted.append(replace(word, start=start))
             texts.append([word.text])
     if parted[-1].end <= parted[-1].start:
-        raise source.fault(
-            f"{told_row(_row(parted[-1]))}, has no length; give it some time, or leave it out",
-            parted[-1].line,
-        )
+        raise without_length(source, _row(parted[-1]))
     return [replace(w, text=" ".join(all_of)) for w, all_of in zip(parted, texts, strict=True)]
 
 

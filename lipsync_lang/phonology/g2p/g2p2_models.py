@@ -24,6 +24,7 @@ from lipsync_lang.phonology.g2p.g2p_engines import (
     MissingReaderError,
     Settings,
     SpokenWord,
+    merged,
 )
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
@@ -64,16 +65,12 @@ def engine(settings: Settings) -> G2PEngine:
         pointed = sorted(
             text for text in texts_of_words if any(category(sign) == "Mn" for sign in plain(text))
         )
-        found: dict[str, tuple[tuple[str, ...], str]] = {}
-        for text, parts in zip(pointed, other(pointed) if other else (), strict=False):
-            labels = tuple(label for part in parts for label in part.labels)
-            found[text] = labels, "".join(part.unread for part in parts)
+        found: dict[str, SpokenWord] = {}
+        if other is not None:
+            for text, words in zip(pointed, other(pointed), strict=True):
+                found[text] = merged(text, words)._replace(stress=())  # as for words of the model
         for words in plainly:
-            told = (found.get(word.text, (word.labels, word.unread)) for word in words)
-            yield tuple(
-                word._replace(labels=labels, unread=unread)
-                for word, (labels, unread) in zip(words, told, strict=True)
-            )
+            yield tuple(found.get(word.text, word) for word in words)
 
     return read
 

@@ -25,6 +25,14 @@ class SpokenWord(NamedTuple):
     stress: tuple[int | None, ...] = ()
 
 
+def merged(text: str, words: Sequence[SpokenWord], respelled: str = "") -> SpokenWord:
+    """Merge words into one, with this spelling of the user's and for a voice."""
+    marks = tuple(mark for word in words for mark in word.stress or (None,) * len(word.labels))
+    labels = tuple(label for word in words for label in word.labels)
+    unread = "".join(word.unread for word in words)
+    return SpokenWord(text, labels, respelled, unread, marks if any(marks) else ())
+
+
 class Rule(NamedTuple):
     """A rewrite: letters, their labels, and the required text after and before them."""
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from unicodedata import name
 
 from lipsync_lang.phonology.g2p.drawn_out import SYLLABIC, ElongatedWord, IsVowel, lengthened
-from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord, merged
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection
 from lipsync_lang.phonology.g2p.tokens import plain
 
@@ -62,8 +62,7 @@ class Interjections:
             parts = [self.find(part) for part in word.split("-") if part]
             said = [one for one in parts if one is not None]
             if said and len(said) == len(parts):
-                labels = tuple(label for one in said for label in one.labels)
-                return SpokenWord(token, labels, " ".join(one.respelled for one in said))
+                return merged(token, said, " ".join(one.respelled for one in said))
         for spelling in dict.fromkeys((word, word.replace("-", ""))):
             for pattern in self._patterns.get(spelling[:1], ()):
                 found = pattern.whole.fullmatch(spelling)

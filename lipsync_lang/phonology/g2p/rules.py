@@ -23,6 +23,7 @@ from lipsync_lang.phonology.g2p.g2p_engines import (
     Rule,
     Settings,
     SpokenWord,
+    merged,
     respeller,
 )
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
@@ -127,9 +128,7 @@ def engine(settings: Settings) -> G2PEngine:
         for piece, spelling in respell(text):
             words = read_words(spelling, rewriter.read)
             if any(word.labels for word in words):
-                labels = tuple(label for word in words for label in word.labels)
-                voiced = spelling.replace(WHISPER, "")
-                yield SpokenWord(piece, labels, voiced, "".join(word.unread for word in words))
+                yield merged(piece, words, spelling.replace(WHISPER, ""))
             else:
                 yield from (word._replace(text=piece) for word in words[:1])
 

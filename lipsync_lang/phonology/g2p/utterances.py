@@ -17,7 +17,7 @@ from lipsync_lang.phonology.g2p.drawn_out import (
     ordinary_spellings,
 )
 from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement
-from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord, merged
 from lipsync_lang.phonology.g2p.interjections import Interjections
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.phonology.g2p.stutters import (
@@ -297,24 +297,11 @@ def _original(part: UtterancePart, words: SpokenWords) -> list[SpokenWord]:
         if start < end and any(not _is_pause(one) for one in out):
             while _is_pause(out[-1]):
                 out.pop()
-            out[-1] = _merged(out[-1], word, part.text[begin : max(end, stop)])
+            spoken = " ".join(one.respelled or one.text for one in (out[-1], word))
+            out[-1] = merged(part.text[begin : max(end, stop)], (out[-1], word), spoken)
         else:
             begin, text = start, part.text[start:stop]
             spoken = word.respelled or word.text
             out.append(word if text == word.text else word._replace(text=text, respelled=spoken))
         end = max(end, stop)
     return out
-
-
-def _merged(one: SpokenWord, other: SpokenWord, text: str) -> SpokenWord:
-    """Merge two words."""
-    marks = tuple(
-        mark for word in (one, other) for mark in word.stress or (None,) * len(word.labels)
-    )
-    return SpokenWord(
-        text,
-        one.labels + other.labels,
-        f"{one.respelled or one.text} {other.respelled or other.text}",
-        one.unread + other.unread,
-        marks if any(marks) else (),
-    )
