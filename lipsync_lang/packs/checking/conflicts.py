@@ -218,24 +218,17 @@ def unprepared(pack: "Pack[PoseSet] | Pack[Character]", poseset: PoseSet) -> Ite
 
 def _reach(model: PoseSet, banks: Iterable[BankPack]) -> dict[str, float]:
     """Map each pose to its largest weight in targets, banks and floors."""
-    stated = [
-        *(pair for steps in model.targets.values() for t in steps for pair in t.weights.items()),
-        *(
-            (pose, max(value for _, value in curve))
-            for bank in banks
-            for units in (bank.bigrams, bank.trigrams)
-            for unit in units.values()
-            for pose, curve in unit.curves.items()
-        ),
-        *(
-            (pose, floor)
-            for contact in model.contacts.values()
-            for pose, floor in contact.floor.items()
-        ),
+    banked = (units for bank in banks for units in (bank.bigrams, bank.trigrams))
+    curves = [unit.curves for units in banked for unit in units.values()]
+    weights: list[Mapping[str, float]] = [
+        *(target.weights for steps in model.targets.values() for target in steps),
+        *({pose: max(v for _, v in curve) for pose, curve in some.items()} for some in curves),
+        *(contact.floor for contact in model.contacts.values()),
     ]
     reach: dict[str, float] = {}
-    for pose, weight in stated:
-        reach[pose] = max(weight, reach.get(pose, 0.0))
+    for some in weights:
+        for pose, weight in some.items():
+            reach[pose] = max(weight, reach.get(pose, 0.0))
     return reach
 
 
