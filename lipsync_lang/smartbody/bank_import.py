@@ -18,9 +18,9 @@ import numpy as np
 
 from lipsync_lang.banks.write import (
     NEUTRAL,
+    BankBigrams,
     CurvePoints,
     Interpolation,
-    BankBigrams,
     add_bigrams,
     bank_yaml,
     done,
