@@ -1,5 +1,6 @@
 """Recognition of speech in recordings without a text."""
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -75,9 +76,10 @@ def test_what_was_recognised_can_be_performed(heard):
 
 @full
 def test_long_recordings_are_heard_in_parts(heard, english, monkeypatch):
-    module = "lipsync_lang.speech.hearing.sphinx.decoders"
-    monkeypatch.setattr(f"{module}.SHORTEST", 2 * SPEECH_RATE)
-    monkeypatch.setattr(f"{module}.LONGEST", 4 * SPEECH_RATE)
+    short = partial(parts, shortest=2 * SPEECH_RATE, longest=4 * SPEECH_RATE)
+    monkeypatch.setattr(
+        "lipsync_lang.speech.hearing.recognise.pocketsphinx_recogniser.parts", short
+    )
     pause = np.zeros(heard.audio.rate // 2, np.int16)
     whole = np.concatenate([*[heard.audio.samples, pause] * 2])
     found = recognised(english, ll.Audio(whole, heard.audio.rate))
