@@ -7,8 +7,8 @@ from pydantic import ValidationError
 from lipsync_lang.coverage.report import (
     COVERAGE_FORMAT,
     Coverage,
+    CoverageChanges,
     ReportChange,
-    Since,
 )
 from lipsync_lang.coverage.script_changes import script_changes
 from lipsync_lang.coverage.total import total_of
@@ -20,13 +20,7 @@ MAX_DOCUMENT_BYTES = 256 * MIB_BYTES
 
 
 def read_document(path: Path) -> Coverage:
-    """Read a document that was written as JSON.
-
-    Raises
-    ------
-    LipsyncError
-        The file is missing, or is not a coverage document of this version.
-    """
+    """Read a document that was written as JSON."""
     content = read_input(path, MAX_DOCUMENT_BYTES, mend="check that it is a coverage document")
     try:
         return Coverage.model_validate_json(content)
@@ -63,7 +57,7 @@ def since(old: Coverage, new: Coverage, file: str) -> Coverage:
                 column=other.column,
             )
         )
-    changes = Since(
+    changes = CoverageChanges(
         file=file,
         reports=tuple(reports),
         unmatched=tuple(

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from lipsync_lang.coverage.report import Corpus, Coverage, CoverageReport, Shared, Tally
+from lipsync_lang.coverage.report import Corpus, Coverage, CoverageReport, LanguageAddition, Tally
 from lipsync_lang.coverage.total import total_of
 
 if TYPE_CHECKING:
@@ -68,11 +68,11 @@ def joined(
 
 def shared_of(
     resolved: "Iterable[Report]", reports: Sequence[CoverageReport]
-) -> tuple[Shared, ...]:
+) -> tuple[LanguageAddition, ...]:
     """Return the bigrams that each language adds, with the number that any report needs."""
     added = {one.language: (one.added, one.extra) for one in resolved}
     return tuple(
-        Shared(
+        LanguageAddition(
             language=language,
             phonemes=phonemes,
             bigrams=bigrams,

@@ -12,14 +12,14 @@ class Fact(BaseModel):
     model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
 
 
-class Authored(Fact):
+class AuthoredShare(Fact):
     """The needed bigrams that are authored."""
 
     bigrams: int
     percent: float
 
 
-class Left(Fact):
+class WorkLeft(Fact):
     """The needed bigrams that are left to author."""
 
     bigrams: int

@@ -1,6 +1,7 @@
 """Reports for every language on every character, from one reading of the lines."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,6 @@ from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
-    from lipsync_lang.packs.models.language_models import Language
-    from lipsync_lang.performing.performer import Performer
 
 
 def coverage(  # noqa: PLR0913 two names, and options by keyword
@@ -65,10 +64,20 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
         performer.language: Library(performer.paths).language(performer.language).model
         for performer, _ in pairs
     }
-    readings = Readings(faces)
-    reading_of = [readings.index(*pair, packs[pair[0].language]) for pair in pairs]
+    readings: list[Reading] = []
+    keys: list[tuple[object, ...]] = []
+    reading_of: list[int] = []
+    for performer, face in pairs:
+        speakers = faces and {who for who, names in faces.stated.items() if face in names}
+        compiled = performer.compiled
+        key = compiled.manner, compiled.words, compiled.report.trigrams.keys(), speakers
+        if key not in keys:  # pairs with equal counts share a reading
+            takes = None if faces is None else partial(_speaks, faces, face)
+            keys.append(key)
+            readings.append(Reading(performer, scripts_of(packs[performer.language]), takes))
+        reading_of.append(keys.index(key))
     with Pages() as pages:
-        corpus, counts = count(lines, readings.found, pages, faces)
+        corpus, counts = count(lines, readings, pages, faces)
         if not corpus.lines:
             raise LipsyncError(
                 "there are no lines to count; give files, or folders, that hold some text"
@@ -92,27 +101,5 @@ def _names(given: str | Path | Iterable[str | Path]) -> list[str | Path]:
     return [given] if isinstance(given, (str, Path)) else list(dict.fromkeys(given))
 
 
-class Readings:
-    """The distinct readings of the lines; pairs with equal counts share one."""
-
-    def __init__(self, faces: SpeakerFaces | None) -> None:
-        self.found: list[Reading] = []
-        self._faces = faces
-        self._speakers: list[frozenset[str]] = []
-
-    def index(self, performer: "Performer", character: str, pack: "Language") -> int:
-        """Return the index of the reading of a pair; a new one is added."""
-        stated = self._faces.stated if self._faces else {}
-        speakers = frozenset(speaker for speaker, names in stated.items() if character in names)
-        mine = performer.compiled
-        for number, (reading, theirs) in enumerate(zip(self.found, self._speakers, strict=True)):
-            other = reading.performer.compiled
-            trigrams = mine.report.trigrams.keys() == other.report.trigrams.keys()
-            words = (mine.manner, mine.words) == (other.manner, other.words)
-            if words and trigrams and speakers == theirs:
-                return number
-        faces = self._faces
-        takes = None if faces is None else lambda line: character in faces.of(line.speaker)
-        self.found.append(Reading(performer, scripts_of(pack), takes))
-        self._speakers.append(speakers)
-        return len(self.found) - 1
+def _speaks(faces: SpeakerFaces, character: str, line: "Line") -> bool:
+    return character in faces.of(line.speaker)

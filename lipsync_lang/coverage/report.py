@@ -6,7 +6,7 @@ percentages do not include them. Percentages are from 0 to 100.
 
 from typing import Any, Literal
 
-from lipsync_lang.coverage.facts import Authored, Fact, Left, NextHour, authored
+from lipsync_lang.coverage.facts import AuthoredShare, Fact, NextHour, WorkLeft, authored
 from lipsync_lang.coverage.script_changes import ScriptChange, ScriptLines
 from lipsync_lang.coverage.total import Total
 
@@ -119,8 +119,8 @@ class CoverageReport(Fact):
     """Bigrams of the language that never occur."""
     needed: dict[str, int]
     """Number of bigrams that cover 90, 95, 99 and 100 percent of all occurrences."""
-    authored: Authored
-    left: Left
+    authored: AuthoredShare
+    left: WorkLeft
     next_hour: NextHour
     sentences: tuple[Sentence, ...]
     """A short list of lines that have every bigram that is not authored."""
@@ -141,7 +141,7 @@ class CoverageReport(Fact):
         return labelled(self.language, self.column)
 
 
-class Shared(Fact):
+class LanguageAddition(Fact):
     """Phonemes and bigrams that a language adds to those that all languages share."""
 
     language: str
@@ -178,7 +178,7 @@ class ReportChange(Fact):
         return labelled(self.language, self.column)
 
 
-class Since(Fact):
+class CoverageChanges(Fact):
     """Changes since an older document."""
 
     file: str
@@ -187,7 +187,7 @@ class Since(Fact):
     """Language and character of reports in only one of the two documents."""
     script: tuple[ScriptChange, ...] = ()
     """Lines that changed; empty if the older document has no digests."""
-    left: tuple[Left, Left] | None = None
+    left: tuple[WorkLeft, WorkLeft] | None = None
     """Work of all reports together, before and now."""
 
 
@@ -199,10 +199,10 @@ class Coverage(Fact):
     minutes: float
     """Minutes it takes to author a bigram."""
     reports: tuple[CoverageReport, ...]
-    shared: tuple[Shared, ...]
+    shared: tuple[LanguageAddition, ...]
     total: Total | None = None
     """All reports together; each piece of work counts once. Null in older documents."""
-    since: Since | None = None
+    since: CoverageChanges | None = None
     """Present if the document is compared with an older one."""
 
     def to_dict(self) -> dict[str, Any]:

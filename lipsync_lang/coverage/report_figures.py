@@ -1,7 +1,7 @@
 """Figures of a report, from counted lines and a character."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from lipsync_lang.arrays import Ints
 from lipsync_lang.coverage import plan
 from lipsync_lang.coverage.corpus import Count, Pages
-from lipsync_lang.coverage.facts import Authored, Left, NextHour, authored
+from lipsync_lang.coverage.facts import AuthoredShare, NextHour, WorkLeft, authored
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Sentence, TrigramNeed
 from lipsync_lang.reports.percentages import percent
 
@@ -59,9 +59,15 @@ class CountFigures:
         counts: Ints,
         origins: "dict[int, Origin]",
         names: Sequence[str],
-        within: Mapping[str, int],
+        trigrams: Iterable[TrigramNeed],
     ) -> tuple[BigramNeed, ...]:
-        """Return the ranked bigrams; `within` counts the occurrences in authored trigrams."""
+        """Return the ranked bigrams; authored trigrams replace some of their occurrences."""
+        within: Counter[str] = Counter()
+        for one in trigrams:
+            if authored(one.layer, one.status):
+                first, middle, last = one.trigram.split("-")
+                within[f"{first}-{middle}"] += one.count
+                within[f"{middle}-{last}"] += one.count
         total, running = int(counts.sum()), 0
         found = []
         for code in plan.ranked(counts):
@@ -77,7 +83,7 @@ class CountFigures:
                     status=origins[code].status,
                     example=self.examples.get(code, ""),
                     places=tuple(self.pages[line][0] for line in self.count.first[code]),
-                    in_trigrams=within.get(names[code], 0),
+                    in_trigrams=within[names[code]],
                 )
             )
         return tuple(found)
@@ -116,11 +122,9 @@ def report_of(
     bigrams = (origin for origin in performer.compiled.origins if origin.triple is None)
     origins = {codes[one.name]: one for one in bigrams if one.name in codes}
     trigrams = counted_lines.trigrams(performer)
-    within = _within(trigrams)
-    rows = counted_lines.bigrams(counted_lines.spoken, origins, names, within)
+    rows = counted_lines.bigrams(counted_lines.spoken, origins, names, trigrams)
     total = sum(row.count for row in rows)
     missing = [row for row in rows if not row.authored]
-    done = [row for row in rows if row.authored]
     soon = missing[: plan.affordable(minutes)]
     gain = sum(row.count - row.covered for row in soon)
     return CoverageReport(
@@ -133,13 +137,14 @@ def report_of(
         phonemes={name: int(counted.phonemes[n]) for n, name in enumerate(phonemes) if n},
         occurrences=total,
         bigrams=rows,
-        silence=counted_lines.bigrams(counted_lines.silent, origins, names, within),
+        silence=counted_lines.bigrams(counted_lines.silent, origins, names, trigrams),
         unused=tuple(names[code] for code in counted_lines.unused),
         needed=plan.needed([row.count for row in rows]),
-        authored=Authored(
-            bigrams=len(done), percent=percent(sum(row.covered for row in rows), total)
+        authored=AuthoredShare(
+            bigrams=len(rows) - len(missing),
+            percent=percent(sum(row.covered for row in rows), total),
         ),
-        left=Left(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
+        left=WorkLeft(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
         next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=percent(gain, total)),
         sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names)
         if sentences
@@ -149,14 +154,3 @@ def report_of(
         other_scripts=counted.others.tallies(),
         trigrams=trigrams,
     )
-
-
-def _within(trigrams: Iterable[TrigramNeed]) -> Counter[str]:
-    """Count the occurrences of bigrams that authored trigrams replace."""
-    found: Counter[str] = Counter()
-    for one in trigrams:
-        if authored(one.layer, one.status):
-            first, middle, last = one.trigram.split("-")
-            found[f"{first}-{middle}"] += one.count
-            found[f"{middle}-{last}"] += one.count
-    return found

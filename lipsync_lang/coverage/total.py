@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.coverage import plan
-from lipsync_lang.coverage.facts import Authored, Fact, Left, NextHour
+from lipsync_lang.coverage.facts import AuthoredShare, Fact, NextHour, WorkLeft
 from lipsync_lang.reports.percentages import WHOLE_PERCENT, rounded
 
 if TYPE_CHECKING:
@@ -58,8 +58,8 @@ class TotalFigures(Fact):
     languages: tuple[str, ...]
     needed: int
     """Different bigrams that the languages need."""
-    authored: Authored
-    left: Left
+    authored: AuthoredShare
+    left: WorkLeft
     next_hour: NextHour
 
 
@@ -120,10 +120,10 @@ def _figures(
     return {
         "languages": tuple(dict.fromkeys(report.language for report in reports)),
         "needed": len(needed),
-        "authored": Authored(
+        "authored": AuthoredShare(
             bigrams=len(needed) - len(ranking), percent=rounded(done, is_all=is_all)
         ),
-        "left": Left(bigrams=len(ranking), hours=round(len(ranking) * minutes / 60, 2)),
+        "left": WorkLeft(bigrams=len(ranking), hours=round(len(ranking) * minutes / 60, 2)),
         "next_hour": NextHour(
             bigrams=tuple(item.bigram for item in soon),
             percent=round(max(reached - done, 0.0), 4) if soon else 0.0,

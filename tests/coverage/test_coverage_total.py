@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage
 from lipsync_lang.coverage.changes import since
-from lipsync_lang.coverage.facts import Authored, Left, NextHour
+from lipsync_lang.coverage.facts import AuthoredShare, NextHour, WorkLeft
 from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.forms.total_text import draft_calls
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport
@@ -40,7 +40,7 @@ def report(language, character, needs, poseset="crab"):
         language=language, language_title=language, character=character, poseset=poseset,
         lines=1, words=1, phonemes={}, occurrences=sum(one.count for one in needs),
         bigrams=tuple(needs), silence=(), unused=(), needed={},
-        authored=Authored(bigrams=0, percent=0), left=Left(bigrams=0, hours=0),
+        authored=AuthoredShare(bigrams=0, percent=0), left=WorkLeft(bigrams=0, hours=0),
         next_hour=NextHour(bigrams=(), percent=0), sentences=(), unread=(), unmapped=(),
     )  # fmt: skip
 
@@ -56,7 +56,7 @@ def test_a_bigram_that_two_languages_need_is_drawn_once():
         ],
         minutes=30,
     )
-    assert (told.needed, told.left, told.authored.bigrams) == (3, Left(bigrams=3, hours=1.5), 0)
+    assert (told.needed, told.left, told.authored.bigrams) == (3, WorkLeft(bigrams=3, hours=1.5), 0)
     found = [(one.bigram, one.percent, one.reaches, one.languages) for one in told.ranking]
     assert found == [
         ("a-b", 62.5, 62.5, ("one", "two")),
@@ -76,7 +76,7 @@ def test_faces_of_one_pose_set_share_their_work_and_others_do_not():
         ],
         minutes=60,
     )
-    assert told.left == Left(bigrams=2, hours=2)
+    assert told.left == WorkLeft(bigrams=2, hours=2)
     assert [face.left.bigrams for face in told.faces] == [1, 1, 1]
     assert [(one.poseset, one.characters) for one in told.ranking] == [
         ("crab", ("anna", "ben")), ("arkit", ("vex",))
@@ -110,7 +110,7 @@ def test_what_is_drawn_already_is_no_gain():
     partly = need("b-a", 4).model_copy(update={"in_trigrams": 3})
     rows = [need("a-b", 4, "shared", "edited"), partly, need("c-a", 2)]
     told = total_of([report("one", "crab", rows)], minutes=60)
-    assert told.authored == Authored(bigrams=1, percent=70)
+    assert told.authored == AuthoredShare(bigrams=1, percent=70)
     found = [(one.bigram, one.count, one.percent, one.reaches) for one in told.ranking]
     assert found == [("c-a", 2, 20, 90), ("b-a", 1, 10, 100)]
     assert told.next_hour == NextHour(bigrams=("c-a",), percent=20)
@@ -430,7 +430,7 @@ def test_lines_that_came_went_or_changed_are_named():
     (script,) = found.script
     assert script.lines == (4, 4)
     assert (script.added, script.removed, script.changed) == (("0",), ("1",), ("3", "4"))
-    assert found.left == (Left(bigrams=3, hours=0.25), Left(bigrams=3, hours=0.25))
+    assert found.left == (WorkLeft(bigrams=3, hours=0.25), WorkLeft(bigrams=3, hours=0.25))
 
 
 @pytest.mark.usefixtures("packs")

@@ -23,15 +23,15 @@ from test_usd import from_usda
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.coverage.facts import Authored, Left, NextHour
+from lipsync_lang.coverage.facts import AuthoredShare, NextHour, WorkLeft
 from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.report import (
     BigramNeed,
     Corpus,
     Coverage,
+    CoverageChanges,
     CoverageReport,
     ReportChange,
-    Since,
     Tally,
 )
 from lipsync_lang.coverage.script_changes import ScriptChange
@@ -253,9 +253,10 @@ def odd_report(name, other):
     return CoverageReport(
         language=name, language_title=name, character=other, poseset=other, lines=1, words=1,
         phonemes={"aa": 1, "d": 1}, occurrences=1, bigrams=(need,), silence=(need,), unused=(),
-        needed={"100": 1}, authored=Authored(bigrams=0, percent=0), left=Left(bigrams=1, hours=1),
-        next_hour=NextHour(bigrams=("aa-d",), percent=100), sentences=(), column=name,
-        unread=(Tally(what=name, count=1, place=f"{name}:1"),), unmapped=(),
+        needed={"100": 1}, authored=AuthoredShare(bigrams=0, percent=0),
+        left=WorkLeft(bigrams=1, hours=1), next_hour=NextHour(bigrams=("aa-d",), percent=100),
+        sentences=(), column=name, unmapped=(),
+        unread=(Tally(what=name, count=1, place=f"{name}:1"),),
     )  # fmt: skip
 
 
@@ -276,7 +277,7 @@ def odd_coverage():
         reports=reports,
         shared=(),
         total=total_of(reports, 5),
-        since=Since(file="".join(ODD), reports=changes, unmatched=ODD, script=(script,)),
+        since=CoverageChanges(file="".join(ODD), reports=changes, unmatched=ODD, script=(script,)),
     )
 
 

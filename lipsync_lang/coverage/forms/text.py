@@ -11,7 +11,7 @@ from lipsync_lang.reports.percentages import percentage_text, ranked_text
 from lipsync_lang.reports.text_table import columns
 
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.report import Coverage, CoverageReport, Since, Tally
+    from lipsync_lang.coverage.report import Coverage, CoverageChanges, CoverageReport, Tally
 
 MAX_RANKING_ROWS = 20
 """Number of rows of the ranking by default."""
@@ -19,7 +19,7 @@ MAX_RANKING_ROWS = 20
 MAX_TEXT_NAMES = 8
 """Maximum number of names of a list."""
 
-MAX_SENTENCES = 3
+MAX_TEXT_SENTENCES = 3
 """Maximum number of lines to draw first, by default."""
 
 
@@ -38,7 +38,11 @@ def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
             blocks[0].insert(0, headline(coverage.total))
             rows = None if options.everything else MAX_RANKING_ROWS
             blocks += [list(total_lines(coverage, coverage.total, rows))]
-        blocks += [_matrix(coverage.reports)]
+        table = [("language", "character", "authored", "left", "hours")]
+        for one in coverage.reports:
+            share, left = f"{percentage_text(one.authored.percent):>7}", f"{one.left.bigrams:4}"
+            table.append((one.label, one.character, share, left, f"{one.left.hours:5.1f}"))
+        blocks += [list(columns(table))]
     for report in coverage.reports:
         met = f"{_count(report.occurrences, 'bigram')} of {_count(len(report.bigrams), 'kind')}"
         block = [f"{report.label} on {report.character}: {met}"]
@@ -46,25 +50,18 @@ def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
         block += ["", *(f"  {line}" for line in _table(report, everything=options.everything))]
         block += ["", *(f"  {line}" for line in _facts(report, everything=options.everything))]
         blocks.append(block)
-    shared = list(_shared(coverage))
-    blocks += [shared] if shared else []
+    if len(coverage.shared) > 1 or any(one.bigrams for one in coverage.shared):
+        blocks.append(
+            [
+                f"{own.language} adds {_count(own.bigrams, 'bigram')} with "
+                f"{', '.join(own.phonemes)}, {own.used} of them needed here"
+                if own.bigrams
+                else f"{own.language} adds nothing: all its bigrams are shared"
+                for own in coverage.shared
+            ]
+        )
     blocks += [_since(coverage.since)] if coverage.since else []
     out.write("\n\n".join("\n".join(lines) for lines in blocks) + "\n")
-
-
-def _matrix(reports: "Sequence[CoverageReport]") -> list[str]:
-    rows = [("language", "character", "authored", "left", "hours")]
-    rows += [
-        (
-            r.label,
-            r.character,
-            f"{percentage_text(r.authored.percent):>7}",
-            f"{r.left.bigrams:4}",
-            f"{r.left.hours:5.1f}",
-        )
-        for r in reports
-    ]
-    return list(columns(rows))
 
 
 def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
@@ -140,7 +137,7 @@ def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
         yield f"in another script, read by the voice: {_tallies(read)}"
     if spelled:
         yield f"in another script, not counted: {_tallies(spelled)}"
-    shown = report.sentences if everything else report.sentences[:MAX_SENTENCES]
+    shown = report.sentences if everything else report.sentences[:MAX_TEXT_SENTENCES]
     if shown:
         yield f"{_count(len(report.sentences), 'line')} that use every unauthored bigram:"
     for one in shown:
@@ -149,20 +146,7 @@ def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
         yield f"  ... and {len(report.sentences) - len(shown)} more; --all lists them"
 
 
-def _shared(coverage: "Coverage") -> Iterator[str]:
-    if len(coverage.shared) < 2 and not any(one.bigrams for one in coverage.shared):  # noqa: PLR2004 one language shares nothing
-        return
-    for one in coverage.shared:
-        if one.bigrams:
-            yield (
-                f"{one.language} adds {_count(one.bigrams, 'bigram')} with "
-                f"{', '.join(one.phonemes)}, {one.used} of them needed here"
-            )
-        else:
-            yield f"{one.language} adds nothing: all its bigrams are shared"
-
-
-def _since(since: "Since") -> list[str]:
+def _since(since: "CoverageChanges") -> list[str]:
     lines = [f"since {since.file}:"]
     if since.left is not None and len(since.reports) > 1:
         before, now = since.left

@@ -28,17 +28,11 @@ def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Itera
     if len(total.faces) > 1:
         yield ""
         rows_of_faces = [("character", "pose set", "authored", "left", "hours", "first hour")]
-        rows_of_faces += [
-            (
-                face.character,
-                face.poseset,
-                f"{percentage_text(face.authored.percent):>7}",
-                f"{face.left.bigrams:4}",
-                f"{face.left.hours:5.1f}",
-                f"{percentage_text(face.next_hour.percent):>10}",
-            )
-            for face in total.faces
-        ]
+        for face in total.faces:
+            share, left = f"{percentage_text(face.authored.percent):>7}", face.left
+            hour = f"{percentage_text(face.next_hour.percent):>10}"
+            work = f"{left.bigrams:4}", f"{left.hours:5.1f}"
+            rows_of_faces.append((face.character, face.poseset, share, *work, hour))
         yield from (f"  {line}" for line in columns(rows_of_faces))
     soon = total.ranking[: affordable(coverage.minutes)]
     for number, call in enumerate(draft_calls(soon)):

@@ -26,8 +26,8 @@ PARTS = (
 )  # fmt: skip
 """Macros of `parts.html`; each writes one part of a report."""
 
-ENVIRONMENT = PageEnvironment(__package__, "templates")
-ENVIRONMENT.globals |= {
+PAGE_ENVIRONMENT = PageEnvironment(__package__, "templates")
+PAGE_ENVIRONMENT.globals |= {
     "percent": percent,
     "ranked_text": ranked_text,
     "hours": hours,
@@ -85,7 +85,7 @@ def page(document: Mapping[str, Any]) -> str:
         """Return the occurrences that the next hour of drawing covers, times 100."""
         return float(report.document["next_hour"]["percent"] * report.document["occurrences"])
 
-    macros = ENVIRONMENT.get_template("parts.html").module
+    macros = PAGE_ENVIRONMENT.get_template("parts.html").module
     titles = {one.document["language"]: one.language for one in reports}
     adding: dict[str, list[str]] = {}
     for one in sorted(document["shared"], key=lambda one: bool(one["bigrams"])):
@@ -110,7 +110,7 @@ def page(document: Mapping[str, Any]) -> str:
         ],
         "store": PartStore(reports, macros) if reports else None,
     }
-    return ENVIRONMENT.page("page.html", values, script="script.js")
+    return PAGE_ENVIRONMENT.page("page.html", values, script="script.js")
 
 
 def _parts(report: ReportView, macros: object) -> dict[str, Markup]:
