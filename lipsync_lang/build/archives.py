@@ -160,13 +160,7 @@ def put_member(archive: ZipFile, name: str, content: NewMember) -> None:
 
 
 def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
-    """Copy a member as it is, compressed; `zipfile` has no function for it.
-
-    Raises
-    ------
-    BadZipFile
-        Its data is not where the archive says, or is not what this module writes.
-    """
+    """Copy a member as it is, compressed; `zipfile` has no function for it."""
     if old.flag_bits & ENCRYPTED or old.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         raise BadZipFile(f"'{old.filename}' is encrypted, or compressed in another way")
     source.seek(old.header_offset)

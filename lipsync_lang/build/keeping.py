@@ -12,8 +12,8 @@ from lipsync_lang.build.planning import BuildPlan, PlannedStep
 from lipsync_lang.build.records import (
     Key,
     LineRecord,
+    OutputRecord,
     Records,
-    Written,
     as_json,
     from_json,
     unusable,
@@ -58,11 +58,11 @@ class OutputKeeper:
                 stands = standing.digest(file.path) if file.path in step.unknown else ""
                 if stands not in ("", file.digest):
                     kept.append(file.path)
-                    outputs[file.path] = Written(0, 0, "")
+                    outputs[file.path] = OutputRecord(0, 0, "")
                     Path(file.temporary).unlink(missing_ok=True)
                     continue
                 before = outputs[file.path].digest if file.path in outputs else ""
-                outputs[file.path] = Written(file.size, file.changed, file.digest, before)
+                outputs[file.path] = OutputRecord(file.size, file.changed, file.digest, before)
                 split = split_archive(file.path)
                 if split is None:
                     self._moves.append((file.temporary, self.folder / file.path))

@@ -23,7 +23,7 @@ from lipsync_lang.build.digests import file_digest, output_digest
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.output_paths import recorded_path
 from lipsync_lang.build.planned_line import CONFIDENCE, BuiltLine, JudgedFigure, PlannedLine
-from lipsync_lang.build.timing import Timed, attempt, schedules
+from lipsync_lang.build.timing import ScheduleOrError, attempt, schedules
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.temporary import temporary_name, this_process
 from lipsync_lang.performing.label_remarks import label_remarks
@@ -48,11 +48,8 @@ class LineBatch(NamedTuple):
     lines: tuple[PlannedLine, ...]
 
 
-class LineJudgement(NamedTuple):
-    """Needs of a performed line, and its figures of quality."""
-
-    needs: Mapping[str, bytes]
-    figures: tuple[JudgedFigure, ...]
+LineJudgement = tuple[Mapping[str, bytes], tuple[JudgedFigure, ...]]
+"""Needs of a performed line, and its figures of quality."""
 
 
 class MadeFile(NamedTuple):
@@ -127,10 +124,10 @@ class LineMaker:
 
     def _timed(
         self, lines: Sequence[PlannedLine], pairs: Mapping[str, PairNeeds]
-    ) -> Iterator[Timed]:
+    ) -> Iterator[ScheduleOrError]:
         """Yield the schedule of each line; characters with the same speech share it."""
         asked = {(pairs[line.character].speech, line.name): line for line in reversed(lines)}
-        known: dict[tuple[bytes, str], Timed] = {}
+        known: dict[tuple[bytes, str], ScheduleOrError] = {}
         for speech in dict.fromkeys(speech for speech, _ in asked):
             own = [line for (one, _), line in asked.items() if one == speech]
             speaker = pairs[own[0].character].performer.speaker
@@ -139,7 +136,7 @@ class LineMaker:
         return (known[pairs[line.character].speech, line.name] for line in lines)
 
     def _performed(
-        self, performer: Performer, timed: Sequence[tuple[PlannedLine, Timed]]
+        self, performer: Performer, timed: Sequence[tuple[PlannedLine, ScheduleOrError]]
     ) -> Iterator[tuple[PlannedLine, Animation | Exception]]:
         """Yield the animation of each line, or its error; all at once if no line fails."""
         sound = [(line, said) for line, said in timed if isinstance(said, Schedule)]
@@ -180,7 +177,7 @@ class LineMaker:
             least = self.settings.limits.get(CONFIDENCE)
             most = None if least is None else 1 - least
             figures.append(JudgedFigure(TIMING_DOUBT, 1 - confidence, "", most))
-        return LineJudgement(needs, tuple(figures))
+        return needs, tuple(figures)
 
     def _made(
         self,
@@ -195,6 +192,7 @@ class LineMaker:
             return self._failed(line, animation)
         if isinstance(judged, Exception):
             return self._failed(line, judged)
+        needs, figures = judged
         schedule = animation.schedule
         files: list[MadeFile] = []
         try:
@@ -211,10 +209,10 @@ class LineMaker:
             "; ".join((*schedule.remarks, *label_remarks(pair.performer.labels, schedule))),
             float(animation.times[-1] - animation.times[0]),
             schedule.confidence,
-            judged.figures,
+            figures,
             {file.path: file.digest for file in files},
         )
-        return MadeLine(built, tuple(files), contents, judged.needs)
+        return MadeLine(built, tuple(files), contents, needs)
 
     def _failed(self, line: PlannedLine, error: Exception) -> MadeLine:
         """Return a line with the reason why it failed, and its place."""

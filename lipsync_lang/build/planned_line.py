@@ -22,8 +22,6 @@ class PlannedLine:
     Parameters
     ----------
     name : the line's id in its table
-    language : name of the language pack
-    character : name of the character
     text : the text as the table has it, with its marks of emphasis; empty for timings alone
     speaker : name of the speaker in the table; may be empty
     place : `file:line` of the text
@@ -71,23 +69,16 @@ class JudgedFigure(NamedTuple):
 
 @dataclass(frozen=True)
 class BuiltLine:
-    """Planned line with its outcome.
-
-    Parameters
-    ----------
-    line : the plan
-    outcome : `built` or `failed`
-    message : why it failed, located and mendable; else remarks, may be empty
-    seconds : length of the animation
-    confidence : fit of the timings to the recording, in [0, 1]; None if nothing was aligned
-    figures : figures of quality, for the report
-    """
+    """Planned line with its outcome, and the figures of quality for the report."""
 
     line: PlannedLine
     outcome: Outcome
     message: str = ""
+    """Why it failed, located and mendable; else remarks, may be empty."""
     seconds: float = 0.0
+    """Length of the animation."""
     confidence: float | None = None
+    """Fit of the timings to the recording, in [0, 1]; None if nothing was aligned."""
     figures: tuple[JudgedFigure, ...] = ()
     written: Mapping[str, str] = field(default_factory=dict)
     """Digest of the content of each output, by its path from the project's folder."""

@@ -17,8 +17,8 @@ from lipsync_lang.build.records import (
     NEED,
     Key,
     LineRecord,
+    OutputRecord,
     Records,
-    Written,
     as_json,
     from_json,
     unusable,
@@ -43,7 +43,7 @@ INPUTS = {
 }
 """Parts of a line's inputs in words."""
 
-FILES = ("timings", "audio")
+FILE_INPUTS = ("timings", "audio")
 """Parts of the inputs that are files: path, size and time of change."""
 
 REMAKE_REASONS = {
@@ -202,7 +202,7 @@ class _Planner:
         self, inputs: Mapping[str, Any], text: str, record: LineRecord
     ) -> Iterator[str]:
         sure = record.at - TICK_NANOSECONDS
-        late = {part for part in FILES if part in inputs and inputs[part][2] > sure}
+        late = {part for part in FILE_INPUTS if part in inputs and inputs[part][2] > sure}
         if record.verdict == "failed" or (text == record.inputs and not late):
             return
         before = from_json(record.inputs)
@@ -211,13 +211,13 @@ class _Planner:
             if now == then and part not in late:
                 continue
             # A file may have another time, but the content of the last build.
-            if part in FILES and now and isinstance(then, list) and now[:1] == then[:1]:
+            if part in FILE_INPUTS and now and isinstance(then, list) and now[:1] == then[:1]:
                 with suppress(OSError):
                     if file_digest(self.folder / now[0]) == from_json(record.contents).get(now[0]):
                         continue
             yield f"{words} changed"
 
-    def _state(self, path: str, written: Written | None) -> str:
+    def _state(self, path: str, written: OutputRecord | None) -> str:
         """Return the state of an output: `sound`, or one of `REMAKE_REASONS` or `STANDING`."""
         stamp = self.standing.stamp(path)
         if stamp is None:

@@ -12,7 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Self
 
-from lipsync_lang.build.workers import BATCHES_PER_WORKER, Job, LostBatch, Missing, run_job
+from lipsync_lang.build.workers import BATCHES_PER_WORKER, Job, LostBatch, MissingValues, run_job
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
@@ -111,14 +111,14 @@ class _Pool:
                     self.unfinished.append(job)
                     broken = True
                     continue
-                if isinstance(result, Missing):
+                if isinstance(result, MissingValues):
                     self._sent.pop(job.key, None)
                     again.append(job)
                 else:
                     yield result
         self.unfinished += again
         for future, job in running.items():  # all of them end with the pool
-            if future.exception() is None and not isinstance(future.result(), Missing):
+            if future.exception() is None and not isinstance(future.result(), MissingValues):
                 yield future.result()
             else:
                 self.unfinished.append(job)

@@ -1,6 +1,6 @@
 """A project in a build: its lines, its pairs, its settings and its record."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
@@ -103,8 +103,13 @@ class ProjectBuild:
         settings = BuildSettings(fps, dict(project.limits), tts, project.offset or 0.0)
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*paths, *(folder / path for path in project.paths), folder))
-        for weak in dict.fromkeys(made.weak):
-            remark(weak)
+        weak: dict[str, None] = {}  # unreliable readings of languages, for lines without timings
+        for line in lines:
+            needs = made.pairs.get((line.language, line.character))
+            if line.timings is None and needs and (why := needs.performer.speaker.manner.weak):
+                weak[why] = None
+        for why in weak:
+            remark(why)
         return made
 
     def resolve(self, paths: Iterable[Path]) -> None:
@@ -125,14 +130,6 @@ class ProjectBuild:
                 self.pairs[language, character] = PairNeeds(performer, self.settings)
             except LipsyncError as error:
                 self.unsound[language, character] = error
-
-    @property
-    def weak(self) -> Iterator[str]:
-        """Yield warnings of languages on unreliable readings, for lines without timings."""
-        for line in self.lines:
-            needs = self.pairs.get((line.language, line.character))
-            if line.timings is None and needs and (why := needs.performer.speaker.manner.weak):
-                yield why
 
     @property
     def maker(self) -> LineMaker:

@@ -64,13 +64,6 @@ def make_project(
     """Make a project folder in the current one, and return its files.
 
     The project states the paths of the library, and defaults for a missing language or character.
-
-    Raises
-    ------
-    LipsyncError
-        The name is taken or unfit, or the language or character is unknown.
-    OutputError
-        The folder cannot be written.
     """
     if fault := fault_of_name(name):
         where = "the new folder is made in the current one"

@@ -46,7 +46,7 @@ CREATE TABLE IF NOT EXISTS line (
 _ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
 
 
-class Written(NamedTuple):
+class OutputRecord(NamedTuple):
     """An output as a build left it."""
 
     size: int
@@ -74,7 +74,7 @@ class LineRecord:
     inputs: str
     contents: str
     needs: bytes
-    outputs: Mapping[str, Written]
+    outputs: Mapping[str, OutputRecord]
     verdict: Verdict
     result: str
     at: int = 0
@@ -145,7 +145,7 @@ class Records:
                 language, character, name, at, inputs, contents, needs, _, verdict, result = row
                 if type(at) is not int or type(needs) is not bytes or len(needs) % NEED.itemsize:
                     raise unusable()
-                paths = {path: Written(*one) for path, one in written.items()}
+                paths = {path: OutputRecord(*one) for path, one in written.items()}
                 found[language, character, name] = LineRecord(
                     inputs, contents, needs, paths, verdict, result, at
                 )

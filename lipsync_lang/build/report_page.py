@@ -156,7 +156,7 @@ class PageReport:
             "names": sorted({name for row in rows for name in row.names}),
             "contacts": [one for one in figures if one.name.startswith("contacts")],
         }
-        out.write(ENVIRONMENT.page("report.html", values, "report.css", "report.js"))
+        out.write(REPORT_ENVIRONMENT.page("report.html", values, "report.css", "report.js"))
 
 
 def figure_bars(figure: FigureTally) -> Bars:
@@ -207,7 +207,9 @@ def _number(value: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"  # noqa: PLR2004
 
 
-ENVIRONMENT = PageEnvironment(__package__, "report_templates")
-ENVIRONMENT.filters["figure"] = _number
-ENVIRONMENT.filters["share"] = lambda part, whole: percentage_text(percent(part, whole), NBSP)
-ENVIRONMENT.globals |= {"HEIGHT": CHART_HEIGHT, "WIDTH": 10 * BINS, "MAX_TIMES": MAX_TIMES}
+REPORT_ENVIRONMENT = PageEnvironment(__package__, "report_templates")
+REPORT_ENVIRONMENT.filters["figure"] = _number
+REPORT_ENVIRONMENT.filters["share"] = lambda part, whole: percentage_text(
+    percent(part, whole), NBSP
+)
+REPORT_ENVIRONMENT.globals |= {"HEIGHT": CHART_HEIGHT, "WIDTH": 10 * BINS, "MAX_TIMES": MAX_TIMES}

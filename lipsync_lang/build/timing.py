@@ -11,13 +11,13 @@ from lipsync_lang.speech.speaking.speaker import Speaker
 
 CallResult = TypeVar("CallResult")
 
-Timed = Schedule | Exception
+ScheduleOrError = Schedule | Exception
 """Schedule of a line, or the error in its place."""
 
 
 def schedules(
     folder: Path, lines: Sequence[PlannedLine], speaker: Speaker, engine: str | None = None
-) -> list[Timed]:
+) -> list[ScheduleOrError]:
     """Time the phonemes of lines by their timings, their recordings, or only their text.
 
     `engine` is another speech engine than the language's; `none` estimates times.
@@ -25,7 +25,7 @@ def schedules(
     from lipsync_lang.speech.hearing.alignment import align_many
     from lipsync_lang.speech.hearing.recognition import recognise_many
 
-    out: dict[int, Timed] = {}
+    out: dict[int, ScheduleOrError] = {}
     told: list[tuple[int, Path, str]] = []
     heard: list[tuple[int, Path]] = []
     silent: list[tuple[int, str]] = []

@@ -166,7 +166,7 @@ def pack_jobs(
 # In a worker
 
 
-class Missing(NamedTuple):
+class MissingValues(NamedTuple):
     """Answer of a worker without a value."""
 
     keys: tuple[str, ...]
@@ -177,7 +177,7 @@ _at_work = Lock()
 
 
 def run_job(job: Job) -> Any:
-    """Run a job in a worker; return `Missing` if it came without a value that is not here.
+    """Run a job in a worker; return `MissingValues` if it came without a value that is not here.
 
     Threads of a process take turns: performers and engines are not made for several at once.
     """
@@ -185,7 +185,7 @@ def run_job(job: Job) -> Any:
         parcels = [parcel for parcel in (job.work, job.shared) if parcel is not None]
         lacking = [p.key for p in parcels if p.content is None and p.key not in opened]
         if lacking:
-            return Missing(tuple(lacking))
+            return MissingValues(tuple(lacking))
         values = []
         for key, content in parcels:
             if key not in opened and content is not None:

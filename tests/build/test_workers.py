@@ -15,7 +15,14 @@ from toy_work import WORKER_ENVIRONMENT
 
 import lipsync_lang as ll
 from lipsync_lang.build import workers
-from lipsync_lang.build.workers import Job, LostBatch, Missing, parcel_of, run_batches, run_job
+from lipsync_lang.build.workers import (
+    Job,
+    LostBatch,
+    MissingValues,
+    parcel_of,
+    run_batches,
+    run_job,
+)
 from lipsync_lang.errors import LipsyncError
 
 HEAVY = [{"name": name, "weight": b"x" * 100_000} for name in "abc"]
@@ -70,7 +77,7 @@ def test_equal_content_has_one_name_and_other_content_another():
 def test_a_worker_asks_for_what_it_has_not_got_and_keeps_what_it_got(monkeypatch):
     monkeypatch.setattr(workers, "opened", type(workers.opened)())
     job = Job(parcel_of(toy_work.named), parcel_of(HEAVY[0]), 7)
-    assert run_job(job.bare) == Missing(job.key)
+    assert run_job(job.bare) == MissingValues(job.key)
     assert run_job(job) == run_job(job.bare) == (7, "a", 100_000)
 
 
