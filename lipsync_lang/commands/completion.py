@@ -10,7 +10,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 
 SHELLS = ("bash", "zsh", "tcsh")
-FILES = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
+FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 """Placeholders of file arguments."""
 
 
@@ -57,7 +57,7 @@ def completion(options: Namespace) -> int:
     top = parser()
     for _, leaf in leaves(top):
         for action in leaf._actions:  # noqa: SLF001 argparse has no other list of them
-            if action.type is Path or str(action.metavar) in FILES:
+            if action.type is Path or str(action.metavar) in FILE_PLACEHOLDERS:
                 action.complete = shtab.FILE  # type: ignore[attr-defined] # where shtab looks
             elif action.metavar in names and action.option_strings:
                 action.choices = names[str(action.metavar)]
