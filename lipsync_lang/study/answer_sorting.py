@@ -15,11 +15,7 @@ from pydantic import ValidationError
 from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.study.answer_texts import parse_document, texts_of
 from lipsync_lang.study.comparisons import Choice
-from lipsync_lang.study.study_file import (
-    MAX_PAIRS,
-    PairAnswer,
-    Study,
-)
+from lipsync_lang.study.study_file import MAX_PAIRS, PairAnswer, Study
 
 MIN_COPIED_ANSWERS = 5
 """Minimum number of answers for a copy of another rater's, seconds included."""

@@ -196,10 +196,7 @@ class StudyCharacter:
 
 
 def with_bank(
-    performer: "Performer",
-    name: str,
-    bank: Path,
-    resolved: "Callable[[Path], Performer]",
+    performer: "Performer", name: str, bank: Path, resolved: "Callable[[Path], Performer]"
 ) -> "Performer":
     """Return the performer of a character with another bank, which precedes its own banks.
 

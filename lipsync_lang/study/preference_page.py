@@ -6,7 +6,7 @@ Plots are SVG stretched to the available width, each with a text name. The page 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lipsync_lang.reports.pages import PageEnvironment
 from lipsync_lang.reports.wording import NBSP
@@ -59,18 +59,6 @@ class Plot:
     """Text and position of each mark, in percent of the width; the vertical line is at 50."""
 
 
-@dataclass(frozen=True)
-class PairView:
-    """Comparisons of two methods on one question."""
-
-    question: str
-    first: str
-    second: str
-    rows: tuple[Comparison, ...]
-    shares: Plot
-    strengths: Plot
-
-
 def report_page(report: StudyReport) -> str:
     """Return the page."""
     found = reasons(report.answers.set_aside)
@@ -89,7 +77,8 @@ def report_page(report: StudyReport) -> str:
     return _environment().page("study_report.html", values, "study_report.css")
 
 
-def _pairs(report: StudyReport) -> list[PairView]:
+def _pairs(report: StudyReport) -> list[dict[str, Any]]:
+    """Return views of two methods on one question for the template."""
     keys = dict.fromkeys((one.question, one.first, one.second) for one in report.comparisons)
     views = []
     for question, first, second in keys:
@@ -98,7 +87,8 @@ def _pairs(report: StudyReport) -> list[PairView]:
             for one in report.comparisons
             if (one.question, one.first, one.second) == (question, first, second)
         )
-        views.append(PairView(question, first, second, rows, _shares(rows), _strengths(rows)))
+        view = {"question": question, "first": first, "second": second, "rows": rows}
+        views.append({**view, "shares": _shares(rows), "strengths": _strengths(rows)})
     return views
 
 

@@ -6,12 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.study.answer_sorting import (
-    SortedAnswers,
-    SortingRules,
-    reasons,
-    sort_answers,
-)
+from lipsync_lang.study.answer_sorting import SortedAnswers, SortingRules, reasons, sort_answers
 from lipsync_lang.study.answer_texts import REPORT_FORMAT, answer_files
 from lipsync_lang.study.bradley_terry import Ranking, ranked
 from lipsync_lang.study.comparisons import Comparison, compared
