@@ -115,11 +115,7 @@ def _refusal(proposal: "FitProposal") -> str:
 
 
 def remove_fit(
-    library: "Library",
-    character: str,
-    wanted: Sequence[str] = (),
-    *,
-    write: bool = True,
+    library: "Library", character: str, wanted: Sequence[str] = (), *, write: bool = True
 ) -> Acceptance:
     """Remove accepted items from a character; all of them by default.
 

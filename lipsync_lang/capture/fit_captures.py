@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,11 +17,12 @@ from lipsync_lang.capture.fit_file import (
 )
 from lipsync_lang.capture.fit_folds import FitShares, FitTask, Fold, choose, errors, folds, run_fits
 from lipsync_lang.capture.fit_items import fit_items
-from lipsync_lang.capture.fit_lines import FitLine, fit_rate, lay_lines
+from lipsync_lang.capture.fit_lines import fit_rate, lay_lines
 from lipsync_lang.capture.fit_steps import MotionGroups
 from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.capture.judging import outlying_lines
 from lipsync_lang.capture.rest_levels import without_rest
+from lipsync_lang.capture.shown_lines import ShownLine, shown_lines
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 
@@ -38,22 +39,12 @@ ONE_SPEAKER = "all lines are of one speaker, so the fit was not tested on anothe
 Progress = Callable[[str], None]
 
 
-class ComparedCurves(NamedTuple):
-    """A captured line beside the curves before and after a fit, at the frames of the fit."""
-
-    line: FitLine
-    before: np.ndarray
-    """(T, S) signals of the curves before."""
-    after: np.ndarray
-    """(T, S) signals of the curves after."""
-
-
 @dataclass(frozen=True, eq=False)
 class CaptureFit:
     """The result of a fit."""
 
     proposal: FitProposal
-    followed: tuple[ComparedCurves, ...]
+    shown: tuple[ShownLine, ...]
     face: FitFace
     values: FitValues
     """The values of the proposal's items; for a refused fit, those of the full fit."""
@@ -105,8 +96,7 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
     items = tuple(fit_items(pair, task, values, others))
     proposal = _proposal(pair, task, verdict, items, (*set_aside, *strays))
     before, after = (task.face.shown(one, task.lines) for one in (start, values))
-    followed = tuple(map(ComparedCurves, task.lines, before, after))
-    return CaptureFit(proposal, followed, task.face, values)
+    return CaptureFit(proposal, shown_lines(task.lines, before, after), task.face, values)
 
 
 def _proposal(

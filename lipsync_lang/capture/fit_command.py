@@ -73,7 +73,6 @@ def fit(options: Namespace) -> int:
     """Fit a pair to captures; print the result, and write proposal and page."""
     from lipsync_lang.capture.fit_file import write_fit
     from lipsync_lang.capture.fit_page import fit_page
-    from lipsync_lang.capture.shown_lines import shown_lines
 
     if options.page is not None and options.page == options.output:
         raise LipsyncError(f"{options.page}: the proposal and the page need different files")
@@ -85,7 +84,7 @@ def fit(options: Namespace) -> int:
         write_fit(text, proposal)
         writers[options.output] = _writer(text.getvalue())
     if options.page is not None:
-        writers[options.page] = _writer(fit_page(shown_lines(found.followed), proposal))
+        writers[options.page] = _writer(fit_page(found.shown, proposal))
     write_all(writers)
     words = sys.stderr if STANDARD_STREAM in writers else sys.stdout
     if options.json:

@@ -7,7 +7,7 @@ available width, with the phonemes as text above them.
 import json
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -47,32 +47,6 @@ WIDTH, HEIGHT = 1_000, 100
 
 OPEN_LINES = 3
 """Number of drawings that are initially open."""
-
-
-class SignalDrawing(NamedTuple):
-    """Drawing of a signal, ready for the template."""
-
-    figures: SignalFigures
-    captured: str
-    """SVG path."""
-    before: str
-    after: str
-    low: float
-    high: float
-    """Range of the drawing."""
-
-
-class LineDrawing(NamedTuple):
-    """Drawing of a line, ready for the template."""
-
-    line: ShownLine
-    signals: tuple[SignalDrawing, ...]
-    bounds: str
-    """SVG path of the boundaries of phonemes."""
-    labels: tuple[tuple[str, float], ...]
-    """Phonemes, each with its position as a share of the width."""
-    width: float
-    """Minimum width in rem for readable phonemes."""
 
 
 def fit_page(lines: Sequence[ShownLine], proposal: "FitProposal | None" = None) -> str:
@@ -118,38 +92,41 @@ def _value(value: object) -> str:
     return text if len(text) <= MAX_VALUE_CHARS else f"{text[: MAX_VALUE_CHARS - 1]}…"
 
 
-def _drawing(line: ShownLine) -> LineDrawing:
-    """Return the drawing of a line."""
+def _drawing(line: ShownLine) -> dict[str, Any]:
+    """Return the drawing of a line for the template."""
     start, end = float(line.times[0]), float(line.times[-1])
     known = line.times[np.isfinite(line.captured).any(axis=1)]
     if len(known):
-        start, end = known[0] - DRAWN_MARGIN_SECONDS, known[-1] + DRAWN_MARGIN_SECONDS
+        start = float(known[0]) - DRAWN_MARGIN_SECONDS
+        end = float(known[-1]) + DRAWN_MARGIN_SECONDS
     length = max(end - start, 1e-9)
     at = [(float(bound) - start) / length for bound in line.bounds]
     inside = [share for share in at if 0 <= share <= 1]
     middles = [(one + other) / 2 for one, other in pairwise(at)]
     labels = [(t, m) for t, m in zip(line.labels, middles, strict=False) if 0 <= m <= 1]
     moving = sorted(line.figures, key=lambda one: -one.spread)[:MAX_DRAWN_SIGNALS]
-    return LineDrawing(
-        line,
-        tuple(_signal(line, figures, start, end) for figures in moving),
-        "".join(f"M{share * WIDTH:.1f} 0V{HEIGHT}" for share in inside[:MAX_DRAWN_LABELS]),
-        tuple(labels[:MAX_DRAWN_LABELS]),
-        max(20.0, LABEL_REM * len(labels[:MAX_DRAWN_LABELS])),
-    )
+    bounds = (f"M{share * WIDTH:.1f} 0V{HEIGHT}" for share in inside[:MAX_DRAWN_LABELS])
+    return {
+        "line": line,
+        "signals": [_signal(line, figures, start, end) for figures in moving],
+        "bounds": "".join(bounds),
+        "labels": labels[:MAX_DRAWN_LABELS],  # each with its position as a share of the width
+        "width": max(20.0, LABEL_REM * len(labels[:MAX_DRAWN_LABELS])),  # rem, to be readable
+    }
 
 
-def _signal(line: ShownLine, figures: SignalFigures, start: float, end: float) -> SignalDrawing:
+def _signal(line: ShownLine, figures: SignalFigures, start: float, end: float) -> dict[str, Any]:
     number = line.signals.index(figures.signal)
-    drawn = np.flatnonzero((line.times >= start) & (line.times <= end))
-    drawn = drawn[:: max(1, -(-len(drawn) // MAX_POINTS))]
-    x = (line.times[drawn] - start) / max(end - start, 1e-9) * WIDTH
-    curves = [one[drawn, number] for one in (line.captured, line.before, line.after)]
+    at = np.flatnonzero((line.times >= start) & (line.times <= end))
+    at = at[:: max(1, -(-len(at) // MAX_POINTS))]
+    x = (line.times[at] - start) / max(end - start, 1e-9) * WIDTH
+    curves = [one[at, number] for one in (line.captured, line.before, line.after)]
     known = np.concatenate([one[np.isfinite(one)] for one in curves])
     low, high = float(known.min()), float(known.max())
     span = high - low or 1.0  # a signal at rest lies at the foot
-    captured, before, after = (_path(x, (low + span - one) / span * HEIGHT) for one in curves)
-    return SignalDrawing(figures, captured, before, after, low, high)
+    paths = (_path(x, (low + span - one) / span * HEIGHT) for one in curves)
+    drawn = dict(zip(("captured", "before", "after"), paths, strict=True))
+    return {"figures": figures, "low": low, "high": high, **drawn}
 
 
 def _path(x: Floats, y: Floats) -> str:

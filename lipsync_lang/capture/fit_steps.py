@@ -210,10 +210,7 @@ def _changed(values: FitValues, name: str, poses: Ints, value: float) -> FitValu
 
 
 def fit_bigrams(
-    face: FitFace,
-    base: FitValues,
-    lines: Sequence[FitLine],
-    enough: int = ENOUGH_OCCURRENCES,
+    face: FitFace, base: FitValues, lines: Sequence[FitLine], enough: int = ENOUGH_OCCURRENCES
 ) -> FitValues:
     """Return values with fitted curves for bigrams with enough occurrences."""
     from scipy import sparse

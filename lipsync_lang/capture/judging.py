@@ -139,9 +139,7 @@ def judge_captures(
     return Captures(tuple(lines), (*aside, *strays))
 
 
-def _unlike_the_others(
-    kept: "list[tuple[CapturedLine, ClockReading | None]]",
-) -> list[SetAside]:
+def _unlike_the_others(kept: "list[tuple[CapturedLine, ClockReading | None]]") -> list[SetAside]:
     """Return lines that follow their timings far less than the others, and hardly beyond chance.
 
     The test of chance alone accepts a few of many lines with the timings of another.

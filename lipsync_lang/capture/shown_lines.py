@@ -3,7 +3,7 @@
 Conventions: T frames, S signals; times are seconds.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 from lipsync_lang.arrays import Floats
 
 if TYPE_CHECKING:
-    from lipsync_lang.capture.fit_captures import ComparedCurves
+    from lipsync_lang.capture.fit_lines import FitLine
 
 LEAST_FRAMES = 3
 """Minimum number of frames for r."""
@@ -97,16 +97,9 @@ def signal_figures(
         known = np.isfinite(captured[:, number])
         if known.any():
             wanted, old, new = (one[known, number] for one in (captured, before, after))
-            found.append(
-                SignalFigures(
-                    signal,
-                    _r(wanted, old),
-                    _r(wanted, new),
-                    _rms(wanted, old),
-                    _rms(wanted, new),
-                    float(wanted.std()),
-                )
-            )
+            r_before, r_after = _r(wanted, old), _r(wanted, new)
+            rms = _rms(wanted, old), _rms(wanted, new)
+            found.append(SignalFigures(signal, r_before, r_after, *rms, float(wanted.std())))
     return tuple(sorted(found, key=lambda one: -one.rms_after))
 
 
@@ -120,24 +113,18 @@ def _r(wanted: Floats, shown: Floats) -> float | None:
     return float(np.corrcoef(wanted, shown)[0, 1])
 
 
-def shown_lines(followed: "Iterable[ComparedCurves]") -> tuple[ShownLine, ...]:
-    """Return the lines of a fit for its page."""
+def shown_lines(
+    lines: "Sequence[FitLine]", before: Sequence[Floats], after: Sequence[Floats]
+) -> tuple[ShownLine, ...]:
+    """Return lines of a fit for its page, with the curves before and after it, (T, S) each."""
     out = []
-    for one in followed:
-        captured, schedule = one.line.captured, one.line.captured.schedule
-        figures = signal_figures(captured.signals, one.line.wanted, one.before, one.after)
+    for line, old, new in zip(lines, before, after, strict=True):
+        captured, schedule = line.captured, line.captured.schedule
+        figures = signal_figures(captured.signals, line.wanted, old, new)
         out.append(
             ShownLine(
-                captured.name,
-                one.line.frames.times(),
-                captured.signals,
-                one.line.wanted,
-                one.before,
-                one.after,
-                schedule.labels,
-                schedule.times,
-                figures,
-                captured.speaker,
+                captured.name, line.frames.times(), captured.signals, line.wanted, old, new,
+                schedule.labels, schedule.times, figures, captured.speaker,
             )
-        )
+        )  # fmt: skip
     return tuple(out)
