@@ -99,7 +99,7 @@ def test_a_bone_with_a_matrix_is_parted(quaternion, scale, mirrored):
     scale[0] *= -1 if mirrored else 1
     matrix = np.reshape(matrix_of(unit, scale, [1, 2, 3]), (4, 4))
     found = part(matrix)
-    again = matrix_of(found.rotation, found.scale, found.translation)
+    again = matrix_of(found["rotation"], found["scale"], found["translation"])
     np.testing.assert_allclose(np.ravel(matrix), again, atol=1e-9)
 
 
