@@ -129,7 +129,7 @@ class LivePlayer:
             stream.feed(schedule, start)
             self._tell(schedule, self.zero + start)
             return
-        how = {"stress": True if schedule.stress else None, "emphasis": True} | self.how
+        how = {"emphasis": True} | self.how
         stream = self.performer.stream(self.fps, **how)
         stream.feed(schedule)
         if stream.start is None:  # so short that nothing is final yet

@@ -12,6 +12,7 @@ from bisect import bisect_right
 from collections.abc import Collection
 from copy import copy
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
@@ -40,6 +41,8 @@ class HeardLabel(NamedTuple):
     """Sound class of the first; empty for silence."""
     mark: int | None = None
     """Marked stress."""
+    marked: bool = False
+    """True if any label that arrived with it has a mark of stress."""
     whole: float | None = None
     """Start of the word from which the label cannot be separated."""
 
@@ -56,12 +59,14 @@ class HeardWord(NamedTuple):
 
 
 class Vowel(NamedTuple):
-    """The level of stress at the middle of a vowel."""
+    """The stress at the middle of a vowel."""
 
     number: int
     """Number of the label of the vowel."""
     middle: float
-    level: float
+    stress: int
+    marked: bool
+    """True if marks of stress were heard by then."""
 
 
 @dataclass
@@ -78,6 +83,8 @@ class HeardLabels:
     silence: int
     levels: dict[int, float] | None = None
     marked: bool = False
+    plain_until: float = -inf
+    """Time until which vowels in returned frames had the level 1, since no mark was heard."""
     start: float = 0.0
     """Start of the first label."""
     until: float = 0.0
@@ -179,11 +186,29 @@ class HeardLabels:
         before, marked = self.stress
         reading = StressMarks(before)
         stress = reading.of(label.mark, label.kind)
-        marked = marked or label.mark is not None
+        marked = marked or label.marked
         self.stress = reading.before, marked
         if stress is not None and label.end is not None and self.levels is not None:
-            level = self.levels[stress] if marked else 1.0
-            self.vowels.append(Vowel(number, (label.start + label.end) / 2, level))
+            self.vowels.append(Vowel(number, (label.start + label.end) / 2, stress, marked))
+
+    def returned(self, seconds: float) -> None:
+        """Keep the levels of vowels on which frames depend that look ahead until a time."""
+        if self.stress[1]:
+            self.marked = True
+        else:
+            self.plain_until = seconds + 2 * STRESS_REACH_SECONDS
+
+    def stressed(self) -> tuple[Floats, Floats]:
+        """Return the middle and the level of each vowel, (V,) seconds and (V,).
+
+        As in a whole line, one mark makes all vowels without a mark unstressed.
+        """
+        levels, marks = self.levels or {}, self.stress[1] or self.marked
+        found = [
+            levels[one.stress] if one.marked or (marks and one.middle > self.plain_until) else 1.0
+            for one in self.vowels
+        ]
+        return np.array([vowel.middle for vowel in self.vowels]), np.array(found)
 
     def take_back(self, seconds: float) -> None:
         """Remove all labels from a time on, and cut the label that lasts at that time."""

@@ -61,7 +61,7 @@ class Intake:
             mark = reader.notation(one).stress(label)
             self.known[label] = reader.values(one)[0], mark
         value, mark = self.known[label]
-        return self._heard(start, end, value, mark)
+        return self._heard(start, end, value, mark)._replace(marked=mark is not None)
 
     def part(self, part: Schedule, moved: float) -> tuple[list[HeardLabel], list[HeardWord]]:
         """Read a part of a schedule; its words count the labels of the part."""
@@ -69,9 +69,10 @@ class Intake:
         named = part if part.notation is not None else replace(part, notation=self.notation)
         values = reader.values(named)
         marks = part.stress or tuple(map(reader.notation(named).stress, part.labels))
+        marked = any(mark is not None for mark in marks)
         times = (part.times + moved).tolist()
         labels = [
-            self._heard(start, end, value, mark)
+            self._heard(start, end, value, mark)._replace(marked=marked)
             for (start, end), value, mark in zip(pairwise(times), values, marks, strict=True)
         ]
         silent = [not label.kind for label in labels]

@@ -211,8 +211,9 @@ class Performer:
             stream cannot recognise the notation, since most labels are still unknown
         styles, dials : as in `perform`
         stress : True if vowels without a mark are unstressed, as in a line with some marks; False
-            to ignore marks, which saves the look-ahead to the next vowel; None if marks count
-            from the first one on
+            to ignore marks, which saves the look-ahead to the next vowel; None if a mark tells,
+            as in `perform`. Vowels in frames that were returned before the first mark keep the
+            level 1, so give True if single labels may begin without one
         emphasis : True if some words may have emphasis
         late : `refuse` a phoneme that starts before the known time ends, or `shorten` it
 

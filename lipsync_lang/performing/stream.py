@@ -286,6 +286,7 @@ class Stream:
             at += len(parts[-1])
         made = parts[0] if len(parts) == 1 else np.concatenate(parts)
         if stop > begin:
+            heard.returned(frames.seconds(heard, stop + frames.ahead.ahead))
             self._given, self._made = stop, made[stop - begin :]
             frames.forget(heard, stop)
         return FinalFrames(frames.laid(heard, begin, stop).times(), made[: stop - begin])

@@ -137,8 +137,7 @@ class StreamFrames:
         out = []
         poses = self.performer.opening_poses
         if heard.vowels:
-            _, middles, levels = zip(*heard.vowels, strict=True)
-            out.append(Dial(poses, vowel_level(np.array(middles), np.array(levels)), "stress"))
+            out.append(Dial(poses, vowel_level(*heard.stressed()), "stress"))
         words = [word for word in heard.words if word.high]
         if words:
             level = ramped_level([word.ramp for word in words], [word.high for word in words])

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from lanes import full
+from lanes import full, swept
+from shipped import LANGUAGES
 from strategies import RATES, any_lines, motions
 
 import lipsync_lang as ll
@@ -175,6 +176,75 @@ def test_evenly_stretched_bigrams_wait_for_the_length_of_the_next_sound(first):
     stream.finish()
     weights = np.concatenate([*found, stream.frames().weights])
     assert np.abs(weights - performer.perform(schedule).weights).max() <= EQUAL
+
+
+# Stress
+
+
+MARKS = ("in the labels", "beside them", "none")
+
+
+@st.composite
+def marked(draw, performer, notation):
+    """A schedule whose first vowels may have no mark, in any way in which marks are written."""
+    schedule = draw(spoken(performer, notation))
+    where = draw(st.sampled_from(MARKS))
+    known = performer.labels.notations[notation]
+    marks = [draw(st.sampled_from([None, None, 0, 1, 2])) for _ in schedule.labels]
+    if where != "in the labels":
+        return replace(schedule, stress=tuple(marks) if where == "beside them" else ())
+    signs = {None: "", 0: "", 1: "ˈ", 2: "ˌ"}
+    written = [signs[mark] + label for mark, label in zip(marks, schedule.labels, strict=True)]
+    heard = [
+        new if known.find(new) == known.find(old) and known.stress(new) is not None else old
+        for new, old in zip(written, schedule.labels, strict=True)
+    ]
+    return replace(schedule, labels=tuple(heard), stress=())
+
+
+@pytest.mark.parametrize("language", swept(LANGUAGES, 3))
+@given(st.data())
+def test_marks_of_a_whole_schedule_count_from_its_first_vowel(language, data):
+    """With the default: a schedule of any notation, whole, or in parts that come in time."""
+    performer = resolved(language, "facefx")
+    notation = data.draw(st.sampled_from(sorted(performer.labels.own_notations)))
+    schedule = data.draw(marked(performer, notation))
+    try:
+        performer.common_phonemes(schedule)
+    except ScheduleError:
+        assume(False)  # noqa: FBT003 none of its labels has a sound
+    stream = performer.stream(24, notation=schedule.notation)
+    if data.draw(st.booleans()):
+        stream.feed(schedule)
+    else:
+        for number in range(len(schedule)):
+            stream.feed(part_of(schedule, number, number + 1))
+    found = [stream.frames(data.draw(st.floats(-3, 10))) for _ in range(3)]
+    stream.finish()
+    found.append(stream.frames())
+    weights = np.concatenate([one.weights for one in found])
+    assert np.abs(weights - performer.perform(schedule, 24).weights).max() <= EQUAL
+
+
+def test_a_mark_that_comes_late_leaves_returned_vowels_as_they_were(performer):
+    """The curves go on from there without a jump; `stress=True` gives those of the whole."""
+    labels = ("_", "AA", "M", "AA", "M", "AA1", "M", "AA")
+    times = np.array([0, 1, 1.2, 3, 3.2, 5, 5.2, 7, 7.2])
+    whole = performer.perform(Schedule(labels, times, notation="arpabet")).weights
+    made = {}
+    for stress in (None, True):
+        stream = performer.stream(notation="arpabet", stress=stress)
+        found = []
+        for label, start, end in zip(labels, times, times[1:], strict=False):
+            stream.feed(label, float(start), float(end))
+            found.append(stream.frames().weights)
+        stream.finish()
+        made[stress] = np.concatenate([*found, stream.frames().weights])
+    assert np.abs(made[True] - whole).max() <= EQUAL
+    apart = np.abs(made[None] - whole).max(axis=1) > EQUAL
+    assert apart[: 3 * 60].any()
+    assert not apart[int(4.5 * 60) :].any()
+    assert np.abs(np.diff(made[None], axis=0)).max() <= performer.motion.speed_limit / 60 + 1e-9
 
 
 # Parts with words
