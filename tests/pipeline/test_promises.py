@@ -92,14 +92,39 @@ def test_no_pose_passes_its_speed_limit_between_any_two_frames(line, motion, fps
         assert np.abs(weights[stride:] - weights[:-stride]).max(initial=0) <= stride * step + EXACT
 
 
-@given(any_lines(), motions(hold=0, thresholds="own"), RATES)
+@given(any_lines(), motions(hold=0, limit="before"), RATES)
 def test_no_pose_accelerates_faster_than_its_kernel_lets_it(line, motion, fps):
+    assert_acceleration(*weights_of(line, motion, fps))
+
+
+@given(lines(), motions(hold=0, limit="before", contacts="hold", thresholds="own"), RATES)
+def test_only_a_pose_that_yields_to_a_contact_beyond_its_threshold_has_corners(line, motion, fps):
+    """Constraints that are not convex: their thresholds are half the floor of the higher pose."""
+    tables = line.tables
+    thresholds = tables.thresholds.copy()
+    for low, high in np.ndindex(thresholds.shape):
+        lower = tables.priority[low] < tables.priority[high]
+        if lower and tables.held[high] and not tables.held[low]:
+            thresholds[[low, high], [high, low]] = tables.floors[high] / 2
+    assume(motion.softness and not np.array_equal(thresholds, tables.thresholds))
+    softness = tables.softness.clip(0.02)
+    line = replace(line, tables=replace(tables, thresholds=thresholds, softness=softness))
     performance, weights = weights_of(line, motion, fps)
-    assume(performance.prepared.convex)
+    assert not performance.prepared.convex
+    assert_acceleration(performance, weights)
+
+
+def assert_acceleration(performance, weights):
+    motion, fps, tables = performance.motion, performance.frames.fps, performance.tables
+    floors = tables.floors
+    cornered = {cap.low for cap in tables.caps if cap.threshold < min(1, floors[cap.high])}
+    cornered |= {pose for pose, other in tables.at_most if other in cornered}
     for poses, _ in performance.prepared.shared:
-        half = motion.softness * tied(performance.tables)[poses]
+        half = motion.softness * tied(tables)[poses]
+        most = 2 * motion.speed_limit / half * (1 + 1e-6)
+        most[np.isin(poses, list(cornered))] = 2 * motion.speed_limit * fps
         faster = np.abs(np.diff(weights[:, poses], 2, axis=0)) * fps**2
-        assert (faster <= 2 * motion.speed_limit / half * (1 + 1e-6) + EXACT * fps**2).all()
+        assert (faster <= most + EXACT * fps**2).all()
 
 
 def tied(tables):
