@@ -307,10 +307,18 @@ def test_a_text_that_is_too_long_for_its_sound_is_told(english, count):
         )
 
 
-@pytest.mark.parametrize("text", swept(["...", "", "?!"]))
-def test_a_text_without_words_is_told(english, spoken, text):
+def test_a_text_without_words_is_told(english, spoken):
     with pytest.raises(ll.SpeechError, match="has no words to align"):
-        aligned(english, spoken[TEXTS[0]].audio, text)
+        aligned(english, spoken[TEXTS[0]].audio, "")
+
+
+@pytest.mark.parametrize("text", ["...", "?!", "—", "%"])
+def test_a_text_without_letters_is_rest_and_says_so(english, spoken, text):
+    audio = spoken[TEXTS[0]].audio
+    for found in (aligned(english, audio, text), ll.speak(text, "english")):
+        assert found.labels == ("_",)
+        assert found.remarks == (f"'{text}' has no letter or digit, so the mouth rests",)
+    assert aligned(english, audio, text).end == audio.seconds
 
 
 def test_aligners_and_models_that_are_not_there_are_told(english, spoken):

@@ -9,6 +9,9 @@ from lipsync_lang.phonology.emphasis import touched
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 
+MAX_SHOWN_CHARS = 60
+"""Characters of a text in a remark."""
+
 
 class WrittenText(NamedTuple):
     """A text as it is read: the spoken part of what was written.
@@ -28,8 +31,12 @@ class WrittenText(NamedTuple):
 
     @property
     def silent(self) -> bool:
-        """True for a text of markup alone, so that there is nothing to say."""
-        return bool(self.dropped) and not self.text
+        """True for a text of markup and punctuation alone, so that there is nothing to say."""
+        marks = any(c.isprintable() and not c.isspace() for c in self.text)
+        # An empty text is a mistake.
+        return bool(marks or (self.dropped and not self.text)) and not any(
+            map(str.isalnum, self.text)
+        )
 
 
 def as_written(text: WrittenText, schedule: Schedule) -> Schedule:
@@ -49,6 +56,7 @@ def as_written(text: WrittenText, schedule: Schedule) -> Schedule:
 def silent(text: WrittenText, manner: Manner, audio: Audio | None = None) -> Schedule:
     """Return a schedule of silence, as long as the sound if there is one."""
     seconds = manner.durations["silence"] if audio is None else audio.seconds
+    wordless = f"'{text.text[:MAX_SHOWN_CHARS]}' has no letter or digit, so the mouth rests"
     rest = Schedule(
         (SILENCE,),
         np.array([0.0, seconds]),
@@ -56,5 +64,6 @@ def silent(text: WrittenText, manner: Manner, audio: Audio | None = None) -> Sch
         language=manner.language,
         estimated=audio is None,
         audio=audio,
+        remarks=(wordless,) if text.text else (),
     )
     return as_written(text, rest)
