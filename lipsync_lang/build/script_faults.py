@@ -19,11 +19,11 @@ class ScriptFaults:
         """Add a fault at a place, such as ``script.csv:4``."""
         self.add_error(f"{where}: {what}")
 
-    def add_error(self, error: LipsyncError | str) -> None:
-        """Add an error whose message names its place."""
+    def add_error(self, error: LipsyncError | str, *, first: bool = False) -> None:
+        """Add an error whose message names its place; `first` if others may follow from it."""
         self._count += 1
-        if len(self._shown) < SHOWN_FAULTS:
-            self._shown.append(str(error))
+        self._shown.insert(0 if first else self._count, str(error))
+        del self._shown[SHOWN_FAULTS:]
 
     def __len__(self) -> int:
         """Return the number of faults, also of those that are not shown."""

@@ -110,7 +110,7 @@ def read_rows(
         else:
             remark(f"{str(error).partition(chr(10))[0].removesuffix(':')}; left out")
     except LipsyncError as error:
-        faults.add_error(ENCODING.sub(r"`encoding: \1`", str(error)))
+        faults.add_error(ENCODING.sub(r"`encoding: \1`", str(error)), first=True)
 
 
 def _table_rows(

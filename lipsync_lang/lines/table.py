@@ -5,8 +5,12 @@ gives this row the most cells.
 """
 
 import csv
+from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import chain
 
+from lipsync_lang.errors import LipsyncError
 from lipsync_lang.lines.columns import (
     NAME_COLUMNS,
     SPEAKER_COLUMNS,
@@ -25,16 +29,26 @@ DELIMITERS = "\t,;|"
 MAX_CELL_LINES = 100
 """Maximum number of lines of the file in one cell; a longer cell has no closing quote."""
 
+MAX_EXAMPLE_CHARS = 60
+"""Maximum length of a text in a message."""
+
+MAX_FAULTS = 12
+"""Number of faulty rows after which the reading of a table ends."""
+
 
 def open_table(source: LineFile) -> Table:
-    """Read the head of a table; its rows follow one by one."""
+    """Read the head of a table; its rows follow one by one.
+
+    The rows raise an error with the faults of all rows after the last one.
+    """
     lines = source.numbered()
     _, first = next(lines, (1, ""))
     if not first.strip():
         raise source.fault(1, "has no row of column names; write one, such as id,speaker,text")
-    delimiter = max(DELIMITERS, key=lambda d: len(_cells(first, d)))
-    head = [name.strip() for name in _cells(first, delimiter)]
-    return Table(head, _rows(source, lines, delimiter))
+    delimiter = max(DELIMITERS, key=lambda d: len(next(csv.reader([first], delimiter=d))))
+    rows = _rows(source, _RowLines(chain([(1, first)], lines)), delimiter)
+    _, head = next(rows)
+    return Table([name.strip() for name in head], rows)
 
 
 @reader("table", suffixes=[".csv", ".tsv"], table=open_table)
@@ -61,35 +75,111 @@ def lines_of(source: LineFile, table: Table) -> Iterator[Line]:
             yield source.line(number, row[text], name=cell(row, name), speaker=cell(row, speaker))
 
 
-def _cells(line: str, delimiter: str) -> list[str]:
-    return next(csv.reader([line], delimiter=delimiter), [])
-
-
 def cell(row: Sequence[str], at: int) -> str:
     """Return a cell of a row; empty for a short row, and for the column -1."""
     return row[at].strip() if 0 <= at < len(row) else ""
 
 
+class _RowLines(Iterator[str]):
+    """Lines of a file for `csv`; those of the current row can be read again."""
+
+    def __init__(self, lines: Iterator[tuple[int, str]]) -> None:
+        self.row: list[tuple[int, str]] = []
+        self._lines = lines
+        self._again: deque[tuple[int, str]] = deque()
+
+    def __next__(self) -> str:
+        if len(self.row) > MAX_CELL_LINES:
+            raise csv.Error
+        self.row.append(self._again.popleft() if self._again else next(self._lines))
+        return f"{self.row[-1][1]}\n"
+
+    def repeat(self) -> None:
+        """Read the lines after the first one of the row again."""
+        self._again.extendleft(reversed(self.row[1:]))
+
+
 def _rows(
-    source: LineFile, lines: Iterator[tuple[int, str]], delimiter: str
+    source: LineFile, lines: _RowLines, delimiter: str
 ) -> Iterator[tuple[int | str, Sequence[str]]]:
-    """Yield (first line, cells) for each row."""
-    last = start = 1
+    """Yield (first line, cells) for each sound row, with the head as the first.
 
-    def counted() -> Iterator[str]:
-        nonlocal last
-        for last, line in lines:
-            if last - start > MAX_CELL_LINES:
-                raise source.fault(
-                    start + 1,
-                    f'a cell goes on for more than {MAX_CELL_LINES} lines; check for an open "',
-                )
-            yield line + "\n"
+    Raises
+    ------
+    LipsyncError
+        Rows are faulty: after the last row, or after `MAX_FAULTS` of them; at once for the head.
+    """
+    rows = csv.reader(lines, delimiter=delimiter, strict=True)
+    head: Sequence[str] = ()
+    faults: list[str] = []
+    while len(faults) < (MAX_FAULTS if head else 1):
+        lines.row.clear()
+        try:
+            row = next(rows, None)
+        except csv.Error:
+            row = _loose(lines, delimiter)
+            wrong = "" if row else _open_quote(lines)
+        else:
+            wrong = ""
+        if row is None and not wrong:
+            break
+        number = lines.row[0][0]
+        if row and head:
+            wrong = _swallowed(lines.row, len(head), delimiter) or _surplus(row, head, delimiter)
+        if wrong:
+            faults.append(str(source.fault(number, wrong)))
+        elif row is not None:
+            head = head or row
+            yield number, row
+    if faults:
+        raise LipsyncError("\n".join(faults))
 
-    rows = csv.reader(counted(), delimiter=delimiter)
-    try:
-        for row in rows:
-            yield start + 1, row
-            start = last
-    except csv.Error as error:
-        raise source.fault(start + 1, f'{error}; check for an open "') from None
+
+def _loose(lines: _RowLines, delimiter: str) -> list[str] | None:
+    """Read a row of one line with quotes within quotes, such as ``"a "b" c"``; None if open."""
+    with suppress(csv.Error):
+        (row,) = csv.reader([f"{lines.row[0][1]}\n"], delimiter=delimiter)
+        # The end of the line is kept only within quotes.
+        return None if len(lines.row) > 1 or row[-1].endswith("\n") else row
+    return None
+
+
+def _open_quote(lines: _RowLines) -> str:
+    """Describe a quote without its end, and continue in the line after it."""
+    lines.repeat()
+    if '"' not in lines.row[0][1]:
+        return f"a cell has more than {csv.field_size_limit():,} characters; shorten it"
+    return (
+        'a cell begins with a quote (") that is not closed; close it at the end of the cell, and '
+        'write quotes within the cell twice ("")'
+    )
+
+
+def _swallowed(row: Sequence[tuple[int, str]], width: int, delimiter: str) -> str:
+    """Describe a line within a cell that looks like a row; in prose, a space follows a comma."""
+    for number, line in row[1:]:
+        first, *others = line.split(delimiter)[:width]
+        if (
+            len(others) == width - 1 > 0
+            and any(others)
+            and first.split() == [first]
+            and not any(one.startswith(" ") for one in others)
+        ):
+            return (
+                f'a cell goes on in line {number}, which looks like a row; close its quote (") '
+                f"before, or begin line {number} with a space if it is text of the cell"
+            )
+    return ""
+
+
+def _surplus(row: Sequence[str], head: Sequence[str], delimiter: str) -> str:
+    """Describe cells without a column, such as those of a text with a delimiter."""
+    if not any(one.strip() for one in row[len(head) :]):
+        return ""
+    cut = next((at for at, one in enumerate(row) if at and one.startswith(" ")), len(head))
+    whole = delimiter.join(row[cut - 1 : cut + 1])[:MAX_EXAMPLE_CHARS]
+    shown = "tab" if delimiter == "\t" else delimiter
+    return (
+        f"has {len(row)} cells, and the head {len(head)} columns; put a text that contains a "
+        f"'{shown}' into quotes, such as \"{whole}\""
+    )

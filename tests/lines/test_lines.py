@@ -1,6 +1,8 @@
 """Lines: every format, markup, encodings, folders, and unreadable files."""
 
 import json
+import re
+from collections import deque
 from pathlib import Path
 
 import pytest
@@ -10,8 +12,9 @@ from lanes import full
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.lines import Line, read_lines
-from lipsync_lang.lines.line_readers import LINE_READERS, by_suffix
+from lipsync_lang.lines.line_readers import LINE_READERS, LineFile, by_suffix
 from lipsync_lang.lines.markup import spoken
+from lipsync_lang.lines.table import MAX_FAULTS
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
 
 
@@ -423,14 +426,100 @@ def test_the_only_column_left_is_the_text(tmp_path):
     assert told(read(path)) == [(2, "1", "e", "Oui, bon")]
 
 
-def test_a_quote_that_does_not_close_is_named(tmp_path):
-    path = write(tmp_path / "a.csv", "text\nfine\n" + '"open\n' + "more\n" * 300)
-    with pytest.raises(LipsyncError, match=r"a.csv:3: .* check for an open"):
-        read(path)
+TABLE_FAULTS = {
+    "too many cells": (
+        "id,speaker,text\na,x,Hello, there.\nb,x,Fine.\n",
+        ['a.csv:2: has 4 cells, and the head 3 columns; put .*, such as "Hello, there."'],
+        ["Fine."],
+    ),
+    "a text in the middle": (
+        "id,text,speaker\na,Oh, no.,x\nb,Fine.,x\n",
+        ['a.csv:2: .* such as "Oh, no."'],
+        ["Fine."],
+    ),
+    "an open quote": (
+        'id,text\na,"Hello.\nb,"Fine."\nc,"Bye."\n',
+        ["a.csv:2: .* is not closed"],
+        ["Fine.", "Bye."],
+    ),
+    "an open quote to the end": (
+        'id,speaker,text\na,x,"Hello.\nb,x,Fine.\nc,x,Bye.\n',
+        ["a.csv:2: .* is not closed"],
+        ["Fine.", "Bye."],
+    ),
+    "an open quote in the last row": ('id,text\na,Fine.\nb,"Bye', ["a.csv:3: "], ["Fine."]),
+    "a row in a cell": (
+        'id,speaker,text\na,x,"Hello.\nb,x,Fine."\nc,x,Bye.\n',
+        ["a.csv:2: a cell goes on in line 3, which looks like a row; close its quote"],
+        ["Bye."],
+    ),
+    "a cell without end": (
+        "text\nfine\n" + '"open\n' + "more\n" * 300,
+        ["a.csv:3: .* is not closed"],
+        ["fine", *["more"] * 300],
+    ),
+    "several": (
+        'id\ttext\n1\ta\tb\n2\t"c\n3\td\n4\te\tf\n5\tg\n',
+        ["a.csv:2: .*'tab'", "a.csv:3: .* is not closed", "a.csv:5: has 3 cells"],
+        ["d", "g"],
+    ),
+    "the head": ('id,"text\na,Hello\n', ["a.csv:1: .* is not closed"], []),
+    "a cell of any size": ("text\nfine\n" + "x" * 200_000, ["a.csv:3: .*131,072"], ["fine"]),
+}
+
+
+@pytest.mark.parametrize("case", TABLE_FAULTS)
+def test_a_table_loses_no_text_silently(tmp_path, case):
+    content, faults, sound = TABLE_FAULTS[case]
+    path, found = write(tmp_path / "a.csv", content), []
+    with pytest.raises(LipsyncError) as raised:
+        found.extend(line.text for line in read_lines(path))
+    assert found == sound
+    for fault, line in zip(faults, str(raised.value).splitlines(), strict=True):
+        assert re.search(fault, line), line
+
+
+SOUND_TABLES = {
+    "prose in lines": (
+        'id,text\na,"Well,\nyes, I know, thanks.\n1, 2"\nb,x',
+        "Well, yes, I know, thanks. 1, 2",
+    ),
+    "quotes in quotes": ('id,text\na,"Say "no" to me"\nb,x', 'Say no" to me"'),
+    "quotes inside": ("id,text\na,He is 6' 2\" tall\nb,x", "He is 6' 2\" tall"),
+    "a row that begins with a space": ('id,text\na,"Two:\n b,Fine."\nb,x', "Two: b,Fine."),
+    "a head of two lines": ('id,"text\n(en)"\na,Hello\nb,x', "Hello"),
+    "empty cells at the end": ("id,text\na,Hello,, ,\nb,x", "Hello"),
+}
+
+
+@pytest.mark.parametrize("case", SOUND_TABLES)
+def test_cells_with_lines_and_quotes_are_read(tmp_path, case):
+    content, text = SOUND_TABLES[case]
+    assert [line.text for line in read(write(tmp_path / "a.csv", content))] == [text, "x"]
+
+
+def test_a_long_table_is_read_as_a_stream_up_to_its_faults(tmp_path, monkeypatch):
+    path = write(
+        tmp_path / "a.csv", "id,text\n" + "a,Hello\n" * 20_000 + 'b,"open\n' + "c,x,y\n" * 500
+    )
+    taken, numbered = [], LineFile.numbered
+    monkeypatch.setattr(LineFile, "numbered", lambda self: map(counted, numbered(self)))
+
+    def counted(line):
+        taken.append(line)
+        return line
+
+    lines = read_lines(path)
+    next(lines)
+    assert len(taken) == 2
+    with pytest.raises(LipsyncError, match=r"a.csv:20002: .* is not closed") as raised:
+        deque(lines, maxlen=0)
+    assert str(raised.value).count("\n") == MAX_FAULTS - 1
+    assert len(taken) < 20_200
 
 
 def test_short_rows_hold_nothing(tmp_path):
-    path = write(tmp_path / "a.csv", "id,text\n1\n\n2,Hello,more\n")
+    path = write(tmp_path / "a.csv", "id,text\n1\n\n2,Hello\n")
     assert [line.text for line in read(path)] == ["Hello"]
 
 
