@@ -229,7 +229,7 @@ def test_ordinary_ids_are_sound(name):
         (["A,A", "a,B"], "script.csv:3: the id 'a' differs from 'A' of script.csv:2 only in"),
         (["é,A", "e\u0301,B"], "script.csv:3: the id 'e\u0301' differs from 'é' of script.csv:2"),
         ([",A"], "script.csv:2: this line has no id"),
-        (['a,"A', *["x"] * 200], "script.csv:2: a cell begins with a quote (\") that is not closed"),
+        (['a,"A', *["x"] * 200], 'script.csv:2: a cell begins with a quote (") that is'),
         (["a,A", "b,B, B"], "script.csv:3: has 3 cells, and the head 2 columns"),
     ],
 )  # fmt: skip
