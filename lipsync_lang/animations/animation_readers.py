@@ -20,6 +20,9 @@ MAX_ANIMATION_BYTES = 2**30
 LONGEST_SECONDS = 86_400.0
 """Maximum time in seconds; larger values indicate a different unit."""
 
+MAX_VALUE = 1e9
+"""Maximum size of a value; larger ones are damage, and their squares overflow."""
+
 MIN_FRAMES = 2
 """Minimum number of frames; a single frame has no movement."""
 
@@ -57,6 +60,8 @@ class Recording:
         _refuse(self.source, ~np.isfinite(self.times), "a time is not a number")
         bad = np.asarray(~np.isfinite(self.values).all(axis=1))
         _refuse(self.source, bad, "a value is not a number")
+        bad = np.asarray((np.abs(self.values) > MAX_VALUE).any(axis=1))
+        _refuse(self.source, bad, f"a value is beyond {MAX_VALUE:g}; export the take again")
         _refuse(self.source, np.abs(self.times) > LONGEST_SECONDS, "its time is later than one day")
         falls = np.append(False, np.diff(self.times) <= 0)
         _refuse(self.source, falls, "its time does not rise; put the frames in order")

@@ -11,6 +11,7 @@ import numpy as np
 from lipsync_lang.animations.animation_readers import (
     LONGEST_SECONDS,
     MAX_ANIMATION_BYTES,
+    MAX_VALUE,
     MIN_FRAMES,
     fail,
 )
@@ -78,6 +79,10 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
     sensed = np.where(np.isfinite(table), table, np.nan)
     if readout.lost is not None:
         sensed[sensed == readout.lost] = np.nan
+    beyond = (np.abs(sensed) > MAX_VALUE).any(axis=1)
+    if beyond.any():
+        what = f"sample {int(beyond.argmax())}: a value is beyond {MAX_VALUE:g}"
+        fail(path, what, "state such values as `lost` in the read-out, or export the table again")
     places = {name: at for at, name in enumerate(names)}
     values = np.column_stack(
         [

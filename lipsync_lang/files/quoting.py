@@ -1,8 +1,11 @@
-"""Quote the parts of a command for the shell of this system."""
+"""Quote the parts of a command for the shell of this system, and text for spreadsheets."""
 
 import shlex
 import sys
 from collections.abc import Iterable
+
+FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
+"""First characters of formulas in any spreadsheet."""
 
 
 def shell_command(parts: Iterable[str]) -> str:
@@ -12,3 +15,17 @@ def shell_command(parts: Iterable[str]) -> str:
     from subprocess import list2cmdline
 
     return list2cmdline(parts)
+
+
+def spreadsheet_text(text: str) -> str:
+    """Put an apostrophe before text that a spreadsheet would evaluate, as OWASP recommends.
+
+    Text that has apostrophes before a formula gets one more, so that `plain_text` is exact.
+    """
+    return f"'{text}" if text.lstrip("'").startswith(FORMULA_STARTS) else text
+
+
+def plain_text(cell: str) -> str:
+    """Return the text of which `spreadsheet_text` made a cell."""
+    quoted = cell.startswith("'") and cell.lstrip("'").startswith(FORMULA_STARTS)
+    return cell[1:] if quoted else cell

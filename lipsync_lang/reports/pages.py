@@ -12,6 +12,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, PrefixLoader, Stric
 from jinja2.ext import Extension
 from markupsafe import Markup
 
+from lipsync_lang.files.xml_text import xml_text
 from lipsync_lang.reports.wording import count
 
 CHART_HEIGHT = 1000
@@ -48,7 +49,8 @@ class PageEnvironment(Environment):
     ) -> str:
         """Return a page with common styles and its own, and the only script that it may run.
 
-        The template gets the values, and `style`, `script` and its `digest`.
+        The template gets the values, and `style`, `script` and its `digest`. Characters that HTML
+        cannot hold, such as NUL, are replaced.
         """
         styles, scripts = self._source(self._shared, "style.css"), ""
         if style:
@@ -56,12 +58,13 @@ class PageEnvironment(Environment):
         if script:
             scripts = self._source(self._files, script)
         digest = b64encode(sha256(scripts.encode()).digest()).decode()
-        return self.get_template(template).render(
+        page = self.get_template(template).render(
             values,
             style=Markup(styles),  # noqa: S704 our own
             script=Markup(scripts),  # noqa: S704 our own
             digest=Markup(f"sha256-{digest}"),  # noqa: S704 base64
         )
+        return xml_text(page)
 
     def _source(self, loader: PackageLoader, name: str) -> str:
         return loader.get_source(self, name)[0]

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
-from lipsync_lang.errors import did_you_mean, shortlist
+from lipsync_lang.errors import OutputError, did_you_mean, shortlist
 from lipsync_lang.files.xml_text import xml_text
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
@@ -210,8 +210,18 @@ def tiers_of(schedule: Schedule) -> dict[str, list[LabelSpan]]:
     """Return the tiers of a schedule from time zero on: words, phones and maybe confidences.
 
     Texts have single spaces and no line breaks. Times have `TIME_DIGITS` decimals.
+
+    Raises
+    ------
+    OutputError
+        The schedule ends at time zero, or within the first microsecond.
     """
     times = [round(float(time), TIME_DIGITS) for time in schedule.times]
+    if times[-1] <= 0:
+        raise OutputError(
+            f"{schedule.source}: has no timings to write, as it ends at {schedule.end:g} s; check "
+            "its units per second (--rate)"
+        )
     words = [(word, times[word.first], times[word.stop]) for word in schedule.words]
     sure = [
         (f"{word.confidence:.{CONFIDENCE_DIGITS}f}", start, end)

@@ -143,6 +143,10 @@ def read_study(path: Path) -> Study:
     """
     content = read_input(path, MAX_STUDY_BYTES, mend="name the study.json of a study")
     study = parsed(Study, content, str(path))
+    for field, names in (("methods", study.methods), ("questions", study.questions)):
+        twice = next((name for at, name in enumerate(names) if name in names[:at]), None)
+        if twice is not None:
+            raise LipsyncError(f"{path}: {field}: has '{twice}' twice; make the study again")
     seen: set[str] = set()
     for number, pair in enumerate(study.pairs):
         unknown = next((m for m in (pair.left, pair.right) if m not in study.methods), None)

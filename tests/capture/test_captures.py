@@ -337,6 +337,7 @@ def test_an_unsound_read_out_is_told_with_its_place(tmp_path, old, new, told):
         ("time_s,up,low\n0,1,1\n0.1,x,2\n", "'x' is not a number"),
         ("time_s,up,low\n,1,1\n0.1,1,2\n", "a time is not a number"),
         ("time_s,up\n0,1\n0.1,2\n", "has no column"),
+        ("time_s,up,low\n0,1,1\n0.1,1e200,2\n", "sample 1: a value is beyond 1e+09"),
         ("up,low\n1,1\n2,2\n", "its first column is 'up', not a time"),
     ],
 )
@@ -349,6 +350,7 @@ def test_faulty_tables_of_sensors_are_set_aside(performer, coils, content, told)
     ("name", "content", "told"),
     [
         ("take.csv", b"time_s,open\n0,0\n0.1,nan\n", "a value is not a number"),
+        ("take.csv", b"time_s,open\n0,0\n0.1,-1e200\n", "frame 1: a value is beyond 1e+09"),
         ("take.csv", b"time_s,brow\n0,0\n0.1,0.2\n", "has nothing of facefx"),
         ("take.csv", b"Timecode,BlendshapeCount,JawOpen\n00:00:00:00.0,61,0\n", "whole take"),
         ("take.glb", b"glTF", "take.glb"),

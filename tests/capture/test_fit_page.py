@@ -164,6 +164,14 @@ def test_odd_names_stay_text(where):
     assert ODD in "".join(page.text)
 
 
+def test_a_zero_character_is_replaced():
+    odd = line()
+    object.__setattr__(odd, "labels", ("m\0", "aa", "p", "_"))
+    text = fit_page([odd])
+    assert "\0" not in text
+    assert "m\N{REPLACEMENT CHARACTER}" in text
+
+
 def test_nothing_is_loaded_or_run():
     text = fit_page([line()], proposal())
     assert "default-src 'none'" in text

@@ -102,3 +102,21 @@ def test_a_schedule_is_saved_by_its_suffix(tmp_path):
         assert path.read_text("utf-8") == TIMING_WRITERS[suffix](LINE)
     with pytest.raises(OutputError, match=r"line\.mp3: timings cannot be written as '\.mp3'"):
         LINE.save(tmp_path / "line.mp3")
+
+
+@pytest.mark.parametrize("suffix", sorted(TIMING_WRITERS.keys() - {"json"}))
+def test_timings_that_end_at_once_are_refused(suffix):
+    schedule = replace(LINE, times=LINE.times * 1e-9)
+    with pytest.raises(OutputError, match=r"ends at 7e-10 s; check its units per second"):
+        TIMING_WRITERS[suffix](schedule)
+
+
+def test_labels_that_begin_like_formulas_are_text_for_spreadsheets_and_read_back(tmp_path):
+    labels = ("@", "'@", "m", "''-x", "'m")
+    words = (Word("-58.1", 0, 2), Word("=1+1", 2, 4), Word("'ma", 4, 5))
+    schedule = Schedule(labels, np.arange(6) / 10, words)
+    cells = [row.split(",")[2] for row in TIMING_WRITERS["csv"](schedule).splitlines()[1:]]
+    assert cells == ["'-58.1", "'=1+1", "'ma", "'@", "''@", "m", "'''-x", "'m"]
+    found = again("csv", schedule, tmp_path)
+    assert found.labels == labels
+    assert [word.text for word in found.words] == ["-58.1", "=1+1", "'ma"]

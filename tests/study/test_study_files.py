@@ -83,6 +83,8 @@ def test_a_study_is_read_as_it_is_written(tmp_path):
         {"pairs": [STUDY["pairs"][0] | {"right": STUDY["pairs"][0]["left"], "check": None}]},
         "pairs.0: 'ours' is on both sides, but is not an attention check",
     ),
+    ({"methods": ["ours", "keyframes", "ours"]}, "methods: has 'ours' twice"),
+    ({"questions": ["accuracy", "accuracy"]}, "questions: has 'accuracy' twice"),
     ({"more": 1}, "more: Extra inputs"),
 ])  # fmt: skip
 def test_a_faulty_study_is_refused_with_the_place(tmp_path, changed, told):

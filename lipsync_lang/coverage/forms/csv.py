@@ -3,8 +3,7 @@
 `rank_for_all` is the place in the ranking of all reports. A bigram that serves several reports has
 the same rank in each, and its hours in the first row alone: the sum of `hours` is the total.
 
-Words and file names come from the corpus. Spreadsheets evaluate text that begins like a
-formula, so such text gets an apostrophe in front, as OWASP recommends.
+Words and file names come from the corpus, so text that begins like a formula is quoted.
 """
 
 import csv
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
 from lipsync_lang.coverage.total import piece_of
+from lipsync_lang.files.quoting import spreadsheet_text
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import Coverage
@@ -21,9 +21,6 @@ CSV_HEAD = (
     "authored", "example", "places", "column", "poseset", "rank_for_all", "percent_for_all",
     "serves", "hours",
 )  # fmt: skip
-
-FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
-"""First characters of formulas in any spreadsheet."""
 
 
 @FORMS.register("csv")
@@ -60,5 +57,4 @@ def _cell(value: object) -> object:
     """
     if not isinstance(value, str):
         return value
-    text = value.replace("\r\n", "\n").replace("\r", "\n")
-    return f"'{text}" if value.startswith(FORMULA_STARTS) else text
+    return spreadsheet_text(value).replace("\r\n", "\n").replace("\r", "\n")

@@ -6,6 +6,7 @@ tab, comma, semicolon and bar in the first row. Decimals may have a comma. Optio
 
 - `word`, the word of a phoneme; successive rows with the same word are one word. Without labels,
   the rows are words,
+  An apostrophe before a formula, such as `'@`, is a spreadsheet's mark of text,
 - `type`, phone or word, `speaker`, and `confidence` of a word.
 """
 
@@ -16,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 from itertools import chain
 
+from lipsync_lang.files.quoting import plain_text
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, WORD_TIER_NAME, Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
@@ -79,7 +81,7 @@ def _tiers(source: TimingFile) -> list[Tier]:
             tiers[" - ".join([*who, CONFIDENCE_TIER])].append(row._replace(label=sure))
         if "word" in columns and not WORD_TIER_NAME.fullmatch(kind):
             words = tiers[" - ".join([*who, "words"])]
-            word = row._replace(label=_cell(cells, columns, "word"))
+            word = row._replace(label=plain_text(_cell(cells, columns, "word")))
             if words and words[-1].label == word.label:  # another phoneme of the same word
                 word = word._replace(start=words.pop().start)
             words.append(word)
@@ -98,7 +100,10 @@ def _row(
         for what in ("start", "end", "duration")
     )
     return LabelRow(
-        cells[columns["label"]], start, end if "end" in columns else start + length, line
+        plain_text(cells[columns["label"]]),
+        start,
+        end if "end" in columns else start + length,
+        line,
     )
 
 

@@ -1,8 +1,12 @@
-"""Timings as a table of comma-separated values, for spreadsheets."""
+"""Timings as a table of comma-separated values, for spreadsheets.
+
+A label that begins like a formula gets an apostrophe, which the reader of tables removes.
+"""
 
 import csv
 from io import StringIO
 
+from lipsync_lang.files.quoting import spreadsheet_text
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, tiers_of
 
@@ -18,5 +22,5 @@ def table_text(schedule: Schedule) -> str:
     for kind, spans in tiers.items():
         for label, start, end in spans:
             rate = rated.get(start, "") if kind == "words" else ""
-            rows.writerow([start, end, label, kind, *([rate] if sure else [])])
+            rows.writerow([start, end, spreadsheet_text(label), kind, *([rate] if sure else [])])
     return out.getvalue()
