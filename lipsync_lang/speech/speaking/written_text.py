@@ -32,11 +32,10 @@ class WrittenText(NamedTuple):
     @property
     def silent(self) -> bool:
         """True for a text of markup and punctuation alone, so that there is nothing to say."""
-        marks = any(c.isprintable() and not c.isspace() for c in self.text)
-        # An empty text is a mistake.
-        return bool(marks or (self.dropped and not self.text)) and not any(
-            map(str.isalnum, self.text)
-        )
+        if any(map(str.isalnum, self.text)):
+            return False
+        signs = any(c.isprintable() and not c.isspace() for c in self.text)
+        return signs or bool(self.dropped and not self.text)  # an empty text is a mistake
 
 
 def as_written(text: WrittenText, schedule: Schedule) -> Schedule:
