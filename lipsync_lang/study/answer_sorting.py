@@ -26,7 +26,7 @@ MIN_ALIKE_ANSWERS = 10
 UNKNOWN_CLIP_SECONDS = 1.0
 """Minimum time for a pair of clips of unknown length."""
 
-MAX_NAMED = 5
+MAX_NAMED_RATERS = 5
 """Maximum number of raters or pairs in a sentence."""
 
 MAX_RATER_CHARS = 64
@@ -265,7 +265,7 @@ class _Sorting:
                 alike[untimed].append(one)
         self._told.suspicious += [
             f"{len(same)} raters gave the same {len(pattern)} choices and strengths at different "
-            f"speeds: {shortlist((one.rater for one in same), MAX_NAMED)}"
+            f"speeds: {shortlist((one.rater for one in same), MAX_NAMED_RATERS)}"
             for pattern, same in alike.items()
             if len(same) > 1
         ]
@@ -318,7 +318,7 @@ class _Sorting:
         """Return the reason to set a rater aside, if there is one."""
         failed = {a.pair for a in one.answers if self._pairs[a.pair].check not in (None, a.choice)}
         if len(failed) > self._rules.failed_checks:
-            return "failed checks", one, f"failed at {shortlist(sorted(failed), MAX_NAMED)}"
+            return "failed checks", one, f"failed at {shortlist(sorted(failed), MAX_NAMED_RATERS)}"
         pairs, fast = {a.pair for a in one.answers}, self._fast(one)
         if fast and 2 * len(fast) > len(pairs):
             return "fast rater", one, f"{len(fast)} of {len(pairs)} pairs were too fast"
