@@ -47,14 +47,18 @@ def atomic(path: Path, *, durable: bool = False) -> Iterator[BinaryIO]:
 
 
 def write_all(
-    outputs: Mapping[Path, Callable[[BinaryIO], object]], *, durable: bool = False
+    outputs: Mapping[Path, Callable[[BinaryIO], object]],
+    *,
+    durable: bool = False,
+    ready: Callable[[], object] = lambda: None,
 ) -> None:
     """Write several outputs: prepare all of them, then put them in place together.
 
-    Streams are written after the files, so that a pipe closed early loses no file.
-    Parameters and errors are those of `atomic`.
+    Streams are written after the files, so that a pipe closed early loses no file. `ready` is
+    called between the two, when the content of every file is on the disk; its error puts no file
+    in place. The other parameters and errors are those of `atomic`.
     """
-    with _prepared(durable=durable) as prepared:
+    with _prepared(durable=durable, ready=ready) as prepared:
         for path, write in outputs.items():
             with _worded(path):
                 stream = prepared.open(path)
@@ -74,11 +78,11 @@ def _worded(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _prepared(*, durable: bool) -> Iterator["_Outputs"]:
+def _prepared(*, durable: bool, ready: Callable[[], object] = lambda: None) -> Iterator["_Outputs"]:
     outputs = _Outputs(durable)
     try:
         yield outputs
-        outputs.commit()
+        outputs.commit(ready)
     finally:
         outputs.discard()
 
@@ -107,11 +111,12 @@ class _Outputs:
         except (OSError, ValueError) as error:
             raise _cannot_write(path, error) from None
 
-    def commit(self) -> None:
+    def commit(self, ready: Callable[[], object]) -> None:
         """Put the files in place, then write the streams."""
         for file in self.files:
             with _worded(file.path):
                 file.close(durable=self.durable)
+        ready()
         with undisturbed():
             for file in self.files:
                 with _worded(file.path):

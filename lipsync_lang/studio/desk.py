@@ -7,13 +7,15 @@ parts that an edit does not change, so the number of undo steps is unlimited.
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from difflib import unified_diff
 from pathlib import Path
 from weakref import finalize
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.files.locking import claim
+from lipsync_lang.files.temporary import sweep
 from lipsync_lang.json_object import Json
 from lipsync_lang.packs.splicing import SplicedText, get
 from lipsync_lang.packs.yaml.faults import shown
@@ -21,10 +23,12 @@ from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.studio.edit_journal import (
     JournalError,
     JournalKeeper,
+    digest,
     edit_of,
     line_of,
     put_aside,
     read_journal,
+    save_line,
 )
 from lipsync_lang.studio.editable_files import refuse, shipped_folders, write_together
 from lipsync_lang.studio.merging import (
@@ -39,6 +43,7 @@ from lipsync_lang.studio.merging import (
 from lipsync_lang.studio.sheets import (
     EditedFile,
     PackEdit,
+    Plan,
     Step,
     TextParts,
     by_file,
@@ -50,6 +55,9 @@ from lipsync_lang.studio.sheets import (
 
 RESTORED = "restored edits"
 """Title of a step that a journal stores as a whole text."""
+
+PlannedSave = tuple[EditedFile, bytes | None, Plan]
+"""A file to save, its content on the disk, and what to write."""
 
 MAX_TOUCHED = 10_000
 """Maximum number of edits in memory for conflicts between tabs."""
@@ -90,6 +98,8 @@ class Desk:
         self._shipped = shipped_folders() if shipped is None else tuple(shipped)
         self._journal: JournalKeeper | None = None
         self._replaying = False
+        self._begun: dict[str, str] = {}
+        """The save in the journal: its files, with the digests of what they held before."""
         held = None if journal is None else claim(journal.with_name(f"{journal.name}.lock"))
         if held is not None:
             finalize(self, os.close, held)
@@ -101,6 +111,10 @@ class Desk:
         elif journal is not None:
             lines = self._restore(journal)
             self._journal = JournalKeeper(journal, lines, {*self._sheets})
+            for folder in {journal.parent, *(path.resolve().parent for path in self._sheets)}:
+                sweep(folder, again=True)  # what a killed studio left
+            if self._begun:
+                self._complete(self._begun)
 
     # What there is
 
@@ -342,15 +356,61 @@ class Desk:
             for sheet, disk, plan in plans
             if plan.text.parts and plan.text.content != disk
         }
-        write_together(written)
-        for sheet, disk, plan in plans:
-            text = plan.text
-            if disk != sheet.base:
-                self._rebase(sheet, plan.theirs, text, plan.dropped)
-            base = text.content if text.parts else None
-            self._sheets[sheet.path] = EditedFile(sheet.path, base, text, text)
+        try:
+            write_together(written, lambda: self._begin(plans, written))
+        except OutputError:
+            self._settle(plans)
+            with suppress(OutputError):
+                self._compact()
+            raise
+        self._settle(plans)
         self._compact()
         return list(written)
+
+    def _begin(self, plans: Sequence[PlannedSave], written: Collection[Path]) -> None:
+        """Note a save in the journal: from now on it is completed, whatever happens."""
+        if self._journal is None:
+            return
+        saving = []
+        for sheet, _, plan in plans:
+            if sheet.path in written:
+                base = plan.theirs.content if plan.theirs.parts else None
+                saving.append(EditedFile(sheet.path, base, plan.theirs, plan.text))
+        named = {sheet.path for sheet, _, _ in plans}
+        others = [one for path, one in self._sheets.items() if one.edited and path not in named]
+        before = {sheet.path: disk for sheet, disk, _ in plans if sheet.path in written}
+        self._journal.rewrite([*saving, *others], save_line(before))
+
+    def _complete(self, begun: Mapping[str, str]) -> None:
+        """Complete a save that was cut off; a file that has changed since then stays unsaved."""
+        sheets = [self._sheets[Path(path)] for path in begun]
+        due = [sheet for sheet in sheets if digest(on_disk(sheet.path)) == begun[str(sheet.path)]]
+        try:
+            for sheet in due:
+                self._refuse(sheet.path)
+            write_together({sheet.path: sheet.text.content for sheet in due}, lambda: None)
+        except OutputError as error:
+            self.notes.append(f"a save was cut off, and cannot be completed: {error}")
+        saved = [sheet for sheet in sheets if on_disk(sheet.path) == sheet.text.content]
+        for sheet in saved:
+            self._sheets[sheet.path] = EditedFile(
+                sheet.path, sheet.text.content, sheet.text, sheet.text
+            )
+        self.restored -= len(saved)
+        self.notes += [
+            f"{shown(sheet.path)}: its save was cut off, and is complete" for sheet in saved
+        ]
+        self._compact()
+
+    def _settle(self, plans: Iterable[PlannedSave]) -> None:
+        """Count as saved what the disk holds now."""
+        for sheet, disk, plan in plans:
+            text = plan.text
+            base = text.content if text.parts else None
+            if on_disk(sheet.path) == base:
+                if disk != sheet.base:
+                    self._rebase(sheet, plan.theirs, text, plan.dropped)
+                self._sheets[sheet.path] = EditedFile(sheet.path, base, text, text)
 
     def _rebase(
         self, sheet: EditedFile, theirs: SplicedText, now: SplicedText, dropped: Sequence[Loc] = ()
@@ -432,6 +492,10 @@ class Desk:
             create = {Path(path): text for path, text in line["create"].items()}
             more = {"tab": line["tab"], "merge": line["merge"], "create": create}
             self.change(line["change"], edits, **more)
+        elif "save" in line:
+            self._begun = {
+                str(self._sheets[Path(one)].path): was for one, was in line["save"].items()
+            }
         elif "undo" in line:
             self.undo()
         elif "redo" in line:

@@ -1,11 +1,14 @@
 """Journal of unsaved edits, from which the studio restores them after a crash.
 
-Each line is JSON. Each edit appends a line, so a crash loses at most the last line.
+Each line is JSON. Each edit appends a line, so a crash loses at most the last line. A save writes
+the journal before it puts its files in place: the texts of the files, and a last line that names
+them. If the studio is killed in between, its next start completes the save.
 """
 
 import json
 import os
 from collections.abc import Iterable, Mapping
+from hashlib import sha256
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -65,12 +68,13 @@ class JournalKeeper:
         at = self._last[1] if self._last is not None and again else None
         self._last = line, append(self.path, [*map(base_line, new), line], at)
 
-    def rewrite(self, edited: Iterable[EditedFile]) -> None:
-        """Rewrite the journal with only the texts of files."""
+    def rewrite(self, edited: Iterable[EditedFile], *more: Json) -> None:
+        """Rewrite the journal with only the texts of files, and some lines after them."""
         kept = [*edited]
-        write_journal(self.path, (line for sheet in kept for line in whole(sheet)))
+        lines = [*(line for sheet in kept for line in whole(sheet)), *more]
+        write_journal(self.path, lines)
         self._opened = {sheet.path for sheet in kept}
-        self._lines, self.stale, self._last = 2 * len(kept), False, None
+        self._lines, self.stale, self._last = len(lines), False, None
 
 
 def read_journal(path: Path) -> list[Json]:
@@ -166,6 +170,16 @@ def line_of(edit: PackEdit) -> Json:
 def edit_of(line: Json) -> PackEdit:
     """Return the edit in a line."""
     return Path(line["file"]), tuple(line["at"]), line.get("value", ABSENT)
+
+
+def save_line(before: Mapping[Path, bytes | None]) -> Json:
+    """Return the line of a save that has begun: the digest of what each file holds until then."""
+    return {"save": {str(path): digest(content) for path, content in before.items()}}
+
+
+def digest(content: bytes | None) -> str:
+    """Return the digest of a file's content; empty for no file."""
+    return "" if content is None else sha256(content).hexdigest()
 
 
 def whole(sheet: EditedFile) -> list[Json]:

@@ -1,7 +1,7 @@
 """Checks of files that the studio may edit, and writing of several files together."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -49,8 +49,8 @@ def shipped_folders() -> tuple[Path, ...]:
     )
 
 
-def write_together(contents: Mapping[Path, bytes]) -> None:
-    """Write all files or none, and create missing folders."""
+def write_together(contents: Mapping[Path, bytes], ready: Callable[[], object]) -> None:
+    """Write all files or none, and create missing folders; for `ready` see `write_all`."""
 
     def writer(content: bytes) -> Any:
         return lambda stream: stream.write(content)
@@ -61,4 +61,5 @@ def write_together(contents: Mapping[Path, bytes]) -> None:
         except OSError as error:
             why = error.strerror or error
             raise OutputError(f"{path.parent}: cannot be made: {why}") from None
-    write_all({path: writer(content) for path, content in contents.items()}, durable=True)
+    outputs = {path: writer(content) for path, content in contents.items()}
+    write_all(outputs, durable=True, ready=ready)

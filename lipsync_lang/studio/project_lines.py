@@ -57,10 +57,10 @@ class ProjectLines:
         self._lines, self._characters = {}, set()
         if self._file is None:
             return
-        project = load_project(self._file).model
-        if not project.lines:
+        project = load_project(self._file)
+        if not project.model.lines:
             return
-        for line in read_script(project, self._file.parent, paths=self._paths):
+        for line in read_script(project, paths=self._paths):
             own = self._lines.setdefault(line.language, {}).setdefault(line.name, {})
             own[line.character] = line
             self._characters.add(line.character)

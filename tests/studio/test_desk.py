@@ -1,6 +1,8 @@
 """Unsaved edits of packs: undo, journal, merging and saving."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -288,6 +290,111 @@ def test_a_journal_is_json(bank, journal):
     lines = [json.loads(line) for line in journal.read_text().splitlines()]
     assert lines[1] == {"base": str(bank), "text": BANK}
     assert lines[2]["edits"] == [{"file": str(bank), "at": list(BOUNDARY), "value": 0.3}]
+
+
+# A studio that is killed while it saves
+
+STEPS = {"open", "os.rename", "os.remove", "os.mkdir"}
+
+
+def save_until(journal, edits, step):
+    """Edit and save in a child, which kills itself before its nth step; return True if it did."""
+    child = os.fork()
+    if not child:
+        count = 0
+
+        def stop(event, _arguments):
+            nonlocal count
+            count += saving and event in STEPS
+            if event in STEPS and count > step:
+                os.kill(os.getpid(), signal.SIGKILL)
+
+        saving = False
+        sys.addaudithook(stop)
+        desk = Desk(journal)
+        desk.change("Both", edits)
+        saving, count = True, 0
+        desk.save()
+        os._exit(0)
+    return os.waitpid(child, 0)[1] == signal.SIGKILL
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no processes to kill")
+def test_a_save_that_is_killed_at_any_step_is_whole_after_the_next_start(tmp_path):
+    left = {"old": 0, "new": 0}
+    for step in range(1000):
+        home = plant(tmp_path / f"{step}/project")
+        bank, other = home / "posesets/face/banks/common.yaml", home / "posesets/face/poseset.yaml"
+        journal = tmp_path / f"{step}/state/journal"
+        before = bank.read_bytes(), other.read_bytes()
+        edits = [(bank, BOUNDARY, 0.6), (other, ("title",), "New")]
+        killed = save_until(journal, edits, step)
+        desk = Desk(journal)
+        after = bank.read_bytes(), other.read_bytes()
+        saved = [now != was for now, was in zip(after, before, strict=True)]
+        assert saved in ([True, True], [False, False]), f"half a save after {step} steps"
+        assert bool(desk.contents) == (not all(saved)), "neither lost nor unsaved twice"
+        assert bool(desk.restored) == bool(desk.contents)
+        left["new" if all(saved) else "old"] += 1
+        desk.change("On", [(bank, BOUNDARY, 0.2), (other, ("title",), "Newer")])
+        desk.save()  # no conflict with what the killed studio saved
+        assert b"boundary: 0.2" in bank.read_bytes()
+        assert b"Newer" in other.read_bytes()
+        hidden = [path.name for path in (tmp_path / str(step)).rglob(".*")]
+        assert hidden == [], f"left after {step} steps"
+        if not killed:
+            break
+    assert min(left.values()) > 1
+
+
+@pytest.mark.parametrize("changed", ["disk", "unwritable"])
+def test_a_save_that_was_cut_off_overwrites_no_later_change(bank, home, journal, changed):
+    other = home / "posesets/face/poseset.yaml"
+    desk = Desk(journal)
+    desk.change("Both", [(bank, BOUNDARY, 0.6), (other, ("title",), "New")])
+
+    def killed(source, target):
+        source.replace(target) if target == journal else 1 / 0
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("lipsync_lang.files.writing.replace_file", killed)
+        with pytest.raises(ZeroDivisionError):
+            desk.save()
+    del desk
+    if changed == "disk":
+        bank.write_text(THEIRS)
+    else:
+        bank.chmod(0o444)
+    again = Desk(journal)
+    if changed == "disk":
+        assert bank.read_text() == THEIRS
+        assert b"New" in other.read_bytes()
+        assert list(again.contents) == [bank]
+    else:
+        assert "cannot be completed" in again.notes[0]
+        bank.chmod(0o644)
+        assert {*again.save()} == {bank, other}
+
+
+def test_a_save_that_fails_stays_unsaved(bank, home, journal, monkeypatch):
+    other = home / "posesets/face/poseset.yaml"
+    desk = Desk(journal)
+    desk.change("Both", [(bank, BOUNDARY, 0.6), (other, ("title",), "New")])
+
+    def refused(source, target):
+        if target == other:
+            raise PermissionError(13, "held open")
+        source.replace(target)
+
+    monkeypatch.setattr("lipsync_lang.files.writing.replace_file", refused)
+    with pytest.raises(OutputError, match="held open"):
+        desk.save()
+    assert list(desk.contents) == [other], "what reached the disk is saved"
+    monkeypatch.undo()
+    del desk
+    again = Desk(journal)
+    assert list(again.contents) == [other]
+    assert again.save() == [other]
 
 
 # Saving over what changed meanwhile
