@@ -3,13 +3,15 @@
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from multiprocessing import parent_process
 from pathlib import Path
+from shutil import copyfileobj, rmtree
 from time import monotonic, sleep
 from typing import Any
 
 from lipsync_lang.build.build_tally import UNSHOWN, BuildTally
+from lipsync_lang.build.digests import file_digest
 from lipsync_lang.build.keeping import OutputKeeper, restored
 from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.build.needs import PairNeeds
@@ -20,6 +22,7 @@ from lipsync_lang.build.workers import LostBatch, run_batches
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.locking import claim
 from lipsync_lang.files.temporary import sweep
+from lipsync_lang.files.writing import atomic
 
 MAX_BATCH_LINES = 64
 """Maximum number of lines that a worker makes before it reports."""
@@ -37,6 +40,9 @@ MIN_SPREAD_TIMED_LINES = 200
 """The same number for lines with timings, which take a hundredth of a second."""
 
 LOCK = "build.lock"
+
+MODELS = "models"
+"""Folder, beside the record of builds, of models for the workers of a cluster."""
 
 WAIT_SECONDS = 0.2
 """Pause between two attempts to lock a folder."""
@@ -139,6 +145,9 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
         untimed = sum(step.line.timings is None for step in stale)
         spread = untimed >= MIN_SPREAD_LINES or len(stale) >= MIN_SPREAD_TIMED_LINES
         workers = (os.cpu_count() or 1) if spread else 1
+    if scheduler is not None:
+        pairs = {(step.line.language, step.line.character) for step in stale}
+        needs = with_seen_models({pair: needs[pair] for pair in pairs}, maker.folder)
     _sweep(maker.folder, stale)
     keeper = OutputKeeper(maker.folder, records, {step.line.key: step for step in stale})
     done = 0
@@ -153,6 +162,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     with ExitStack() as stack:
         # Workers leave files that were not put in place, at the end or after an error.
         stack.callback(_sweep, maker.folder, stale, ended=maker.owner)
+        stack.callback(rmtree, maker.folder / FOLDER / MODELS, ignore_errors=True)
         stack.enter_context(closing(running))  # type: ignore[type-var]  # a generator
         stack.enter_context(keeper)
         for found in running:
@@ -175,6 +185,24 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
         keeper.flush()
     outcome.seconds = monotonic() - begun
     return outcome
+
+
+def with_seen_models(needs: Needs, folder: Path) -> Needs:
+    """Return needs whose models lie in the project's folder, which every machine sees."""
+    copies: dict[Path, Path] = {}
+    seen = dict(needs)
+    for pair, one in needs.items():
+        model = one.performer.model
+        if not model or not model.is_file() or model.resolve().is_relative_to(folder.resolve()):
+            continue
+        if model not in copies:
+            copies[model] = folder / FOLDER / MODELS / f"{file_digest(model)}{model.suffix}"
+            copies[model].parent.mkdir(exist_ok=True)
+            with atomic(copies[model]) as stream, model.open("rb") as content:
+                copyfileobj(content, stream)
+        compiled = replace(one.performer.compiled, model=str(copies[model]))
+        seen[pair] = PairNeeds(replace(one.performer, compiled=compiled), one.settings)
+    return seen
 
 
 def _refuse_full(results: Sequence[MadeLine], done: int, of: int) -> None:

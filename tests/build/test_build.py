@@ -10,7 +10,7 @@ from zipfile import ZipFile
 
 import numpy as np
 import pytest
-from build_project import SOUNDS, Game, left_behind
+from build_project import PROJECT, SOUNDS, Game, left_behind
 from lanes import swept
 
 import lipsync_lang as ll
@@ -291,6 +291,26 @@ def test_what_killed_builds_and_workers_left_is_deleted(game, monkeypatch):
     assert game.build().built == ALL
     assert not before.exists()
     assert not during[0].exists()
+
+
+def test_models_outside_the_project_travel_to_the_workers_of_a_cluster(game, monkeypatch):
+    (game.folder / "lipsync.yaml").write_text(PROJECT.replace('.csv"]', '.csv", "glb/{id}.glb"]'))
+    models = []
+
+    def cluster(work, batches, *, shared, folder, **_):
+        for batch in batches:
+            (pair,) = shared(batch).values()
+            models.append(pair.performer.model)
+            assert models[-1].is_relative_to(folder)
+            assert models[-1].read_bytes() == ll.resolve("english", "facefx").model.read_bytes()
+            yield work(batch, shared(batch))
+
+    monkeypatch.setattr(build_run, "run_batches", cluster)
+    assert game.build("--scheduler", "tcp://nobody:1").built == ALL
+    assert not models[0].exists()
+    monkeypatch.undo()
+    monkeypatch.chdir(game.folder)
+    assert game.build().built == []
 
 
 def test_a_worker_that_outlives_a_build_makes_lost_folders_again(game):
