@@ -5,7 +5,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.commands.output import FAULTS, SOUND, count, tell_written
+from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.performing import LINE_PAGE, perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json_form, add_line, add_output
@@ -97,8 +97,7 @@ def check(options: Namespace) -> int:
     quality = judged[first]
     if form != "text" or options.output is not None:
         names = ", ".join(figure.name for figure in quality.failed)
-        missed = f"{count(len(quality.failed), 'limit')} missed: {names}"
-        print("all limits are met" if quality.passed else missed, file=sys.stderr)
+        print(f"{quality.summary}{f'; missed: {names}' if names else ''}", file=sys.stderr)
     return SOUND if quality.passed else FAULTS
 
 

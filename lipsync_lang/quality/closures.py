@@ -257,3 +257,31 @@ def rules(scene: MeasuredScene) -> Iterable[Figure]:
         found = tuple(places(scene, descriptions))
         share = count / len(which)
         yield Figure(name, share, limit=rule["missed"], parts=parts, findings=found)
+
+
+@measure("unopened", "of vowels", limit=0.34)
+def unopened(scene: MeasuredScene) -> Iterable[Figure]:
+    """Vowels that do not open the mouth.
+
+    The opening is the measure `aperture` of the pose set, or else the sum of the poses that
+    loudness opens (`intensity`). Vowels that open the mouth wide if spoken alone are judged. In a
+    line, each must reach a quarter of that at one frame, and at least 0.05. If no vowel of the
+    face does so alone, all are judged, and fail. Full speech opens nearly all; the limit lets one
+    short vowel of three pass::
+
+        value = vowels that stay below / vowels judged
+    """
+    aperture, vowels = scene.face.aperture, scene.face.vowels
+    if aperture is None or vowels is None:
+        why = "channels of a rig have no measures; check the poses"
+        return unjudged(why if scene.face.roles is None else "the pose set states no aperture")
+    least = vowels[scene.track.ids]
+    which = np.flatnonzero(np.isfinite(least))
+    if not which.size:
+        return unjudged("no vowel of the line opens the mouth")
+    best = scene.highest(aperture @ scene.curves)
+    # turned round, so that a vowel without frames, whose best is NaN, is missed
+    missed = which[~(best[which] >= least[which])]
+    told = {n: f"opens the mouth to {best[n]:.2f}, below {least[n]:.2f}" for n in missed.tolist()}
+    parts = {"opened": len(which) - len(missed), "closed": len(missed)}
+    return one(len(missed) / len(which), parts, places(scene, told))

@@ -13,6 +13,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.performing.stress import VOWEL
 from lipsync_lang.pipeline.constrain import Cap
 
 if TYPE_CHECKING:
@@ -26,9 +27,19 @@ FLOOR_SHARE = 0.9
 OPENS_SHARE = 0.4
 """Minimum opening of a phoneme that must visibly open the mouth, as a share of the widest one."""
 
+OPENED_SHARE = 0.25
+"""Minimum aperture of a vowel in a line, as a share of its aperture if spoken alone."""
+
 BLOCK_SHARE = 0.25
 """Minimum share of the highest weight of a pose, or of an opponent's, in phonemes that prevent its
 anticipation."""
+
+
+APERTURE = "aperture"
+"""Name of the measure of a pose set that tells how far the mouth is open."""
+
+LEAST_APERTURE = 0.05
+"""Minimum visible aperture."""
 
 
 class Touch(NamedTuple):
@@ -95,6 +106,10 @@ class Face:
     """By rule, (N,) True for its common phonemes and their shades."""
     roles: Roles | None = None
     """None for the channels of a rig."""
+    aperture: Floats | None = None
+    """(C,) gains of the opening of the mouth; None if nothing states them."""
+    vowels: Floats | None = None
+    """(N,) least aperture of each vowel that opens the mouth; NaN for other phonemes."""
 
     @cached_property
     def raised(self) -> tuple[bool, ...]:
@@ -170,6 +185,9 @@ def _posed(performer: "Performer") -> Face:
         name: np.array([gains.get(pose, 0.0) for pose in performer.poses])
         for name, gains in compiled.measures.items()
     }
+    alone = _alone(compiled)
+    roles = _roles(compiled, alone)
+    aperture = measures.get(APERTURE, roles.opening.astype(float))
     unit = np.ones(count)
     zero = np.zeros(count)
     return Face(
@@ -182,7 +200,9 @@ def _posed(performer: "Performer") -> Face:
         unit,
         measures,
         _meant(compiled),
-        _roles(compiled),
+        roles,
+        aperture if aperture.any() else None,
+        _vowels(compiled, alone @ aperture),
     )
 
 
@@ -194,20 +214,41 @@ def _meant(compiled: "CompiledPair") -> dict[str, Bools]:
     }
 
 
-def _roles(compiled: "CompiledPair") -> Roles:
-    """Derive roles from the bank: each phoneme is examined in its own part of silence-phoneme."""
+def _alone(compiled: "CompiledPair") -> Floats:
+    """Return the curves of each phoneme in its own part of silence-phoneme, else 0: (N, S, C)."""
+    rows = compiled.tables.pairs[compiled.tables.silence]
+    curves = compiled.tables.curves[rows].astype(float)
+    at = np.linspace(0, 1, curves.shape[1])
+    alone: Floats = curves * (at >= compiled.tables.boundary[rows][:, None])[:, :, None]
+    return alone
+
+
+def _vowels(compiled: "CompiledPair", aperture: Floats) -> Floats:
+    """Return the least aperture of each vowel, (N,), from that of phonemes alone, (N, S).
+
+    A vowel that the face opens little, as for rounded lips, has none. If the face opens for no
+    vowel, all vowels have the least visible aperture, so that none of them gets it.
+    """
+    kinds = compiled.manner["kinds"]
+    named = [compiled.shades.get(name, name) for name in compiled.phonemes]
+    vowel = np.array([kinds.get(name) == VOWEL for name in named])
+    peak = aperture.max(axis=1)
+    widest = peak[vowel].max(initial=0.0)
+    opens = (peak > OPENS_SHARE * widest) | (widest < LEAST_APERTURE)
+    least = np.maximum(LEAST_APERTURE, OPENED_SHARE * peak)
+    return np.where(vowel & opens, least, np.nan)
+
+
+def _roles(compiled: "CompiledPair", alone: Floats) -> Roles:
+    """Derive roles from the bank, by the curves of each phoneme alone."""
     tables, stated = compiled.tables, compiled.intensity or {"regions": ()}
     own = [pose for region in stated["regions"] for pose in compiled.regions.get(region, ())]
     opening = np.isin(np.arange(len(compiled.poses)), own)
-    rows = tables.pairs[tables.silence]
-    curves = tables.curves[rows].astype(float)
-    start = tables.boundary[rows][:, None]
-    at = np.linspace(0, 1, curves.shape[1])[None]
-    said = at >= start
-    early = said & (at <= (1 + start) / 2)
-    widest = (curves[:, :, opening].sum(axis=2) * said).max(axis=1)
-    begins = (curves * early[:, :, None]).max(axis=1) / tables.highest
-    shown = (curves * said[:, :, None]).max(axis=1)
+    start = tables.boundary[tables.pairs[tables.silence]][:, None]
+    early = np.linspace(0, 1, alone.shape[1])[None] <= (1 + start) / 2
+    widest = alone[:, :, opening].sum(axis=2).max(axis=1)
+    begins = (alone * early[:, :, None]).max(axis=1) / tables.highest
+    shown = alone.max(axis=1)
     blocks = tables.opposed | (shown @ tables.blockers > BLOCK_SHARE) | (begins > BLOCK_SHARE)
     for contact in tables.contacts:
         blocks |= contact.phonemes[:, None] & (contact.ceiling < 1)

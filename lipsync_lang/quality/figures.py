@@ -84,6 +84,14 @@ class Quality:
         """True if no figure exceeds its limit."""
         return not self.failed
 
+    @property
+    def summary(self) -> str:
+        """Counts of the limits that are met, and of the figures that could not be judged."""
+        limited = [figure for figure in self.figures if figure.verdict != "-"]
+        met = f"{len(limited) - len(self.failed)} of {len(limited)} limits met"
+        blank = sum(figure.value is None for figure in self.figures)
+        return f"{met}, {blank} not judged" if blank else met
+
     def __getitem__(self, name: str) -> Figure:
         """Return a figure by name.
 
@@ -107,9 +115,7 @@ class Quality:
             lines += [f"{' ' * 10}{one.at:.3f} s: {one.what}" for one in shown]
             if shown and len(figure.findings) > MAX_FINDINGS:
                 lines.append(f"{' ' * 10}and {len(figure.findings) - MAX_FINDINGS} more")
-        judged = [figure for figure in self.figures if figure.limit is not None]
-        lines.append(f"{len(judged) - len(self.failed)} of {len(judged)} limits met")
-        return "\n".join(lines)
+        return "\n".join([*lines, self.summary])
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain JSON data."""

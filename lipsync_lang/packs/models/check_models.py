@@ -48,6 +48,8 @@ class Checks(Strict):
     """Seconds by which a contact may come early."""
     closure_offset: NotNegative | None = None
     """Seconds by which the median contact may be early or late."""
+    unopened: Unit | None = None
+    """Share of the vowels that may leave the mouth closed."""
     constraints: Unit | None = None
     """Share of frames in which poses may break a constraint."""
     speed: Positive | None = None
