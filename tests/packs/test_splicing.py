@@ -159,6 +159,13 @@ def test_entries_are_added_however_a_mapping_is_written(bigrams):
     assert changed(HEAD + bigrams, (("bigrams", "f-f"), new))
 
 
+def test_a_new_entry_may_stand_where_the_next_ones_are_deleted():
+    text = HEAD + "bigrams:\n  f-a: {curves: {}}\n  a-f: {curves: {}}\n"
+    assert changed(text, (("bigrams",), {"f-a": {"curves": {}}, "a-a": {"curves": {}}})) == [
+        "-  a-f: {curves: {}}", "+  a-a:", "+    curves: {}",
+    ]  # fmt: skip
+
+
 def test_a_value_that_an_alias_repeats_is_not_changed_for_both():
     text = HEAD + "bigrams:\n  f-a: &a\n    curves: {}\n  a-f: *a\n"
     assert changed(text, (("bigrams", "a-f", "status"), "approved")) == [

@@ -64,7 +64,8 @@ class _Edits:
     def applied(self, start: int, end: int) -> str:
         """Return a part of the text with the edits that lie within."""
         out: list[str] = []
-        for first, last, new in sorted(self.found, key=lambda edit: edit[0]):
+        # By both ends, so that an insertion comes before a deletion that starts at its place.
+        for first, last, new in sorted(self.found, key=lambda edit: edit[:2]):
             if start <= first and last <= end:
                 out += [self.text[start:first], new]
                 start = max(start, last)
