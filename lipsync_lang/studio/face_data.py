@@ -7,6 +7,7 @@ Conventions: V points, C channels (columns of the animation); matrices act on ro
 """
 
 from collections.abc import Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -51,18 +52,34 @@ def face_data(animation: Animation, pack: ArrayPack) -> Json:
     """
     if animation.model is None:
         return {"unshown": []}
+    scene = page_scene(animation)
+    if isinstance(scene, str):  # nobody's folders are sent
+        return {"unshown": [scene.replace(str(animation.model), animation.model.name)]}
     try:
         with np.errstate(over="raise", invalid="raise"):
-            return _face(animation, pack)
-    except (ModelError, OutputError) as error:
-        message = str(error).replace(str(animation.model), animation.model.name)
-        return {"unshown": [message]}  # nobody's folders are sent
+            return _face(animation, scene, pack)
     except FloatingPointError:
         return {"unshown": [f"{animation.model.name}: a point moves too far to be drawn"]}
 
 
-def _face(animation: Animation, pack: ArrayPack) -> Json:
-    scene = staged(sweep(animation))
+def page_scene(animation: Animation) -> Scene | str:
+    """Return the scene of a page, or the reason why its model cannot be drawn."""
+    if animation not in _SCENES:
+        try:
+            with np.errstate(over="raise", invalid="raise"):
+                _SCENES[animation] = staged(sweep(animation))
+        except (ModelError, OutputError) as error:
+            _SCENES[animation] = str(error)
+        except FloatingPointError:
+            _SCENES[animation] = f"{animation.model}: a point moves too far to be drawn"
+    return _SCENES[animation]
+
+
+_SCENES: WeakKeyDictionary[Animation, Scene | str] = WeakKeyDictionary()
+"""Scenes of pages: a page and the warnings about it need the same one."""
+
+
+def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
     order = np.argsort(scene.material, kind="stable")
     normals = np.nan_to_num(light.unit(scene.directions(scene.normals)))
     textured = any(material.image is not None for material in scene.materials)

@@ -1,6 +1,7 @@
 """Output format `html`: the page of a line."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
@@ -11,10 +12,13 @@ from lipsync_lang.errors import ModelError
 
 def doubts(animation: Animation) -> Iterator[str]:
     """Yield warnings about the model of a page."""
-    try:
+    from lipsync_lang.studio.face_data import page_scene
+
+    scene = None if animation.model is None else page_scene(animation)
+    if isinstance(scene, str):
+        yield f"the page draws a simple mouth instead of the model: {scene}"
+    with suppress(ModelError):  # the reason is told
         yield from unplaced(animation)
-    except ModelError as error:
-        yield f"the page draws a simple mouth instead of the model: {error}"
 
 
 @writer("html", suffix=".html", remarks=doubts, reasons=True)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from test_video import FPS, Maker, animation_of
 
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.errors import ModelError
 from lipsync_lang.render.staging import staged
 from lipsync_lang.rigs.accessors import Accessors
@@ -389,3 +390,6 @@ def test_without_its_decoder_a_model_says_how_to_read_it(
     with pytest.raises(ModelError, match=told):
         staged(animation)
     assert "lipsync-lang[models]" in face_data(animation, ArrayPack())["unshown"][0]
+    (remark,) = WRITERS["html"].remarks(animation)  # a command says it too
+    assert remark.startswith("the page draws a simple mouth instead of the model: ")
+    assert "lipsync-lang[models]" in remark
