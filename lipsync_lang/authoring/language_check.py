@@ -38,14 +38,15 @@ class LanguageCheck:
     """Description of each common phoneme on a character, such as ``open 0.60, wide 0.20``."""
     character: str = ""
     tests: int = 0
-    """Tests that the pack itself states."""
+    """Tests that the pack states, or keeps from the pack that it shadows."""
     refusal: str = ""
     """Reason why the texts of the tests were not read; empty if they were."""
 
     @property
     def failed(self) -> int:
         """Number of tests with another result."""
-        return len({fault.line for fault in self.faults if fault.code == FAILED_TEST})
+        places = {(one.file, one.line) for one in self.faults if one.code == FAILED_TEST}
+        return len(places)
 
     @property
     def sound(self) -> bool:

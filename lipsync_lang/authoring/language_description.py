@@ -23,7 +23,7 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
     near = among(library, pack)
     decided = library.ipa().model.decided
     common, trial = library.common().model, try_out(library, pack)
-    failed = {fault.line for fault in trial.faults(common.silence) if fault.severity == "fault"}
+    failed = [fault for fault in trial.faults(common.silence) if fault.severity == "fault"]
     reasons = {one: reason_for(model, near, one, decided) for one in model.notations.get(IPA, {})}
     return {
         "name": model.name,

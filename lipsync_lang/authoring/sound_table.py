@@ -99,7 +99,8 @@ class SoundTable:
         """Run the tests of the pack, and those of the packs that it extends."""
         tests: list[models.Test] = []
         for source in self.pack.sources:
-            if source.path.is_file() or source.path in self.library.unsaved:
+            taken = source.data["name"] == self.pack.model.name
+            if not taken and (source.path.is_file() or source.path in self.library.unsaved):
                 found: Any = self.library.load(source.path, "language", source.path.stem)
                 tests += found.model.tests
         whole = replace(self.pack, model=self.pack.model.model_copy(update={"tests": tests}))

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, PackError
-from lipsync_lang.packs.extending import extended
+from lipsync_lang.packs import models
+from lipsync_lang.packs.extending import extended, test_fault
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
@@ -22,11 +23,6 @@ from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import among, fights
 from lipsync_lang.speech.speaking.speaker import Speaker
 from lipsync_lang.speech.speaking.transcripts import Transcript
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Pack
-    from lipsync_lang.packs.yaml.source import Loc
 
 
 @dataclass(frozen=True)
@@ -55,17 +51,16 @@ class Trial:
             zip(self.pack.model.tests, self.transcripts, strict=False)
         ):
             said = [name for name in heard.phonemes if name != silence]
-            loc: Loc = ("tests", index)
             if heard.unmapped:
                 labels = ", ".join(f"'{label}'" for label in heard.unmapped)
                 what = f"'{test.text}' has {labels}, which the pack does not map"
                 hint = f"map it under `notations: {heard.notation}`"
-                yield self.pack.fault(loc, "P221", what, hint)
+                yield test_fault(self.pack, index, what, hint)
             elif not test.accepts_read(said, self.shades):
                 wanted = " ".join(test.read or test.phonemes)
                 what = f"'{test.text}' becomes {' '.join(said)}, not {wanted}"
                 hint = f"the engine read {' '.join(heard.labels)}; correct the map or the test"
-                yield self.pack.fault(loc, "P221", what, hint)
+                yield test_fault(self.pack, index, what, hint)
 
     @property
     def reached(self) -> set[str]:

@@ -2,9 +2,11 @@
 
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
+from unicodedata import normalize
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.automatic import automatic
+from lipsync_lang.packs.yaml.faults import Fault, shown
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
@@ -35,10 +37,14 @@ def extended(library: "Library", path: Path) -> "Pack[Language]":
 
 
 def merge(parent: "Language", child: "Language") -> "Language":
-    """Merge a child into its parent; tests are not inherited."""
+    """Merge a child into its parent; a child that takes its parent's name keeps its tests."""
     stated = child.model_fields_set
     taken = {name: getattr(parent, name) for name in REPLACED_FIELDS if name not in stated}
     taken |= {name: {**getattr(parent, name), **getattr(child, name)} for name in MERGED_FIELDS}
+    if child.name == parent.name:
+        stated_anew = {test.text for test in child.tests}
+        kept = (test for test in parent.tests if test.text not in stated_anew)
+        taken["tests"] = (*child.tests, *kept)
     taken["text"] = child.text or parent.text
     if parent.text is not None and child.text is not None:
         forms = {name: getattr(child.text, name) for name in child.text.model_fields_set}
@@ -52,6 +58,18 @@ def merge(parent: "Language", child: "Language") -> "Language":
     for name, labels in child.notations.items():
         notations.setdefault(name, {}).update(labels)
     return child.model_copy(update={**taken, "notations": notations})
+
+
+def test_fault(pack: "Pack[Language]", index: int, what: str, hint: str, *more: str) -> Fault:
+    """Return the fault of a test at its place, which is another file if the test is inherited."""
+    text = pack.model.tests[index].text
+    for source in pack.sources[1:] if index >= len(pack.source.data.get("tests") or ()) else ():
+        for number, test in enumerate(source.data.get("tests") or ()):
+            if normalize("NFC", test["text"]) == normalize("NFC", text):
+                place = source.where(("tests", number))
+                hint = f"correct the map, or state this test anew in {shown(pack.path)}"
+                return Fault(shown(source.path), *place, "P221", what, hint)
+    return pack.fault(("tests", index, *more), "P221", what, hint)
 
 
 def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
@@ -74,7 +92,12 @@ def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
             raise library.failing(fault) from None
         if path.stem == pack.path.stem:
             # A language that extends its own name extends the pack that it shadows.
-            path = library.beneath(pack.path) or path
+            beneath = library.beneath(pack.path)
+            if beneath is None:
+                what = f"there is no other language '{parent}' to extend"
+                hint = "name another language, or leave `extends` out"
+                raise library.failing(pack.fault(("extends",), "P210", what, hint))
+            path = beneath
         if path in {member.path for member in line}:
             names = " -> ".join([*(member.model.name for member in line), path.stem])
             fault = pack.fault(

@@ -169,7 +169,7 @@ class Finder:
             path = Path(name)
             found = [self._list(root.path, "language").get(path.stem) for root in self.roots]
             under = found[found.index(path) + 1 :] if path in found else []
-            return tuple(str(other) for other in under if other is not None)[:1]
+            return tuple(str(other) for other in under if other not in (None, path))[:1]
         if kind in PART_FOLDERS:
             return tuple(map(str, self._parts(kind, name)))
         if kind not in KIND_WORDS:

@@ -53,6 +53,29 @@ def test_every_sound_of_every_language_has_a_mouth(name):
     assert sum(line.startswith("  ") for line in told) >= len(mouths) + 1
 
 
+def test_a_pack_keeps_the_tests_of_the_pack_that_it_shadows(cli):
+    tests = len(LIBRARY.language("finnish").model.tests)
+    head = "kind: language\nformat: 1\nname: finnish\ntag: fi\nextends: finnish\n"
+    path = Path("languages/finnish.yaml")
+    for mapping, ends in (("m: bmp", 0), ("m: ow", 1)):
+        path.write_text(f"{head}notations:\n  ipa: {{{mapping}}}\n", "utf-8")
+        assert cli("validate", "--no-tests").code == ends
+        told = cli("languages", "check", str(path))
+        assert told.code == ends
+        passed = re.search(r"(\d+) of (\d+) tests pass", told.out)
+        assert int(passed[2]) == tests
+        assert (int(passed[1]) < tests) == ends
+    assert re.search(r"languages/finnish.yaml:\d+:5: P221 .*'ulkomailta'", told.out)
+    assert f"or state this test anew in {path}" in told.out
+    path.write_text(
+        path.read_text("utf-8") + "tests:\n  - {text: ulkomailta, phonemes: [w, l]}\n", "utf-8"
+    )
+    told = cli("languages", "check", str(path))
+    assert f"{path}:9:5: P221 'ulkomailta' becomes" in told.out
+    assert len(re.findall("P221.*ulkomailta", told.out)) == 1
+    assert f"of {tests} tests pass" in told.out
+
+
 def test_a_pack_is_checked_by_its_file_or_its_name(cli):
     by_file = cli("languages", "check", "languages/stage-english.yaml", "-c", "facefx")
     by_name = cli("languages", "check", "stage-english", "-c", "facefx")

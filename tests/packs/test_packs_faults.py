@@ -233,7 +233,7 @@ BAD = [
         (("P210", 5, "parnt"),), "'parent'"),
     Bad("bank's language", BANK, "language: null", "language: chld",
         (("P210", 5, "chld"),), "'child'"),
-    Bad("extends itself", CHILD, "extends: parent", "extends: child", (("P211", 5, "child"),)),
+    Bad("extends itself", CHILD, "extends: parent", "extends: child", (("P210", 5, "child"),)),
     Bad("rig unknown", ANNA, "rig: model", "rig: modl", (("P212", 10, "modl"),), "'model'"),
     Bad("bank missing", ANNA, "[anna-bank.yaml]", "[anna-bank.yaml, x.yaml]",
         (("P213", 6, "x.yaml]"),)),

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import did_you_mean
+from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.phonology.g2p.g2p_engines import Rule
@@ -150,7 +151,7 @@ def _tests(
                 f"/{test.ipa}/ becomes {' '.join(heard)}, not {' '.join(test.phonemes)}, "
                 f"in the test of '{test.text}'"
             )
-            yield language.fault(loc, "P221", what, "correct the map or the test")
+            yield test_fault(language, index, what, "correct the map or the test", IPA)
 
 
 def _annotated_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
