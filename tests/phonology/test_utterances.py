@@ -1,9 +1,11 @@
 """Interjections, stutters, lengthened words, abbreviations and numerals, read as sounds."""
 
+import re
+
 import pytest
 
 from lipsync_lang import SpeechError
-from lipsync_lang.phonology.g2p import SpokenWord
+from lipsync_lang.phonology.g2p import SpokenWord, expansions
 from lipsync_lang.phonology.g2p.expansions import Expansions, roman
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import WordReading, read_words
@@ -104,6 +106,15 @@ def test_ordinary_texts_are_left_to_the_engine_and_errors_stay_with_their_text()
 @pytest.mark.parametrize(("numeral", "value"), [("XIV", 14), ("MMXXIV", 2024), ("IIX", 0), ("", 0)])
 def test_roman_numerals(numeral, value):
     assert roman(numeral) == value
+
+
+def test_expressions_are_compiled_only_where_a_text_begins_like_their_key(monkeypatch):
+    made = []
+    monkeypatch.setattr(expansions, "_expression", lambda key: made.append(key) or re.compile("x"))
+    assert Expansions(FORMS).find("So, dear, he drew a street.") == []
+    assert made == []
+    assert Expansions(FORMS).find("dr. who") == []
+    assert made == ["dr."]
 
 
 def test_keys_are_whole_words():

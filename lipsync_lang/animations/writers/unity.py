@@ -22,9 +22,7 @@ UNITY = "Unity"
 PERCENT_OF_WEIGHT = 100
 LINEAR = 69
 """Tangent mode of broken, linear tangents; free ones are 0, broken ones 1."""
-PLAIN_YAML = re.compile(
-    r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*", re.ASCII | re.IGNORECASE
-)
+PLAIN_YAML = r"(?ai)(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*"
 """Text that YAML accepts without quotes."""
 
 UNITY_HEAD = """\
@@ -158,7 +156,7 @@ def _number(value: float) -> str:
 
 def _text(text: str) -> str:
     """Format text for YAML: plain if possible, else quoted and escaped."""
-    if not text or PLAIN_YAML.fullmatch(text):
+    if not text or re.fullmatch(PLAIN_YAML, text):
         return text
     letters = []
     for letter in text:

@@ -8,7 +8,7 @@ a capital and a full stop are titles, which stand before a name.
 
 import re
 from collections.abc import Iterator, Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
@@ -40,8 +40,8 @@ _RUBY_TEXT = re.compile(
 )
 """A word with its reading in kana, as in 漢字《かんじ》; of several hanzi, all in a row."""
 
-_SPACED_LETTER = "[^\\W_\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]"
-"""A letter or digit of a script that puts spaces between words."""
+_UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
+"""First and last character of scripts that put no spaces between words, or are treated so."""
 
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _NUMBER_PATTERN = r"([0-9]+(?:[.,][0-9]+)*)"
@@ -56,23 +56,23 @@ class Replacement(NamedTuple):
 
 
 class _Keys:
-    """Keys of abbreviations, looked up by the character that each begins with."""
+    """Keys of abbreviations, looked up by the character that each begins with.
+
+    An expression is compiled when a text has the beginning of its key: most texts have none.
+    """
 
     def __init__(self, expansions: Mapping[str, str]) -> None:
-        by_first: dict[str, list[str]] = {}
+        self._expansions = expansions
+        self._beginnings: dict[str, list[tuple[str, str]]] = {}
         for key in sorted(expansions, key=lambda key: (-len(key), key)):
+            literal = "" if key[0] == "#" else re.split("[# ]", key[1:])[0]
             for first in dict.fromkeys("0123456789" if key[0] == "#" else _either(key[0])):
-                by_first.setdefault(first, []).append(key)
-        self._groups: dict[str, tuple[re.Pattern[str], dict[str, str]]] = {}
-        for first, keys in by_first.items():
-            named = {f"k{number}": key for number, key in enumerate(keys)}
-            whole = "|".join(f"(?P<{name}>{_expression(key)})" for name, key in named.items())
-            read = {name: expansions[key] for name, key in named.items()}
-            self._groups[first] = re.compile(whole), read
-        letters = "".join(re.escape(first) for first in by_first if first.isalpha())
-        signs = "".join(re.escape(first) for first in by_first if not first.isalnum())
+                self._beginnings.setdefault(first, []).append((literal, key))
+        letters = "".join(first for first in self._beginnings if first.isalpha())
+        signs = "".join(re.escape(first) for first in self._beginnings if not first.isalnum())
         starts = [r"(?<![0-9])(?<![0-9][.,/:-])[0-9]"]
-        starts += [f"(?<!{_SPACED_LETTER})[{letters}]"] if letters else []
+        # most letters within words are passed over here, and the others one by one
+        starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
         self._starts = re.compile("|".join(starts))
 
@@ -81,14 +81,26 @@ class _Keys:
         at = 0
         while start := self._starts.search(text, at):
             at = start.end()
-            if start[0] not in self._groups:
+            if start[0].isalpha() and _is_spaced(text[max(at - 2, 0) : at - 1]):
                 continue
-            expression, expansions = self._groups[start[0]]
-            found = expression.match(text, start.start())
-            read = expansions[found.lastgroup or ""] if found else ""
+            found, read = self._match(text, start.start())
             if found and _fits(found, read):
                 at = found.end()
                 yield Replacement(*found.span(), _expanded(found, read))
+
+    def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
+        """Return the match of the longest key at a place of a text, and its expansion."""
+        for literal, key in self._beginnings.get(text[at], ()):
+            found = _expression(key).match(text, at) if text.startswith(literal, at + 1) else None
+            in_word = key[-1].isalpha() or key[-1] == "."
+            if found and not (in_word and _is_spaced(text[found.end() : found.end() + 1])):
+                return found, self._expansions[key]
+        return None, ""
+
+
+def _is_spaced(char: str) -> bool:
+    """Return True for a letter or digit of a script that puts spaces between words."""
+    return char.isalnum() and not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
 
 
 def _either(first: str) -> str:
@@ -110,8 +122,7 @@ def _fits(found: re.Match[str], read: str) -> bool:
 
 def _expanded(found: re.Match[str], read: str) -> str:
     """Return the expansion of a key with its numbers, and spaces before and after words."""
-    inner = found.groups()[found.re.groupindex[found.lastgroup or ""] :]
-    for place, number in enumerate(filter(None, inner), start=1):
+    for place, number in enumerate(found.groups(), start=1):
         read = read.replace(f"{{{place}}}", number)
     rest = found.string[found.end() :]
     after = rest.lstrip()
@@ -147,14 +158,15 @@ class Expansions:
         return _Keys(self._forms.abbreviations) if self._forms.abbreviations else None
 
     def _roman(self, text: str) -> Iterator[Replacement]:
-        if not self._numerals or not _NUMERAL_LETTERS.search(text):
+        if not _NUMERAL_LETTERS.search(text):
             return
         found: dict[tuple[int, int], str] = {}
         for pattern, ordinals in self._numerals:
-            for one in pattern.finditer(text):
+            bare = pattern is _AFTER_NAME
+            for one in pattern.finditer(text) if bare else _whole_words(pattern, text):
                 number = roman(one["numeral"])
                 read = ordinals[number - 1] if 0 < number <= len(ordinals) else str(number)
-                named = pattern is not _AFTER_NAME or one[0][0].isupper()
+                named = not bare or one[0][0].isupper()
                 word = ordinals and _PRONOUN.match(text, one.start("numeral") - 2)
                 if number and named and not word:
                     found.setdefault((one.start("numeral"), one.end()), read)
@@ -164,14 +176,26 @@ class Expansions:
     def _numerals(self) -> list[tuple[re.Pattern[str], tuple[str, ...]]]:
         """Expressions for Roman numerals, and the ordinal numbers that replace them."""
         forms = self._forms
-        numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?!{_SPACED_LETTER}|['’])"
+        numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?![A-Za-z'’])"
         found: list[tuple[re.Pattern[str], tuple[str, ...]]] = []
         for words, ordinals in ((forms.named, forms.ordinals), (forms.counted, ())):
             if words:
                 listed = "|".join(re.escape(word) for word in sorted(words, key=len, reverse=True))
-                before = rf"(?<!{_SPACED_LETTER})(?i:{listed})[ \u00a0]*"
+                before = rf"(?<![A-Za-z])(?i:{listed})[ \u00a0]*"
                 found.append((re.compile(f"{before}{numeral}{_DOT}"), ordinals))
         return [*found, (_AFTER_NAME, ())] if found else []
+
+
+def _whole_words(pattern: re.Pattern[str], text: str) -> Iterator[re.Match[str]]:
+    """Yield the matches of a pattern before and after which no word goes on."""
+    at = 0
+    while found := pattern.search(text, at):
+        start, stop = found.start(), found.end("numeral")
+        beside = text[max(start - 1, 0) : start], text[stop : stop + 1]
+        whole = not any(map(_is_spaced, beside))
+        at = found.end() if whole else start + 1
+        if whole:
+            yield found
 
 
 def roman(numeral: str) -> int:
@@ -190,7 +214,8 @@ _KATAKANA = {code: code + 0x60 for code in range(0x3041, 0x3097)}
 """Katakana cannot be mistaken for a particle, as は and へ can."""
 
 
-def _expression(key: str) -> str:
+@cache
+def _expression(key: str) -> re.Pattern[str]:
     """Return the expression of a key; spaces in it may be missing in a text."""
     parts = [
         (_NUMBER_PATTERN if part == "#" else f"([0-9]{{{len(part)}}})")
@@ -204,6 +229,4 @@ def _expression(key: str) -> str:
         parts[0] = f"[{_either(key[0])}]"
     if key[-1] == "#" or key[-1].isdigit():
         parts.append("(?![0-9]|[.,/:-][0-9])")
-    elif key[-1].isalpha() or key[-1] == ".":
-        parts.append(rf"(?!{_SPACED_LETTER})")
-    return "".join(parts)
+    return re.compile("".join(parts))
