@@ -3,11 +3,14 @@
 import argparse
 from argparse import Namespace, _ActionsContainer
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import argument_path
-from lipsync_lang.lines.markup import Cleaning
+
+if TYPE_CHECKING:
+    from lipsync_lang.lines.markup import Cleaning
 
 Options = argparse._ActionsContainer  # noqa: SLF001 a command, or a group of its options
 
@@ -169,8 +172,10 @@ def add_values(made: _ActionsContainer) -> None:
     )  # fmt: skip
 
 
-def cleaning(options: Namespace) -> Cleaning:
+def cleaning(options: Namespace) -> "Cleaning":
     """Return the values of placeholders, and the project's passages that are not spoken."""
+    from lipsync_lang.lines.markup import Cleaning
+
     values: dict[str, str] = {}
     for one in options.values:
         name, equals, value = one.partition("=")

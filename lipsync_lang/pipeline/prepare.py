@@ -181,7 +181,8 @@ def _shared(tables: Tables, half: Floats) -> tuple[Floats, Floats]:
 
 def _blurs(half: Floats, fps: float) -> tuple[Blur, ...]:
     """Return one blur for each half-width above 0."""
-    widths = np.unique(half[half > 0]).tolist()
+    # a set, since the first call of `np.unique` imports `numpy.ma` for 10 ms
+    widths = sorted(set(half[half > 0].tolist()))
     return tuple(Blur(np.flatnonzero(half == width), kernel(width, fps)) for width in widths)
 
 
