@@ -3,25 +3,24 @@
 A test is a text with its expected common phonemes; a mismatch is a fault with a location.
 """
 
-from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import extended, test_fault
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
-from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.phonology.g2p.g2p_engines import Rule, SpokenWord
+from lipsync_lang.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import pieces
 from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import among, fights
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.speech.speaking.speaker import KnownReadings, Speaker
 from lipsync_lang.speech.speaking.transcripts import Transcript
 
 
@@ -37,10 +36,10 @@ class Trial:
     shades : shades of the common phonemes, which pass for their parents
     """
 
-    pack: "Pack[models.Language]"
+    pack: Pack[models.Language]
     transcripts: tuple[Transcript, ...] = ()
     refusal: str = ""
-    shades: "Mapping[str, models.Shade]" = field(default_factory=dict)
+    shades: Mapping[str, models.Shade] = field(default_factory=dict)
 
     def faults(self, silence: str) -> Iterator[Fault]:
         """Yield a fault per failed test, with its location in the pack."""
@@ -91,8 +90,8 @@ class Trial:
 
 def try_out(
     library: Library,
-    pack: "Pack[models.Language]",
-    read: "MutableMapping[str, tuple[SpokenWord, ...]] | None" = None,
+    pack: Pack[models.Language],
+    read: "KnownReadings | None" = None,
 ) -> Trial:
     """Run the tests of a language through its engine; `read` is that of `Speaker`."""
     if not pack.model.tests:
@@ -106,7 +105,7 @@ def try_out(
         return Trial(pack, refusal=str(error).splitlines()[0])
 
 
-def doubts(library: Library, pack: "Pack[models.Language]") -> Iterator[Fault]:
+def doubts(library: Library, pack: Pack[models.Language]) -> Iterator[Fault]:
     """Yield a warning per mapping that contradicts the features and has no stated reason."""
     for label, features in fights(pack.model, among(library, pack)):
         becomes = " ".join(pack.model.notations[IPA][label].to) or "(mute)"
@@ -115,7 +114,7 @@ def doubts(library: Library, pack: "Pack[models.Language]") -> Iterator[Fault]:
         yield pack.warning(("notations", IPA, label), "W309", what, hint, key=True)
 
 
-def languages_in(library: Library, paths: Sequence[Path] = ()) -> "Iterator[Pack[models.Language]]":
+def languages_in(library: Library, paths: Sequence[Path] = ()) -> Iterator[Pack[models.Language]]:
     """Yield the valid language packs of paths; by default all except the built-in ones."""
     named = library.names("language") if not paths else ()
     files = [found.path for found in named if found.root.path != built_in()]

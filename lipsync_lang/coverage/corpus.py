@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
+from lipsync_lang.coverage.reading_cache import reading_cache
 from lipsync_lang.coverage.report import Corpus
 from lipsync_lang.coverage.script_changes import ScriptDigests
 from lipsync_lang.coverage.scripts import OtherScripts
@@ -156,7 +157,8 @@ class Count:
         performer, scripts, takes = reading
         self._takes: Takes = takes or (lambda _: True)
         self._performer = replace(performer, unknown="rest", shades=False)
-        self._speaker = performer.speaker
+        self._speaker = self._performer.speaker
+        self._speaker.read = reading_cache(self._performer)
         self._numbers = performer.compiled.numbers(shades=False)
         self.size = len(performer.compiled.counted)
         self.lines = self.words = 0

@@ -554,6 +554,20 @@ def test_the_page_ranks_the_work_of_all_languages_and_each_face(two):
     assert re.findall(r'<th scope="row">([^<]+)</th>', section) == ["facefx", "crab"]
 
 
+def test_bigrams_of_the_first_hour_are_the_first_rows_and_name_their_pose_set(two):
+    for faces, several in ((("facefx",), False), (("facefx", "crab"), True)):
+        pairs = [word for face in faces for word in ("-c", face)]
+        page = two(*pairs, "--format", "html").out
+        lead = page.partition('<p class="lead">')[2].partition("</ul>")[0]
+        chips = re.findall(r"<li>([^<]+)(?: <small>([^<]+)</small>)?</li>", lead)
+        rows = re.findall(
+            r"<tr><td>\d+</td><td><b>([^<]+)</b></td>(?:<td>[^<]*</td>){3}<td>([^<]+)", page
+        )
+        assert chips == [(name, face if several else "") for name, face in rows[: len(chips)]]
+        assert f"the first {len(chips)}\N{NO-BREAK SPACE}row" in lead
+        assert len(set(chips)) == len(chips)
+
+
 def test_the_page_tells_what_changed(two, packs):
     assert two("-c", "facefx", "-o", "old.json").code == 0
     bank(packs, "edited")

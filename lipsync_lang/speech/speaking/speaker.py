@@ -6,12 +6,12 @@ phonemes, joined by alignment. Without a voice, times are estimated from duratio
 class.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import tee, zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.json_object import Json
@@ -39,6 +39,16 @@ BATCH_TEXTS = 500
 """Maximum number of texts that a G2P engine reads at once."""
 
 
+class KnownReadings(Protocol):
+    """Words of texts that were read before: a dictionary, or a file."""
+
+    def get(self, text: str, /) -> tuple[SpokenWord, ...] | None:
+        """Return the words of a text; None if it was not read yet."""
+
+    def update(self, read: Mapping[str, tuple[SpokenWord, ...]], /) -> None:
+        """Keep the words of texts."""
+
+
 class Speaker:
     """A language prepared for reading and speaking texts.
 
@@ -56,7 +66,7 @@ class Speaker:
         manner: Manner,
         notations: Mapping[str, Notation],
         near: "NearestPhonemes | None" = None,
-        read: "MutableMapping[str, tuple[SpokenWord, ...]] | None" = None,
+        read: "KnownReadings | None" = None,
         cleaning: Cleaning = AS_WRITTEN,
     ) -> None:
         self.manner = manner
@@ -115,19 +125,19 @@ class Speaker:
 
     def _read(self, texts: Sequence[str]) -> list[tuple[SpokenWord, ...] | SpeechError]:
         """Return the words of texts, all read at once, and a repeated one once."""
-        known = {} if self.read is None else self.read
-        new = [text for text in dict.fromkeys(texts) if text not in known]
+        known: KnownReadings = {} if self.read is None else self.read
+        kept = {text: known.get(text) for text in texts}
+        new = [text for text, words in kept.items() if words is None]
         if not new:
-            return [known[text] for text in texts]
-        if self.manner.engine is None:
-            words = self._read_plainly(new)
+            read = []
+        elif self.manner.engine is None:
+            read = self._read_plainly(new)
         else:
-            words = self._utterances.read(new, self._read_plainly)
-        found = dict(zip(new, words, strict=True))
-        if self.read is not None:
-            # An error is not kept: the engine may be there the next time.
-            self.read.update({t: w for t, w in found.items() if not isinstance(w, SpeechError)})
-        return [found[text] if text in found else known[text] for text in texts]
+            read = self._utterances.read(new, self._read_plainly)
+        found = dict(zip(new, read, strict=True))
+        # An error is not kept: the engine may be there the next time.
+        known.update({t: w for t, w in found.items() if not isinstance(w, SpeechError)})
+        return [found[text] if (words := kept[text]) is None else words for text in texts]
 
     @cached_property
     def _utterances(self) -> Utterances:
