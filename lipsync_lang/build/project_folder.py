@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from lipsync_lang.build.project_text import flow
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.names import fault_of_name
+from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.files.temporary import temporary_name
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.project import FILE
@@ -77,7 +78,7 @@ def make_project(
         for path, text in texts.items():
             (waiting / path).parent.mkdir(parents=True, exist_ok=True)
             (waiting / path).write_text(text, encoding="utf-8", newline="\n")
-        waiting.rename(target)
+        replace_file(waiting, target)
     except OSError as error:
         why = error.strerror or error
         mend = "change to a folder that you can write to"

@@ -14,6 +14,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, ModelError
 from lipsync_lang.files import write_all
+from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.json_object import Json
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.performing.trace import VISIBLE
@@ -215,7 +216,9 @@ def _glb(request: StudioRequest, folder: Path) -> Path:
             f"{path.name}: export the model as GLB, which contains all parts in one file"
         )
     stem = _NOT_IN_A_NAME.sub("-", path.stem).strip("-") or "model"
-    return path.rename(path.with_name(f"{stem}.glb"))
+    model = path.with_name(f"{stem}.glb")
+    replace_file(path, model)
+    return model
 
 
 @contextmanager
