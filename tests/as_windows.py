@@ -17,7 +17,7 @@ and backslashes, a file system that ignores case, nor what Windows' own console 
 import asyncio  # noqa: F401 what asks for the system when it is imported has to be here before
 import builtins
 import concurrent.futures.process  # noqa: F401
-import ctypes  # noqa: F401
+import ctypes
 import errno
 import multiprocessing.popen_spawn_posix
 import multiprocessing.resource_tracker
@@ -117,6 +117,31 @@ def hide_modules():
     msvcrt.locking = locking
 
 
+class WinDLL:
+    """The functions of `kernel32` that ask for a process; its handle is its number."""
+
+    def __init__(self, name, use_last_error):
+        assert (name, use_last_error) == ("kernel32", True)
+
+        def open_process(rights, inherited, number):
+            assert (rights, inherited) == (0x100000, 0)
+            try:
+                os.kill(number, 0)
+            except ProcessLookupError:
+                return None
+            return number
+
+        self.OpenProcess = open_process
+
+    def WaitForSingleObject(self, handle, milliseconds):  # noqa: N802 Windows' name
+        assert milliseconds == 0
+        state = Path(f"/proc/{handle.value}/stat").read_text("utf-8").rpartition(")")[2].split()[0]
+        return 0 if state in "ZX" else 258
+
+    def CloseHandle(self, handle):  # noqa: N802 Windows' name
+        assert handle.value
+
+
 def opened(path):
     """Return True if this process has a file open."""
     for number in os.listdir("/proc/self/fd"):  # noqa: PTH208
@@ -175,6 +200,7 @@ def become_windows():
     for module, names in MISSING.items():
         hide(module, names.split(), **({"name": "nt"} if module is os else {}))
     hide(sys, [], platform="win32")
+    ctypes.WinDLL, ctypes.get_last_error = WinDLL, lambda: 87
     sys.addaudithook(heed)
     rename = os.rename
 

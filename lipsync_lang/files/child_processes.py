@@ -2,11 +2,13 @@
 
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import parent_process
 from multiprocessing.connection import wait
+from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING
 
@@ -38,7 +40,9 @@ def child_pool(
 
 def _begin(then: "Callable[..., None] | None", values: tuple[object, ...]) -> None:
     """Prepare a process: its parent alone answers to Ctrl-C, and it ends with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for name in ("SIGINT", "SIGBREAK"):  # Windows sends both to all processes of a console
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     parent = parent_process()
     if parent is not None:
         Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
@@ -61,6 +65,21 @@ def deaf_to_interrupts() -> Iterator[None]:
         yield
     finally:
         mask(signal.SIG_SETMASK, before)
+
+
+def end_tree(process: "subprocess.Popen[bytes]") -> None:
+    """End a process in a session of its own, and all that it started."""
+    if sys.platform == "win32":
+        tool = Path(os.environ.get("SYSTEMROOT", r"C:\Windows"), "System32", "taskkill.exe")
+        with suppress(OSError):
+            subprocess.run(  # noqa: S603 no shell reads it
+                [str(tool), "/F", "/T", "/PID", str(process.pid)], capture_output=True, check=False
+            )
+        process.kill()
+    else:
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 def _end_with(sentinel: int) -> None:

@@ -1,4 +1,4 @@
-"""Rename files over others, on Windows also while a virus scanner reads them."""
+"""Rename files and folders, on Windows also while a virus scanner reads them."""
 
 import sys
 import time
@@ -9,9 +9,9 @@ PAUSES_SECONDS = (0.02, 0.05, 0.1, 0.2, 0.4)
 
 
 def replace_file(source: Path, target: Path) -> None:
-    """Rename a file over another.
+    """Rename a file, maybe over another, or a folder to a free name.
 
-    Windows refuses that while any program has one of them open. A virus scanner opens each new
+    Windows refuses that while any program has a file of them open. A virus scanner opens each new
     file for a moment, so the rename is attempted again there.
     """
     for seconds in PAUSES_SECONDS if sys.platform == "win32" else ():

@@ -7,11 +7,11 @@ from contextlib import contextmanager
 from typing import Any
 
 ENDING = [
-    found
-    for found in (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP"))
-    if found is not None
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+    if hasattr(signal, name)
 ]
-"""Signals of Ctrl-C, `kill`, and a closed terminal; Windows lacks the last."""
+"""Signals of Ctrl-C, `kill`, and a closed terminal, which on Windows is the last one."""
 
 
 class Terminated(BaseException):

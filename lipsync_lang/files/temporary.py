@@ -24,6 +24,9 @@ MAX_SWEPT = 1000
 MAX_NAME_CHARS = 40
 """Maximum length of the output's name in the name of its temporary file."""
 
+MAY_WAIT, NO_SUCH_PROCESS = 0x100000, 87
+"""Windows' right to wait for a process, and its error code for a process that is not there."""
+
 _swept: dict[Path, float] = {}
 """Seconds of the monotonic clock at which each folder was last looked into."""
 
@@ -83,12 +86,18 @@ def _host() -> str:
 
 
 def _is_dead(process: int) -> bool:
-    """Return True if no such process runs.
+    """Return True if no such process runs."""
+    if sys.platform == "win32":  # `os.kill` with signal 0 would end the process there
+        import ctypes
 
-    On Windows the answer is always False: `os.kill` with signal 0 would end the process there.
-    """
-    if sys.platform == "win32":
-        return False
+        system = ctypes.WinDLL("kernel32", use_last_error=True)
+        system.OpenProcess.restype = ctypes.c_void_p
+        handle = ctypes.c_void_p(system.OpenProcess(MAY_WAIT, 0, process & 0xFFFFFFFF))
+        if not handle:
+            return ctypes.get_last_error() == NO_SUCH_PROCESS
+        ended: bool = system.WaitForSingleObject(handle, 0) == 0
+        system.CloseHandle(handle)
+        return ended
     try:
         os.kill(process, 0)
     except (ProcessLookupError, OverflowError):

@@ -8,13 +8,12 @@ of its own as well: at an interrupt or after too long a time, its workers end wi
 import os
 import re
 import shutil
-import signal
 import subprocess
-from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.files.child_processes import end_tree
 
 PROGRAM = "mfa"
 
@@ -172,26 +171,16 @@ def _waited(command: list[str], folder: Path, log: Path, patience: float) -> int
         try:
             code = process.wait(patience)
         except subprocess.TimeoutExpired:
-            _end(process)
+            end_tree(process)
             raise SpeechError(
                 f"MFA did not finish within {patience:.0f} s; align fewer or shorter recordings"
             ) from None
         except BaseException:
-            _end(process)
+            end_tree(process)
             raise
     if code:
-        _end(process)
+        end_tree(process)
     return code
-
-
-def _end(process: "subprocess.Popen[bytes]") -> None:
-    """End a process and all that it started."""
-    if hasattr(os, "killpg"):
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)
-    else:
-        process.kill()
-    process.wait()
 
 
 def _told(log: Path, code: int) -> str:

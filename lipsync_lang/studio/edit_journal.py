@@ -15,6 +15,7 @@ from typing import Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import atomic
+from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.json_object import Json
 from lipsync_lang.packs.splicing import ABSENT, plain
 from lipsync_lang.studio.sheets import EditedFile, PackEdit
@@ -136,7 +137,7 @@ def put_aside(path: Path) -> Path:
     """Rename a file that is not a valid journal, and return its new path."""
     names = (path.with_name(f"{path.name}.damaged{number or ''}") for number in range(10**6))
     free = next(name for name in names if not name.exists())
-    path.rename(free)
+    replace_file(path, free)
     return free
 
 

@@ -5,6 +5,7 @@ Nothing here runs on Windows or macOS. A sweep over the source finds calls that 
 """
 
 import ast
+import ctypes
 import io
 import json
 import ntpath
@@ -22,7 +23,7 @@ from lanes import full
 import lipsync_lang as ll
 from lipsync_lang.build import output_paths
 from lipsync_lang.cli import main
-from lipsync_lang.files import atomic, child_processes, renaming
+from lipsync_lang.files import atomic, child_processes, renaming, temporary
 from lipsync_lang.files.locking import claim
 from lipsync_lang.files.quoting import shell_command
 
@@ -56,8 +57,8 @@ ALLOWED = {
     ("phonology/espeak/espeak_worker.py", "ITIMER_REAL"): "in a forked process",
     ("phonology/espeak/espeak_worker.py", "set_blocking"): "in a forked process",
     ("phonology/espeak/espeak_stream.py", "selectors"): "of pipes, only where a process can fork",
-    ("mfa/mfa_command.py", "killpg"): "asked for first",
-    ("mfa/mfa_command.py", "SIGKILL"): "after `killpg` was asked for",
+    ("files/child_processes.py", "killpg"): "not on Windows, which has taskkill",
+    ("files/child_processes.py", "SIGKILL"): "not on Windows, which has taskkill",
     ("study/study_clips.py", "sched_getaffinity"): "asked for first",
 }
 """Reason for an exception by (module, name); obsolete entries must be removed."""
@@ -132,6 +133,24 @@ def test_every_writer_of_text_states_how_lines_end():
     assert not [f"{name}:{node.lineno}" for name, node, words in found if "newline" not in words]
 
 
+def test_every_rename_tries_again_while_a_scanner_reads():
+    found = [
+        f"{name}:{node.lineno}"
+        for name, tree in trees().items()
+        for called, node, words in calls(tree, "rename", "replace", "renames", "move")
+        if ast.unparse(node.func) in {"os.rename", "os.replace", "shutil.move"}
+        or (
+            called in {"rename", "replace"}
+            and len(node.args) == 1
+            and not words
+            and isinstance(node.func, ast.Attribute)  # `replace` alone is that of dataclasses
+        )
+    ]
+    renaming_only = [one for one in found if not one.startswith("files/renaming.py")]
+    assert found, "a sweep over nothing passes"
+    assert renaming_only == []
+
+
 # Single pieces
 
 
@@ -159,6 +178,64 @@ def test_a_file_that_a_scanner_reads_is_replaced_a_moment_later(tmp_path, monkey
     monkeypatch.setattr(renaming.time, "sleep", lambda _: None)
     renaming.replace_file(new, old)
     assert (old.read_text("utf-8"), refusals) == ("new", [])
+
+
+def test_files_of_dead_processes_are_deleted_on_windows(tmp_path, monkeypatch):
+    ended = subprocess.Popen([sys.executable, "-c", ""])  # a zombie until it is waited for
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    os.waitid(os.P_PID, ended.pid, os.WEXITED | os.WNOWAIT)
+    host = temporary.this_process().partition("-")[0]
+    for process in (ended.pid, gone.pid, os.getpid()):
+        (tmp_path / temporary.temporary_name(str(process), f"{host}-{process}")).touch()
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(ctypes, "WinDLL", as_windows.WinDLL, raising=False)
+    monkeypatch.setattr(ctypes, "get_last_error", lambda: 87, raising=False)
+    temporary.sweep(tmp_path, again=True)
+    assert [one.name.split(".")[1] for one in tmp_path.iterdir()] == [str(os.getpid())]
+    ended.wait()
+
+
+def test_a_program_ends_with_all_that_it_started_on_windows(monkeypatch):
+    asked = []
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(subprocess, "run", lambda command, **_: asked.append(command))
+    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"]) as program:
+        child_processes.end_tree(program)
+    assert program.returncode
+    assert asked[0][0].endswith("taskkill.exe")
+    assert asked[0][1:] == ["/F", "/T", "/PID", str(program.pid)]
+
+
+def ran(code):
+    """Run Python, and return what it prints."""
+    return subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, encoding="utf-8", timeout=60
+    ).stdout
+
+
+def test_a_closed_console_ends_a_command_as_ctrl_c_does():
+    told = ran("""
+import signal
+signal.SIGBREAK = signal.SIGUSR1  # Windows has it, and Ctrl-Break and a closed console send it
+from lipsync_lang.files.signals import Terminated, terminating, undisturbed
+try:
+    with terminating():
+        with undisturbed():
+            signal.raise_signal(signal.SIGBREAK)
+            print("whole")
+        print("not reached")
+except Terminated as ended:
+    print(ended.code - 128 == signal.SIGUSR1)
+""")
+    assert told.split() == ["whole", "True"]
+
+
+@pytest.mark.parametrize(("platform", "forks"), [("darwin", False), ("linux", True)])
+def test_a_process_with_loaded_libraries_is_forked_on_linux_alone(platform, forks):
+    code = f"import sys; sys.platform = {platform!r}\n"
+    module = "lipsync_lang.phonology.espeak.espeak_stream"
+    assert ran(f"{code}from {module} import FORKS; print(FORKS)") == f"{forks}\n"
 
 
 def test_a_file_that_stays_open_elsewhere_is_told(tmp_path, monkeypatch):
@@ -218,10 +295,11 @@ def test_outputs_on_another_drive_lead_outside(tmp_path):
     told = []
 
     class Faults:
-        def add(self, _, what):
+        def state(self, _loc, _code, what, _hint):
             told.append(what)
 
-    output_paths.check_links({"takes/{id}.csv", "other/{id}.csv"}, home, Faults())
+    stated = [((), "takes/{id}.csv"), ((), "other/{id}.csv")]
+    output_paths.check_links(stated, home, Faults())
     assert len(told) == 1
     assert "leads outside" in told[0]
 
@@ -331,14 +409,19 @@ def test_timings_become_files_and_a_pipe_carries_utf8(start, game):
 @full
 @needs_proc
 def test_a_build_by_several_processes_goes_on_after_changes(start, game):
+    more = [f"more{number}" for number in range(200)]
+    for name in more:
+        (game / f"vo/{name}.json").write_bytes((game / "vo/map.json").read_bytes())
+    with (game / "script.csv").open("a", encoding="utf-8", newline="") as script:
+        script.writelines(f"{name},{name}\r\n" for name in more)
     first = start("build", "--workers", "2", "--json", "--report", "report.html")
     assert first.returncode == 0, first.stderr
-    assert json.loads(first.stdout.splitlines()[-1])["built"] == 4
+    assert json.loads(first.stdout.splitlines()[-1])["built"] == 204
     assert (game / "report.html").stat().st_size
     done = start("bank", "draft", "-l", "english", "-c", "facefx", "--write", "l-ow")
     assert done.returncode == 0, done.stderr
     again = start("build", "--workers", "2", "--json")
-    assert json.loads(again.stdout.splitlines()[-1])["current"] == 3
+    assert json.loads(again.stdout.splitlines()[-1])["current"] == 203
     assert start("validate").stderr == "0 faults, 0 warnings\n", "of packs with CRLF too"
 
 

@@ -10,6 +10,7 @@ import os
 import selectors
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 from collections import deque
@@ -36,8 +37,8 @@ SENT_BYTES = 4096
 
 READ_BYTES = 1 << 16
 
-FORKS = hasattr(os, "fork")
-"""True if the system can fork processes; Windows cannot."""
+FORKS = hasattr(os, "fork") and sys.platform != "darwin"
+"""True if the system can fork a process that has loaded libraries: Windows and macOS cannot."""
 
 WorkerReply = tuple[Any, bytes]
 """Header and sound."""
