@@ -127,7 +127,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
 
     Parameters
     ----------
-    workers : processes; None for one per processor, where there are lines enough
+    workers : processes at most; None for one per processor. Few lines are made in this process
     scheduler : address of a Dask scheduler whose workers make the lines
     tell : receives `line` and `progress` events
 
@@ -141,10 +141,10 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     outcome = BuildOutcome(plan, kept=list(plan.kept))
     if not stale:
         return outcome
-    if workers is None and scheduler is None:
+    if scheduler is None:
         untimed = sum(step.line.timings is None for step in stale)
         spread = untimed >= MIN_SPREAD_LINES or len(stale) >= MIN_SPREAD_TIMED_LINES
-        workers = (os.cpu_count() or 1) if spread else 1
+        workers = (workers or os.cpu_count()) if spread else 1
     if scheduler is not None:
         pairs = {(step.line.language, step.line.character) for step in stale}
         needs = with_seen_models({pair: needs[pair] for pair in pairs}, maker.folder)

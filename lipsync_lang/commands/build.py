@@ -66,7 +66,11 @@ def add_build(add: Add) -> None:
         which.add_argument(option, action="store_true", help=told)
     how = made.add_argument_group("how to make them")
     how.add_argument(
-        "--workers", metavar="N", type=int, default=None, help="number of processes [one per core]"
+        "--workers",
+        metavar="N",
+        type=int,
+        default=None,
+        help="number of processes, at most [one per core]",
     )
     how.add_argument(
         "--scheduler", metavar="ADDRESS", default=None,

@@ -14,12 +14,12 @@ from build_project import PROJECT, SOUNDS, Game, left_behind
 from lanes import swept
 
 import lipsync_lang as ll
-from lipsync_lang.build import build_run, keeping, making, needs
+from lipsync_lang.build import build_run, keeping, making, needs, process_pool
 from lipsync_lang.build.archives import rewrite
 from lipsync_lang.build.making import LineBatch
 from lipsync_lang.build.project_build import ProjectBuild
 from lipsync_lang.build.records import NEED, Records
-from lipsync_lang.build.workers import LostBatch
+from lipsync_lang.build.workers import LostBatch, run_job
 from lipsync_lang.cli import main
 from lipsync_lang.commands import build as build_command
 
@@ -425,6 +425,21 @@ def test_pruning_deletes_nothing_outside_the_project(built, link):
     built.script(["low"])
     assert sorted(built.build("--prune").end["deleted"]) == ["takes/home.csv", "takes/mail.csv"]
     assert victim.read_bytes() == precious
+
+
+@pytest.mark.parametrize(("lines", "processes"), [(199, []), (200, [2])])
+def test_processes_start_only_for_work_that_is_worth_them(game, monkeypatch, lines, processes):
+    asked = []
+
+    def run(jobs, count):
+        asked.append(count)
+        return (run_job(job) for job in jobs)
+
+    monkeypatch.setattr(process_pool, "run_in_processes", run)
+    game.script(game.say(f"line{number}", "L OW") or f"line{number}" for number in range(lines))
+    told = game.build("--workers", "2")
+    assert (told.code, len(told.built)) == (0, lines)
+    assert asked == processes
 
 
 def test_lines_whose_workers_died_fail_and_are_made_by_the_next_build(game, monkeypatch):

@@ -17,7 +17,7 @@ from lipsync_lang.build.records import NEED, Records
 
 pytestmark = full
 
-LINES = 150
+LINES = 210
 
 
 def command(*options):
