@@ -34,6 +34,7 @@ def pytest_configure(config):
     config.add_cleanup(cache.cleanup)
     os.environ["LIPSYNC_LANG_CACHE"] = cache.name
     os.environ.pop("LIPSYNC_LANG_PATH", None)
+    os.environ["XDG_STATE_HOME"] = f"{cache.name}/state"
     # Commands that tests start would compile every module again, which takes half of their time.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     seed = 0 if os.environ.get("CI") else randrange(10**6)  # noqa: S311 no secret

@@ -13,6 +13,7 @@ from lipsync_lang.build.records import Key
 from lipsync_lang.build.report_files import write_report
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import atomic
+from lipsync_lang.files.reach import refuse_outside
 
 MAX_PAGES = 20
 """Number of worst lines with a page of their own."""
@@ -64,6 +65,7 @@ def _pages(project: ProjectBuild, outcome: BuildOutcome, report: Path) -> dict[K
         if built.outcome == "failed" or max(map(share_of_limit, built.figures), default=0) <= 1:
             continue
         path = folder / line.language / line.character / f"{line.name}.{PAGE}"
+        refuse_outside(path, project.folder, [report.parent])
         if line.key in outcome.built or not path.exists():
             try:
                 pair = project.pairs[line.language, line.character]

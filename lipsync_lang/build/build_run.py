@@ -17,7 +17,7 @@ from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.build.needs import PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, Needs, PlannedStep
-from lipsync_lang.build.records import FOLDER, Records
+from lipsync_lang.build.records import FOLDER, Records, record_folder
 from lipsync_lang.build.workers import LostBatch, run_batches
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.locking import claim
@@ -90,7 +90,7 @@ class BuildOutcome:
 @contextmanager
 def locked(folder: Path, tell: Tell) -> Iterator[None]:
     """Hold the lock of a project's builds, after other builds have released it."""
-    path = folder / FOLDER / LOCK
+    path = record_folder(folder) / LOCK
     waiting = False
     try:
         while (held := claim(path)) is None:

@@ -25,6 +25,7 @@ from lipsync_lang.build.output_paths import recorded_path
 from lipsync_lang.build.planned_line import CONFIDENCE, BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.timing import ScheduleOrError, attempt, schedules
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.files.temporary import temporary_name, this_process
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performer import Performer
@@ -238,10 +239,8 @@ class LineMaker:
             within, _, last = path.rpartition("/")
             if within not in self._folders:
                 waiting = parent_of(self.folder, path)
+                refuse_outside(waiting, self.folder)
                 waiting.mkdir(parents=True, exist_ok=True)
-                if not waiting.resolve().is_relative_to(self.folder.resolve()):
-                    mend = f"leads outside {self.folder}; write within the project"
-                    raise LipsyncError(f"{path}: {mend}")
                 self._folders[within] = str(waiting)
             parent = self._folders[within]
             temporary = os.path.join(parent, temporary_name(last, self.owner))  # noqa: PTH118 once a file

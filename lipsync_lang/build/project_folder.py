@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from lipsync_lang.build.project_text import flow
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.names import fault_of_name
+from lipsync_lang.files.reach import name_folders
 from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.files.temporary import temporary_name
 from lipsync_lang.packs.finding import FOLDERS
@@ -85,6 +86,7 @@ def make_project(
         raise OutputError(f"{name}: cannot be made: {why}; {mend}") from None
     finally:
         shutil.rmtree(waiting, ignore_errors=True)
+    name_folders(target, library.finder.paths)
     return [Path(name, path) for path in texts]
 
 

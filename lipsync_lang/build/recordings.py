@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.files.names import folded_name
+from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.lines.line_readers import LineFile
 from lipsync_lang.lines.timings import TIMING_SUFFIXES, is_timed
 
@@ -22,8 +23,17 @@ class Listing(NamedTuple):
     names: dict[str, str]
     timings: dict[str, list[str]]
     used: set[str]
+    links: frozenset[str]
     place: str
     """The folder itself."""
+
+    def file(self, name: str, project: Path) -> Path:
+        """Return a file, and count it as used; a link out of the project is refused."""
+        found = Path(f"{self.place}/{name}")
+        if name in self.links:
+            refuse_outside(found, project)
+        self.used.add(name)
+        return found
 
 
 class Recordings:
@@ -38,10 +48,7 @@ class Recordings:
         at, _, name = path.rpartition("/")
         listing = self._listing(at)
         found = listing.names.get(folded_name(name)) if listing.names else None
-        if found is None:
-            return None
-        listing.used.add(found)
-        return Path(f"{listing.place}/{found}")
+        return None if found is None else listing.file(found, self._folder)
 
     def timings_beside(self, path: str, taken: Callable[[], Collection[str]]) -> Path | None:
         """Return the file of timings that has the stem of a recording, but none of `taken`.
@@ -53,14 +60,14 @@ class Recordings:
         if not listing.timings:
             return None
         for candidate in listing.timings.get(folded_name(name.rpartition(".")[0] or name), ()):
-            own = f"{at}/{candidate}".lstrip("/")
-            found = Path(self._folder, own)
-            # Remarks are ignored, because the reading of the timings repeats them.
-            file = LineFile(found, lambda _: None)
+            if f"{at}/{candidate}".lstrip("/") in taken():
+                continue
             rare = candidate.lower().endswith(RARE_SUFFIXES)
-            if own not in taken() and (rare or is_timed(file)):
-                listing.used.add(candidate)
-                return found
+            if candidate in listing.links:
+                refuse_outside(Path(listing.place, candidate), self._folder)
+            # Remarks are ignored, because the reading of the timings repeats them.
+            if rare or is_timed(LineFile(Path(listing.place, candidate), lambda _: None)):
+                return listing.file(candidate, self._folder)
         return None
 
     def used(self) -> Iterator[str]:
@@ -78,10 +85,13 @@ class Recordings:
 
     def _listing(self, at: str) -> Listing:
         if at not in self._listings:
+            refuse_outside(self._folder / at, self._folder)
             try:
-                names = sorted(os.listdir(self._folder / at))  # noqa: PTH208 names are enough
+                with os.scandir(self._folder / at) as entries:
+                    links = {entry.name: entry.is_symlink() for entry in entries}
             except OSError:
-                names = []
+                links = {}
+            names = sorted(links)
             timings: dict[str, list[str]] = {}
             for name in names:
                 stem, suffix = os.path.splitext(name)  # noqa: PTH122
@@ -90,5 +100,6 @@ class Recordings:
             for some in timings.values():
                 some.sort(key=lambda name: (not name.lower().endswith(RARE_SUFFIXES), name))
             known = {folded_name(name): name for name in reversed(names)}
-            self._listings[at] = Listing(known, timings, set(), str(self._folder / at))
+            linked = frozenset(name for name in names if links[name])
+            self._listings[at] = Listing(known, timings, set(), linked, str(self._folder / at))
         return self._listings[at]

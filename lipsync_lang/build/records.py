@@ -17,6 +17,7 @@ import numpy as np
 
 from lipsync_lang.build.planned_line import Verdict
 from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.files.reach import refuse_outside
 
 FOLDER = ".lipsync_lang"
 """Folder of a project for the records of builds."""
@@ -95,7 +96,7 @@ class Records:
     @contextmanager
     def open(cls, folder: Path, *, write: bool = True) -> Iterator[Self]:
         """Open the record of a project's folder; without one, or only to read, one in memory."""
-        path = folder / FOLDER / RECORDS_FILE
+        path = record_folder(folder) / RECORDS_FILE
         with ExitStack() as stack:
             try:
                 if write:
@@ -194,6 +195,14 @@ class Records:
             "DELETE FROM line WHERE language = ? AND character = ? AND name = ?", list(keys)
         )
         self._base.commit()
+
+
+def record_folder(project: Path) -> Path:
+    """Return the folder of the records of a project; a link out of the project is refused."""
+    found = project / FOLDER
+    for path in (found, *found.glob("*")):
+        refuse_outside(path, project)
+    return found
 
 
 def as_json(value: object) -> str:

@@ -43,6 +43,7 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
     LipsyncError
         Nothing is to be read, or a table has no column for a language.
     """
+    from lipsync_lang.lines.line_readers import line_files
     from lipsync_lang.packs.finding import Finder, folders_of
 
     finder = Finder(folders_of(options.path))
@@ -56,6 +57,8 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
         paths = tuple(
             options.corpus or (Path(str(path).replace(WORD, word)) for path in options.lines)
         )
+        if not options.corpus:
+            line_files(paths, lambda _: None, project=options.home)
         default = options.text_column and options.text_column.replace(WORD, word)
         names = finding.names[language]
         for column in stated.get(language, [default]):

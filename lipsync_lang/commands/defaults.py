@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.reach import name_folders
 from lipsync_lang.packs.project import FILE, NARRATOR, find_project, load_project
 from lipsync_lang.packs.speaker_faces import OTHERS, stated_faces
 
@@ -32,6 +33,8 @@ def fill(options: Namespace) -> None:
     LipsyncError
         The project is unsound, or the language or face is undefined.
     """
+    if named := getattr(options, "path", []):
+        name_folders((find_project() or Path(FILE).absolute()).parent, named)
     path = find_project() if getattr(options, "in_project", False) else None
     if path is not None:
         _log.info("project %s", path)
@@ -92,6 +95,7 @@ def _take_script(options: Namespace, project: "Project", folder: Path) -> None:
     options.words = dict(project.languages)
     if not options.column:
         options.text_column = project.columns.text
+    options.home = folder
     options.lines = [Path(os.path.relpath(folder / stated)) for stated in project.lines]
     options.speaker_column = project.columns.speaker
     options.encoding = options.encoding or project.encoding

@@ -12,6 +12,7 @@ from typing import BinaryIO, NamedTuple, Self
 from lipsync_lang.errors import LipsyncError, ScheduleError
 from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 from lipsync_lang.lines.decoding import numbered
 from lipsync_lang.lines.line import Line
@@ -179,9 +180,11 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
 
 
 def line_files(
-    paths: str | Path | Iterable[str | Path], remark: Remark = _warn
+    paths: str | Path | Iterable[str | Path], remark: Remark = _warn, *, project: Path | None = None
 ) -> list[tuple[Path, bool]]:
     """List the files that lines are read from, each once, with True for those found in a folder.
+
+    Files of a `project` must not be links out of its folder.
 
     Raises
     ------
@@ -191,12 +194,16 @@ def line_files(
     found: dict[str, tuple[Path, bool]] = {}
     for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):
         known = path == STANDARD_STREAM or path.suffix.lower() in by_suffix()
+        if project is not None:
+            refuse_outside(path, project)
         if path != STANDARD_STREAM and not path.exists():
             raise LipsyncError(f"{path}: no such file or folder; check the path")
         if not known and not path.is_dir():
             what = f"no reader of lines for '{path.suffix}'" if path.suffix else "has no suffix"
             raise LipsyncError(f"{path}: {what}; known: {', '.join(sorted(by_suffix()))}")
         for file in _below(path, remark) if path.is_dir() else [path]:
+            if project is not None and file.is_symlink():
+                refuse_outside(file, project)
             found.setdefault(os.path.realpath(file), (file, path.is_dir()))
     return list(found.values())
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
 from lipsync_lang.extensions import PACKS, distribution, installed
+from lipsync_lang.files.reach import PATH_VARIABLE, refuse_outside
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.phonology.language_names import folded_language
@@ -25,9 +26,6 @@ Kind = Literal["language", "poseset", "character"]
 
 Paths = str | Path | Iterable[str | Path]
 """Folders of packs, in the order of search; a file stands for its pack alone."""
-
-PATH_VARIABLE = "LIPSYNC_LANG_PATH"
-"""The environment variable that lists folders to search."""
 
 COMMON = "common"
 """The file of `languages` with the common phonemes; it is not a language."""
@@ -199,7 +197,9 @@ class Finder:
         for root in self.roots if home is not None else ():
             folder = root.path / FOLDERS["poseset"] / poseset
             folder = home.parent if root.path == home else folder
-            yield from yaml_files(folder / kind, self.unsaved).values()
+            for path in yaml_files(folder / kind, self.unsaved).values():
+                self.refuse_outside(path)
+                yield path
             if folder / POSESET == home:
                 return
 
@@ -223,6 +223,17 @@ class Finder:
             asked = "" if " " in name else asked.rpartition("-")[0]
         return answers.get(asked)
 
+    def refuse_outside(self, path: Path) -> None:
+        """Raise `PackError` for a file in a folder of packs that is a link out of all of them.
+
+        Installers may link their files, so those of distributions are not asked.
+        """
+        holding = [root for root in self.roots if path.is_relative_to(root.path)]
+        root = max(holding, key=lambda root: len(root.path.parts), default=None)
+        if root is not None and not root.origin.startswith(("built-in", "installed")):
+            roots = [root.path, *(one.path for one in self.roots)]
+            refuse_outside(path, self.project or root.path, roots, error=PackError)
+
     def _list(self, root: Path, kind: Kind) -> dict[str, Path]:
         """Map pack names to files for one folder, sorted by name; listed once and remembered."""
         key = root, kind
@@ -236,12 +247,15 @@ class Finder:
                 named = [p for p in entries(folder, unsaved) if _PACK_NAME.fullmatch(p.name)]
                 files = {p.name: p / POSESET for p in named}
                 found = {n: p for n, p in files.items() if p in unsaved or p.is_file()}
-            elif kind == "language":
-                files = yaml_files(folder, unsaved)
-                found = {n: p for n, p in files.items() if n not in SHARED}
-            else:  # a character's banks lie beside it and are not characters
-                files = yaml_files(folder, unsaved)
-                found = {n: p for n, p in files.items() if _kind(p, unsaved) != "bank"}
+            else:
+                found = yaml_files(folder, unsaved)
+            for path in found.values():
+                self.refuse_outside(path)
+            if kind == "language":
+                found = {n: p for n, p in found.items() if n not in SHARED}
+            elif kind == "character" and not root.is_file():
+                # a character's banks lie beside it and are not characters
+                found = {n: p for n, p in found.items() if _kind(p, unsaved) != "bank"}
             self._listed[key] = found
         return self._listed[key]
 

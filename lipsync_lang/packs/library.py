@@ -280,6 +280,7 @@ class Library:
         """Return the model (None if faulty), source and faults of a file, which is read once."""
         key = path, kind, name
         if key not in self._loaded:
+            self.finder.refuse_outside(path)
             content = self.unsaved[path] if path in self.unsaved else read_bytes(path)
             digest = self.files[str(path)] = sha256(content).hexdigest()
             found = self._earlier.get((key, digest))

@@ -8,9 +8,15 @@ folder would change commands of everybody below it.
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from lipsync_lang.files.reach import is_reached, refuse_outside
+from lipsync_lang.packs.yaml.faults import PackFaults
+
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Project
+    from lipsync_lang.packs.yaml.faults import Fault
 
 FILE = "lipsync.yaml"
 """The name of the file."""
@@ -43,7 +49,26 @@ def load_project(path: Path) -> "Pack[Project]":
     ------
     PackFaults
         The file is unsound; every fault of its form.
+    LipsyncError
+        The file is a link out of its folder.
     """
     from lipsync_lang.packs.library import Library
 
-    return cast("Pack[Project]", Library(project=None).load(path, PROJECT))
+    refuse_outside(path, path.parent)
+    pack = cast("Pack[Project]", Library(project=None).load(path, PROJECT))
+    if faults := [*check_paths(pack)]:
+        raise PackFaults(faults)
+    return pack
+
+
+def check_paths(pack: "Pack[Project]") -> "Iterator[Fault]":
+    """Yield a fault for each of `paths` that is no folder of the project or of its user."""
+    folder = pack.path.absolute().parent
+    for number, stated in enumerate(pack.model.paths):
+        path, loc = folder / stated, ("paths", number)
+        if not is_reached(path, folder):
+            what = f"'{stated}' is outside the project's folder"
+            hint = f"if you know this folder, allow it once: --path {stated}"
+            yield pack.fault(loc, "P106", what, hint)
+        elif path.exists() and not path.is_dir():
+            yield pack.fault(loc, "P106", f"'{stated}' is not a folder", "name a folder of packs")

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.json_object import Json
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
 from lipsync_lang.packs.finding import FOLDERS, POSESET
@@ -237,6 +238,8 @@ class Workshop:
         ----------
         more : keywords of `Desk.change`
         """
+        for path in {path for path, _, _ in edits}:
+            self.refuse_link(path)
         # The pair is compiled with the edits before the desk takes them, and kept if it does.
         rehearsed: list[OpenPair] = []
         if any(self.homes.get(str(loc[1]) if loc[1:] else "") != path for path, loc, _ in edits):
@@ -252,6 +255,11 @@ class Workshop:
         self.desk.change(title, edits, check=rehearse if self.language else None, **more)
         for pair in rehearsed:
             self._pair = EditedPair.of(pair, self.desk)
+
+    def refuse_link(self, path: Path) -> None:
+        """Refuse to write a file of the project that is a link out of it."""
+        if path.is_relative_to(self.project):
+            refuse_outside(path, self.project)
 
     def own(self, path: Path) -> bool:
         """Return True if a pack file belongs to the user and can be edited in place."""

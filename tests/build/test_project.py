@@ -138,6 +138,15 @@ def test_outputs_lie_in_the_project(cli, project, output):
     assert "is outside the project's folder" in ended.err
 
 
+@pytest.mark.parametrize("output", ["csv:csv:/tmp/a.csv", "csv:csv:takes/{id}.csv", "csv:a:b.csv"])
+def test_an_output_names_its_format_once(cli, project, output):
+    state(project, outputs=json.dumps(output))
+    ended = cli("run", "--schedule", "hello.json")
+    assert ended.code == 1
+    assert "has a ':', which Windows does not allow" in ended.err
+    assert not [path for path in project.iterdir() if ":" in path.name]
+
+
 def test_outputs_do_not_leave_the_project_by_a_link(cli, project, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (project / "takes").symlink_to(elsewhere)

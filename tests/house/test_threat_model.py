@@ -9,7 +9,7 @@ import tracemalloc
 from pathlib import Path
 
 import pytest
-from lanes import full
+from lanes import full, swept
 from places import TESTS
 
 import lipsync_lang as ll
@@ -70,6 +70,141 @@ def test_a_pack_reaches_no_file_outside_its_folder(project, cli, way):
     ended = cli("validate", "characters/mine.yaml")
     assert ended.code == 1
     assert "mine.yaml:5:8: P213" in ended.out
+
+
+SECRET = "hunter2"
+
+GAME = """kind: project
+format: 1
+language: english
+character: facefx
+lines: {lines}
+audio: "vo/{{id}}.wav"
+outputs: takes/{{id}}.csv
+reports: {reports}
+"""
+
+RUN = ("run", "hello", "--tts", "none", "-o", "a.csv")
+BUILD = ("build", "--tts", "none")
+STUDY = (
+    "study",
+    "new",
+    "script.csv",
+    "-l",
+    "english",
+    "-c",
+    "facefx",
+    "--method",
+    "ours",
+    "--method",
+    "held",
+    "-o",
+    "study",
+)
+LINKS = {
+    "lipsync.yaml": RUN,
+    "languages/mine.yaml": ("languages",),
+    "languages/sub/mine.yaml": ("validate",),
+    "languages": ("languages",),
+    "posesets/mine": ("posesets",),
+    "posesets/facefx/banks": ("resolve",),
+    "characters": RUN,
+    "characters/mine.yaml": RUN,
+    "script.csv": BUILD,
+    "script": BUILD,
+    "vo": BUILD,
+    "vo/a.lab": BUILD,
+    "vo/a.wav": BUILD,
+    "coverage.csv": ("coverage", "--json"),
+    "takes": BUILD,
+    ".lipsync_lang": BUILD,
+    ".lipsync_lang/build.sqlite": BUILD,
+    "build": BUILD,
+    "build/report.html": BUILD,
+    "build/report-lines": BUILD,
+    "study": STUDY,
+    "study/clips": STUDY,
+}
+"""Links of a project, and a command that meets each."""
+
+
+@pytest.fixture
+def game(project):
+    """A project with a script, below a folder of secrets that look like its own files."""
+    outside = project.parent / "outside"
+    outside.mkdir()
+    for name in ("mine.yaml", "poseset.yaml", "common.yaml", "a.lab", "a.wav", "script.csv"):
+        (outside / name).write_text(f"{SECRET}: {SECRET}\n")
+    (project / "characters").rmdir()
+    (project / "script.csv").write_text("id,text\na,hello\n")
+    (project / "lipsync.yaml").write_text(
+        GAME.format(lines="script.csv", reports="build/report.html")
+    )
+    return project
+
+
+def everything(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+QUICK = ("characters/mine.yaml", "script.csv", "vo/a.lab", "coverage.csv", "build/report.html")
+
+
+@pytest.mark.parametrize("link", swept(LINKS, quick=QUICK))
+def test_a_project_reads_and_writes_nothing_outside_by_a_link(game, cli, link):
+    outside = game.parent / "outside"
+    path = game / link
+    target = outside if not path.suffix or path.suffix == ".sqlite" else outside / "mine.yaml"
+    lines = {"script": "script", "coverage.csv": "coverage.csv"}.get(link, "script.csv")
+    (game / "lipsync.yaml").write_text(GAME.format(lines=lines, reports="build/report.html"))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.unlink(missing_ok=True)
+    if link == ".lipsync_lang/build.sqlite":
+        target = outside / "a.wav"
+    path.symlink_to(target)
+    before = everything(outside)
+    command = LINKS[link]
+    if link.startswith("build/report-lines"):
+        limits = "limits: {speed: 0.001}\n"
+        (game / "lipsync.yaml").write_text((game / "lipsync.yaml").read_text() + limits)
+    ended = cli(*command)
+    assert ended.code in {1, 2}
+    assert "leads outside" in ended.out + ended.err
+    assert SECRET not in ended.out + ended.err
+    assert everything(outside) == before
+    if command[0] != "study":
+        assert cli(*command, "--path", str(outside)).err.count("leads outside") == 0
+        assert cli(*command).err.count("leads outside") == 0, "named once"
+
+
+@pytest.mark.parametrize(
+    ("stated", "code"),
+    [("../outside", 1), ("/etc/passwd", 1), ("//server/share", 1), ("own", 0), ("script.csv", 1)],
+)
+def test_folders_of_packs_outside_are_named_by_the_user(game, cli, stated, code, monkeypatch):
+    (game / "own").mkdir()
+    (game.parent / "outside/languages").mkdir()
+    text = (game / "lipsync.yaml").read_text()
+    (game / "lipsync.yaml").write_text(f"{text}paths: [{stated}]\n")
+    seen = []
+    looked = os.stat
+    monkeypatch.setattr(
+        os, "stat", lambda path, *a, **k: seen.append(str(path)) or looked(path, *a, **k)
+    )
+    ended = cli("validate")
+    assert ended.code == code
+    assert ("lipsync.yaml:9:9: P106" in ended.out) == bool(code)
+    assert not [path for path in seen if path.endswith(("passwd", "share"))], "not even looked at"
+    if stated == "../outside":
+        assert cli("run", "hello", "--tts", "none").code == 1
+        assert cli("run", "hello", "--tts", "none", "--path", stated).code == 0
+        assert cli("validate").code == 0, "named once"
+        (game.parent / "outside").rename(game.parent / "elsewhere")
+        (game.parent / "elsewhere/other").mkdir()
+        (game / "lipsync.yaml").write_text(f"{text}paths: [../elsewhere]\n")
+        assert cli("validate").code == 1, "another folder is another name"
+        monkeypatch.setenv("LIPSYNC_LANG_PATH", str(game.parent / "elsewhere"))
+        assert cli("validate").code == 0
 
 
 @pytest.mark.parametrize("name", ["../facefx", "/etc/passwd", "..", "a/../../b"])

@@ -1,7 +1,7 @@
 """The model of `lipsync.yaml`, which states once what a folder's commands leave out."""
 
 import re
-from pathlib import PurePosixPath, PureWindowsPath
+from pathlib import PureWindowsPath
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
@@ -32,8 +32,7 @@ PLACEHOLDERS = ("id", "line", "language", "character", "speaker")
 
 
 def _outside(path: str) -> bool:
-    above = ".." in re.split(r"[/\\]", path)
-    return above or PurePosixPath(path).is_absolute() or PureWindowsPath(path).is_absolute()
+    return ".." in re.split(r"[/\\]", path) or bool(PureWindowsPath(path).anchor)
 
 
 def _within(output: str) -> str:
@@ -42,13 +41,16 @@ def _within(output: str) -> str:
     if _outside(path):
         what = "'{path}' is outside the project's folder; name it with -o instead"
         raise PydanticCustomError("P106", what, {"path": path})
+    if ":" in path:
+        what = "'{path}' has a ':', which Windows does not allow; write FILE or FORMAT:FILE"
+        raise PydanticCustomError("P106", what, {"path": path})
     return output
 
 
 def _inside(path: str) -> str:
     """Refuse files elsewhere: a stranger's project reads its own folder alone."""
     if _outside(path):
-        what = "'{path}' is outside the project's folder; move or link it into the folder"
+        what = "'{path}' is outside the project's folder; move it into the folder"
         raise PydanticCustomError("P106", what, {"path": path})
     return path
 
@@ -162,6 +164,8 @@ class Project(PackModel):
     that a file states."""
     audio: RecordingPath | None = None
     """The recording of a line, such as `vo/{language}/{id}.wav`; lines without one are spoken."""
+    recordings: Literal["optional", "required"] = "optional"
+    """`required` if a text without a recording or timings is a fault; else a voice speaks it."""
     timings: RecordingPath | None = None
     """The timed phonemes of a line. By default the file beside the recording."""
     cast: dict[Text, Annotated[tuple[Name, ...], OrOne, Field(min_length=1)]] = Field(

@@ -170,6 +170,7 @@ def model(workshop: Workshop, request: StudioRequest) -> Json:
         pack, _ = workshop.editable("character")
         target = pack.with_name(path.name)
         content = path.read_bytes()
+        workshop.refuse_link(target)
         if not target.exists():
             target.parent.mkdir(parents=True, exist_ok=True)
             write_all({target: lambda stream: stream.write(content)}, durable=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
-from lipsync_lang.packs.finding import Kind
+from lipsync_lang.packs.finding import Kind, beside
 from lipsync_lang.packs.library import Library
 from lipsync_lang.studio.routes.requests import StudioRequest
 from lipsync_lang.studio.workshop import Workshop
@@ -23,7 +23,7 @@ def project(workshop: Workshop, _: StudioRequest) -> Json:
         "folder": workshop.project.name,
         "languages": _names(library, "language"),
         "characters": sorted({*_names(library, "character"), *_names(library, "poseset")}),
-        "tours": [name for name in _names(library, "poseset") if _tour(library, name).is_file()],
+        "tours": [name for name in _names(library, "poseset") if _tour(library, name)],
         "state": workshop.state(),
     }
 
@@ -33,14 +33,14 @@ def tour(workshop: Workshop, request: StudioRequest) -> Json:
     library = workshop.library()
     path = _tour(library, request.name)
     try:
-        found: Json = json.loads(path.read_bytes()[:MAX_TOUR_BYTES])
+        found: Json = json.loads(path.read_bytes()[:MAX_TOUR_BYTES] if path else b"")
     except (OSError, ValueError):
         raise LipsyncError(f"{request.name} has no valid {TOUR}") from None
     return found
 
 
-def _tour(library: Library, poseset: str) -> Path:
-    return library.find("poseset", poseset).with_name(TOUR)
+def _tour(library: Library, poseset: str) -> Path | None:
+    return beside(library.find("poseset", poseset), TOUR)
 
 
 def _names(library: Library, kind: Kind) -> list[str]:
