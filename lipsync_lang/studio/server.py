@@ -5,6 +5,7 @@ another `Host` or `Origin`. Every response forbids scripts, styles and requests 
 """
 
 import gzip
+import json
 import logging
 from collections.abc import Callable, Collection, Mapping
 from functools import cache
@@ -113,7 +114,7 @@ class RequestCheck:
         else:
             answer = self.inner
             start = scope["path"].removeprefix(f"/{self.token}")
-            scope = {**scope, "path": start, "raw_path": start.encode()}
+            scope = {**scope, "path": start, "raw_path": start.encode("utf-8", "replace")}
         await answer(scope, receive, send_secured)
 
     def _refusal(self, path: str, headers: dict[str, str]) -> Response | None:
@@ -136,6 +137,14 @@ class RequestCheck:
         if not length.isdecimal() or int(length) > MAX_REQUEST_BYTES:
             return _too_large()
         return None
+
+
+class AsciiResponse(JSONResponse):
+    """JSON in ASCII, since files of timings may hold text that is no Unicode."""
+
+    def render(self, content: object) -> bytes:
+        """Return the JSON."""
+        return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
 
 
 def _endpoint(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request], Any]:
@@ -165,7 +174,7 @@ def _endpoint(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request
             )
         if isinstance(answer, PackedResponse):
             return Response(answer.content(), media_type="application/octet-stream")
-        return JSONResponse(answer)
+        return AsciiResponse(answer)
 
     return endpoint
 
@@ -184,12 +193,12 @@ def _error_response(error: LipsyncError) -> Response:
             for fault in error.faults
         ]
     if isinstance(error, UnresolvedConflict):
-        return JSONResponse(data | {"conflict": error.conflict}, 409)
-    return JSONResponse(data, 409 if isinstance(error, EditConflict) else 422)
+        return AsciiResponse(data | {"conflict": error.conflict}, 409)
+    return AsciiResponse(data, 409 if isinstance(error, EditConflict) else 422)
 
 
 def _error(status: int, what: str) -> Response:
-    return JSONResponse({"error": what}, status)
+    return AsciiResponse({"error": what}, status)
 
 
 def _too_large() -> Response:

@@ -72,7 +72,7 @@ def test_a_pack_reaches_no_file_outside_its_folder(project, cli, way):
     assert "mine.yaml:5:8: P213" in ended.out
 
 
-SECRET = "hunter2"
+PRIVATE = "my own words"
 
 GAME = """kind: project
 format: 1
@@ -134,7 +134,7 @@ def game(project):
     outside = project.parent / "outside"
     outside.mkdir()
     for name in ("mine.yaml", "poseset.yaml", "common.yaml", "a.lab", "a.wav", "script.csv"):
-        (outside / name).write_text(f"{SECRET}: {SECRET}\n")
+        (outside / name).write_text(f"{PRIVATE}: {PRIVATE}\n")
     (project / "characters").rmdir()
     (project / "script.csv").write_text("id,text\na,hello\n")
     (project / "lipsync.yaml").write_text(
@@ -170,7 +170,7 @@ def test_a_project_reads_and_writes_nothing_outside_by_a_link(game, cli, link):
     ended = cli(*command)
     assert ended.code in {1, 2}
     assert "leads outside" in ended.out + ended.err
-    assert SECRET not in ended.out + ended.err
+    assert PRIVATE not in ended.out + ended.err
     assert everything(outside) == before
     if command[0] != "study":
         assert cli(*command, "--path", str(outside)).err.count("leads outside") == 0

@@ -41,7 +41,8 @@ class Caller:
         stated = {"host": HOST, "content-length": str(len(content))} | dict(headers)
         scope = {
             "type": "http", "asgi": {"version": "3.0"}, "http_version": "1.1", "method": method,
-            "scheme": "http", "path": path, "raw_path": path.encode(), "root_path": "",
+            "scheme": "http", "path": path, "root_path": "",
+            "raw_path": path.encode("utf-8", "replace"),
             "query_string": urlencode(query).encode(), "client": None, "server": None,
             "headers": [(k.replace("_", "-").encode(), v.encode()) for k, v in stated.items()],
         }  # fmt: skip

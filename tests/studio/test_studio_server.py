@@ -1,18 +1,22 @@
 """The studio's server: its checks of requests, its files, its pair and its line."""
 
 import gzip
+import json
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("starlette", reason="the studio needs Starlette")
 
+from lanes import swept
 from studio_calls import HOST, TOKEN, Caller, unpacked
 
 from lipsync_lang import studio
 from lipsync_lang.cli import main
+from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.routes import line_routes
 from lipsync_lang.studio.routes.requests import StudioRequest
+from lipsync_lang.studio.routes.table import ROUTES
 from lipsync_lang.studio.server import MAX_REQUEST_BYTES
 from lipsync_lang.studio.workshop import Workshop
 
@@ -103,6 +107,61 @@ def test_a_body_that_is_no_request_is_told(caller, body):
     found = caller.post("line", body)
     assert found.status == 422
     assert "request" in found.json["error"]
+
+
+LONE = "\ud800"
+"""Half of a pair of UTF-16 units, which JSON can state and no file can hold."""
+
+LONE_BODIES = {
+    "open": {"language": LONE, "character": LONE},
+    "edit": {
+        "title": LONE, "tab": LONE, "merge": LONE,
+        "edits": [{"file": "character", "at": ["title"], "value": f"a{LONE}b"}],
+    },
+    "undo": {"tab": LONE},
+    "redo": {"tab": LONE},
+    "save": {"keep": {json.dumps([LONE, "a"]): "mine"}},
+    "line": {"text": f"hello {LONE} hello"},
+    "take": {"settings": {"line": LONE, "styles": {LONE: 1}}, "against": LONE},
+    "script": {"name": LONE},
+    "emphasis/0": {"level": LONE},
+    "part/0": {LONE: LONE},
+    "times": {"times": [[LONE]]},
+    "pose": {"weights": {LONE: 1}},
+    "own": {LONE: LONE},
+    "language/transcript": {"text": f"{LONE}hello"},
+    "language/sound": {"notation": LONE, "label": LONE},
+    "coverage": {"name": f"{LONE}.csv", "column": LONE},
+}  # fmt: skip
+
+
+POSTS = [route.removeprefix("POST ") for route in ROUTES if route.startswith("POST ")]
+FELL = ("save", "emphasis/{name}", "language/transcript", "coverage", "edit", "script")
+
+
+@pytest.mark.parametrize("route", swept(POSTS, quick=FELL))
+def test_half_a_character_is_never_a_fault_of_the_studio(tmp_path, route):
+    workshop = Workshop(tmp_path, engine="none", desk=Desk(tmp_path / "state/journal"))
+    workshop.open("english", "crab")
+    caller = Caller(workshop)
+    caller.post("line", {"text": "hello"})
+    path = route.replace("{name}", "0")
+    body = LONE_BODIES.get(path, {"text": LONE, "name": LONE, "level": 1})
+    for content in (body, TIMES.replace(b'"M"', b'"\\ud800"'), b"a\xed\xa0\x80"):
+        for name in (f"{LONE}.json", "a.json", "a.csv", "a.po", "a.yarn", "a.wav", "a.glb"):
+            query = {"name": name.encode("utf-8", "surrogatepass"), "text": b"\xed\xa0\x80"}
+            answered = caller.post(path, content, query)
+            assert answered.status != 500, (content, name)
+    assert caller.post("save").status == 200
+    assert caller.api("state").status == 200
+    for name in (LONE, "%ED%A0%80"):
+        assert caller.api(f"bigram/{name}").status == 422
+
+
+def test_text_that_enters_is_valid_unicode():
+    request = StudioRequest(LONE, {LONE: "\ud83d\ude00"}, b'{"a": ["\\ud800", "\\ud83d\\ude00"]}')
+    assert (request.name, request.query) == ("\ufffd", {"\ufffd": "😀"})
+    assert request.body == {"a": ["\ufffd", "😀"]}
 
 
 def test_the_project_lists_every_language_and_character(caller):

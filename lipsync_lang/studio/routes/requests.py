@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -19,15 +20,22 @@ MAX_FILE_NAME_CHARS = 100
 """Maximum length of the name of a sent file; longer ones lose their beginning."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class StudioRequest:
-    """A request: data in its path, its query, and its content."""
+    """A request: data in its path, its query, and its content.
+
+    Its text is valid Unicode: it is the door through which every text enters the studio.
+    """
 
     name: str = ""
     query: Mapping[str, str] = field(default_factory=dict)
     content: bytes = b""
 
-    @property
+    def __post_init__(self) -> None:
+        self.name = _valid(self.name)
+        self.query = {_valid(key): _valid(text) for key, text in self.query.items()}
+
+    @cached_property
     def body(self) -> Json:
         """Content as a JSON object.
 
@@ -38,6 +46,7 @@ class StudioRequest:
         """
         try:
             found = json.loads(self.content or b"{}", parse_constant=_refuse_constant)
+            found = json.loads(_valid(json.dumps(found, ensure_ascii=False)))
         except (ValueError, RecursionError):
             found = None
         if not isinstance(found, dict):
@@ -59,6 +68,11 @@ class StudioRequest:
         if not (math.isfinite(found) and low <= found <= high):
             raise LipsyncError(f"'{name}' is {found}; give a number from {low:g} to {high:g}")
         return float(found)
+
+
+def _valid(text: str) -> str:
+    """Replace lone surrogates: halves of characters, which JSON can state and no file can hold."""
+    return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
 
 
 def _refuse_constant(word: str) -> None:
