@@ -17,7 +17,8 @@ from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.build.needs import PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, Needs, PlannedStep
-from lipsync_lang.build.records import FOLDER, Records, record_folder
+from lipsync_lang.build.records import Records, record_folder
+from lipsync_lang.build.timing_cache import prune_timings
 from lipsync_lang.build.workers import LostBatch, run_batches
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.locking import claim
@@ -41,7 +42,7 @@ MIN_SPREAD_TIMED_LINES = 200
 
 LOCK = "build.lock"
 
-MODELS = "models"
+MODEL_COPIES = "models"
 """Folder, beside the record of builds, of models for the workers of a cluster."""
 
 WAIT_SECONDS = 0.2
@@ -142,9 +143,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     if not stale:
         return outcome
     if scheduler is None:
-        untimed = sum(step.line.timings is None for step in stale)
-        spread = untimed >= MIN_SPREAD_LINES or len(stale) >= MIN_SPREAD_TIMED_LINES
-        workers = (workers or os.cpu_count()) if spread else 1
+        workers = (workers or os.cpu_count()) if _pays(stale, maker, needs) else 1
     if scheduler is not None:
         pairs = {(step.line.language, step.line.character) for step in stale}
         needs = with_seen_models({pair: needs[pair] for pair in pairs}, maker.folder)
@@ -162,7 +161,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     with ExitStack() as stack:
         # Workers leave files that were not put in place, at the end or after an error.
         stack.callback(_sweep, maker.folder, stale, ended=maker.owner)
-        stack.callback(rmtree, maker.folder / FOLDER / MODELS, ignore_errors=True)
+        stack.callback(rmtree, record_folder(maker.folder) / MODEL_COPIES, ignore_errors=True)
         stack.enter_context(closing(running))  # type: ignore[type-var]  # a generator
         stack.enter_context(keeper)
         for found in running:
@@ -183,21 +182,34 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
             tell("progress", {"done": done, "of": len(stale), "seconds": round(seconds, 3)})
             _refuse_full(results, done, len(stale))
         keeper.flush()
+    prune_timings()
     outcome.seconds = monotonic() - begun
     return outcome
 
 
+def _pays(stale: Sequence[PlannedStep], maker: LineMaker, needs: Needs) -> bool:
+    """Return True if several processes pay: not for few lines, nor for timings in the cache."""
+    if len(stale) >= MIN_SPREAD_TIMED_LINES:
+        return True
+    untimed = [step.line for step in stale if step.line.timings is None]
+    if len(untimed) < MIN_SPREAD_LINES:
+        return False
+    caches = {pair: maker.cache(one) for pair, one in needs.items()}
+    fresh = sum(not caches[line.language, line.character].has(line) for line in untimed)
+    return fresh >= MIN_SPREAD_LINES
+
+
 def with_seen_models(needs: Needs, folder: Path) -> Needs:
     """Return needs whose models lie in the project's folder, which every machine sees."""
-    copies: dict[Path, Path] = {}
+    where, copies = record_folder(folder) / MODEL_COPIES, dict[Path, Path]()
     seen = dict(needs)
     for pair, one in needs.items():
         model = one.performer.model
         if not model or not model.is_file() or model.resolve().is_relative_to(folder.resolve()):
             continue
         if model not in copies:
-            copies[model] = folder / FOLDER / MODELS / f"{file_digest(model)}{model.suffix}"
-            copies[model].parent.mkdir(exist_ok=True)
+            copies[model] = where / f"{file_digest(model)}{model.suffix}"
+            where.mkdir(exist_ok=True)
             with atomic(copies[model]) as stream, model.open("rb") as content:
                 copyfileobj(content, stream)
         compiled = replace(one.performer.compiled, model=str(copies[model]))

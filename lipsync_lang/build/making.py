@@ -24,6 +24,7 @@ from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.output_paths import recorded_path
 from lipsync_lang.build.planned_line import CONFIDENCE, BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.timing import ScheduleOrError, attempt, schedules
+from lipsync_lang.build.timing_cache import TimingCache
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.files.temporary import temporary_name, this_process
@@ -86,6 +87,8 @@ class LineMaker:
     settings: BuildSettings
     owner: str = field(default_factory=this_process)
     """The process that puts outputs in place, or deletes them if it is interrupted."""
+    reuse: bool = True
+    """False to time lines again whose timings are in the cache."""
     _folders: dict[str, str] = field(default_factory=dict, init=False, repr=False, compare=False)
     """Folders for waiting outputs that this batch has checked, by path."""
 
@@ -123,6 +126,11 @@ class LineMaker:
             raise animation
         return animation
 
+    def cache(self, pair: PairNeeds) -> TimingCache:
+        """Return the cache for the timings of a pair's lines."""
+        speaker, engine = pair.performer.speaker, self.settings.tts
+        return TimingCache.of(self.folder, pair.speech, speaker, engine, reuse=self.reuse)
+
     def _timed(
         self, lines: Sequence[PlannedLine], pairs: Mapping[str, PairNeeds]
     ) -> Iterator[ScheduleOrError]:
@@ -131,8 +139,9 @@ class LineMaker:
         known: dict[tuple[bytes, str], ScheduleOrError] = {}
         for speech in dict.fromkeys(speech for speech, _ in asked):
             own = [line for (one, _), line in asked.items() if one == speech]
-            speaker = pairs[own[0].character].performer.speaker
-            timed = schedules(self.folder, own, speaker, self.settings.tts)
+            pair = pairs[own[0].character]
+            speaker, cache = pair.performer.speaker, self.cache(pair)
+            timed = schedules(self.folder, own, speaker, self.settings.tts, cache)
             known |= {(speech, line.name): one for line, one in zip(own, timed, strict=True)}
         return (known[pairs[line.character].speech, line.name] for line in lines)
 

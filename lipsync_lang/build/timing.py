@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from lipsync_lang.build.planned_line import PlannedLine
+from lipsync_lang.build.timing_cache import TimingCache
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.speech.speaking.speaker import Speaker
 
@@ -16,11 +17,16 @@ ScheduleOrError = Schedule | Exception
 
 
 def schedules(
-    folder: Path, lines: Sequence[PlannedLine], speaker: Speaker, engine: str | None = None
+    folder: Path,
+    lines: Sequence[PlannedLine],
+    speaker: Speaker,
+    engine: str | None = None,
+    cache: TimingCache | None = None,
 ) -> list[ScheduleOrError]:
     """Time the phonemes of lines by their timings, their recordings, or only their text.
 
-    `engine` is another speech engine than the language's; `none` estimates times.
+    `engine` is another speech engine than the language's; `none` estimates times. Lines whose
+    timings are in the cache are not timed again.
     """
     from lipsync_lang.speech.hearing.alignment import align_many
     from lipsync_lang.speech.hearing.recognition import recognise_many
@@ -31,7 +37,9 @@ def schedules(
     silent: list[tuple[int, str]] = []
     for at, line in enumerate(lines):
         if line.timings is not None:
-            out[at] = attempt(partial(_from_timings, speaker, folder, line))
+            out[at] = attempt(partial(_from_timings, speaker, folder, line, cache))
+        elif cache is not None and (known := cache.load(line)):
+            out[at] = known
         elif line.audio is not None:
             audio = folder / line.audio
             if line.text:
@@ -46,6 +54,9 @@ def schedules(
     out |= zip((at for at, *_ in told), aligned, strict=True)
     out |= zip((at for at, _ in heard), recognised, strict=True)
     out |= zip((at for at, _ in silent), spoken, strict=True)
+    if cache is not None:
+        for at in [at for at, *_ in told] + [at for at, _ in (*heard, *silent)]:
+            cache.save(lines[at], out[at])
     return [out[at] for at in range(len(lines))]
 
 
@@ -57,7 +68,9 @@ def attempt(call: Callable[[], CallResult]) -> CallResult | Exception:
         return error
 
 
-def _from_timings(speaker: Speaker, folder: Path, line: PlannedLine) -> Schedule:
+def _from_timings(
+    speaker: Speaker, folder: Path, line: PlannedLine, cache: TimingCache | None
+) -> Schedule:
     from lipsync_lang.schedules.timed_words import TimedWords
     from lipsync_lang.schedules.timing_readers import read_timings
     from lipsync_lang.speech.filling import filled
@@ -67,5 +80,10 @@ def _from_timings(speaker: Speaker, folder: Path, line: PlannedLine) -> Schedule
     found = read_timings(folder / line.timings)
     audio = None if line.audio is None else folder / line.audio
     if isinstance(found, TimedWords):
-        return filled(speaker, found, audio=audio)
+        made = cache.load(line) if cache is not None else None
+        if made is None:
+            made = filled(speaker, found, audio=audio)
+            if cache is not None:
+                cache.save(line, made)
+        return made
     return found if audio is None else with_sound(found, audio)

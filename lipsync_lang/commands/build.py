@@ -5,6 +5,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from time import monotonic
@@ -59,7 +60,7 @@ def add_build(add: Add) -> None:
     )  # fmt: skip
     for option, told in (
         ("--prune", "delete files of lines that the script no longer has"),
-        ("--force", "make lines again even if nothing changed"),
+        ("--force", "make and time lines again even if nothing changed"),
         ("--overwrite", "replace files that were edited by hand"),
         ("--dry-run", "list the lines that would be made, and why"),
     ):
@@ -126,8 +127,8 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         if options.dry_run:
             return _listed(plan, project, as_events=options.json)
         outcome = make(
-            plan, project.maker, project.pairs, records, workers=options.workers,
-            scheduler=options.scheduler, tell=teller,
+            plan, replace(project.maker, reuse=not options.force), project.pairs, records,
+            workers=options.workers, scheduler=options.scheduler, tell=teller,
         )  # fmt: skip
         deleted = prune(plan, project.folder, records) if options.prune else []
     wipe()

@@ -9,7 +9,8 @@ Loading executes nothing from a file.
 import json
 import logging
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
 from hashlib import blake2b, sha256
@@ -79,11 +80,11 @@ def folder() -> Path | None:
 
 
 @cache
-def compiler() -> str:
-    """Return a digest of the compiling code."""
+def compiler(folders: tuple[str, ...] = COMPILERS) -> str:
+    """Return a digest of the code in folders of the package: the compiling code."""
     package = Path(__file__).parents[1]
     whole = sha256(__version__.encode())
-    for folder in COMPILERS:
+    for folder in folders:
         for path in sorted((package / folder).rglob("*.py")):
             whole.update(path.read_bytes())
     return whole.hexdigest()
@@ -134,15 +135,36 @@ def save(compiled: "CompiledPair", language: str, character: str, library: "Libr
             path.parent.chmod(0o700)
         with atomic(path) as stream:
             stream.writelines(_encode(compiled, key, library))
-        # the oldest pairs go, beyond the size limit of the cache
-        found = ((one.stat(), one) for one in path.parent.glob("*.pair"))
+    except (OSError, OutputError):
+        return
+    delete_oldest(path.parent, "*.pair", MAX_CACHE_BYTES)
+
+
+def delete_oldest(where: Path, pattern: str, most: int) -> None:
+    """Delete the oldest files of a cache beyond its size limit in bytes, but not the newest."""
+    with suppress(OSError):
+        found = ((one.stat(), one) for one in where.glob(pattern))
         newest = sorted(((s.st_mtime, s.st_size, one) for s, one in found), reverse=True)
         total = accumulate(size for _, size, _ in newest)
         for (_, _, one), taken in zip(newest, total, strict=True):
-            if taken > MAX_CACHE_BYTES and one != newest[0][2]:
+            if taken > most and one != newest[0][2]:
                 one.unlink(missing_ok=True)
-    except (OSError, OutputError):
-        return
+
+
+def sealed(mark: bytes, parts: Iterable[bytes | memoryview]) -> list[bytes | memoryview]:
+    """Return the parts of a cache file with a mark, and with a digest of the parts, before them."""
+    whole, body = blake2b(digest_size=DIGEST), [*parts]
+    for part in body:
+        whole.update(part)
+    return [mark, whole.digest(), *body]
+
+
+def unsealed(mark: bytes, content: bytes) -> memoryview | None:
+    """Return the content of a cache file after its mark and digest; None if they do not fit."""
+    start = len(mark) + DIGEST
+    rest = memoryview(content)[start:]
+    digest = blake2b(rest, digest_size=DIGEST).digest()
+    return rest if content[:start] == mark + digest else None
 
 
 def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[bytes | memoryview]:
@@ -174,18 +196,12 @@ def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[byte
     text = json.dumps(head, ensure_ascii=False).encode()
     start = len(text).to_bytes(8, "little") + text
     start += b"\0" * (-len(start) % ALIGNMENT)
-    digest = blake2b(start, digest_size=DIGEST)
-    for part in body:
-        digest.update(part)
-    return [MARK, digest.digest(), start, *body]
+    return sealed(MARK, [start, *body])
 
 
 def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "CompiledPair | None":
-    if not content.startswith(MARK):
-        return None
-    start = len(MARK) + DIGEST
-    rest = memoryview(content)[start:]
-    if blake2b(rest, digest_size=DIGEST).digest() != content[len(MARK) : start]:
+    rest = unsealed(MARK, content)
+    if rest is None:
         return None
     size = int.from_bytes(rest[:8], "little")
     head = json.loads(bytes(rest[8 : 8 + size]))
