@@ -650,6 +650,7 @@ def faults() -> str:
 
 
 # Motion
+    "P4": "A project and its build",
 
 
 def motions() -> str:

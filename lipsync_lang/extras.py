@@ -27,6 +27,8 @@ class Extra(NamedTuple):
     """Commands that need it."""
     modules: tuple[str, ...]
     """Modules that it installs, by their import names."""
+    provides: tuple[str, ...] = ()
+    """Engines, formats and suffixes of files that need it."""
 
     def missing(self) -> list[str]:
         """List the modules that are not installed; none is imported."""
@@ -40,7 +42,7 @@ def extras() -> tuple[Extra, ...]:
 
     text = files(__package__ or "lipsync_lang").joinpath("extras.json").read_text("utf-8")
     return tuple(
-        Extra(name, one["purpose"], one["used_by"], tuple(one["modules"]))
+        Extra(name, one["purpose"], one["used_by"], tuple(one["modules"]), tuple(one["provides"]))
         for name, one in json.loads(text).items()
     )
 

@@ -14,6 +14,7 @@ from lipsync_lang.files import STANDARD_STREAM, argument_path, atomic
 WriteText = Callable[[Animation, TextIO], None]
 WriteBytes = Callable[[Animation, BinaryIO], None]
 Remarks = Callable[[Animation], Iterable[str]]
+Refuse = Callable[[Animation], object]
 
 
 @dataclass(frozen=True)
@@ -25,13 +26,20 @@ class Writer(Format):
     """Generator of warnings about an animation in this format, such as unsupported channels."""
     reasons: bool = False
     """True if files of this format tell the files and lines of packs that made a value."""
+    refuse: Refuse = lambda _: None
+    """Raises an error if no line of an animation's character and rate fits this format."""
 
 
 WRITERS: Formats[Writer] = Formats("writers", "format", package="lipsync_lang.animations.writers")
 
 
 def writer(
-    name: str, *, suffix: str, remarks: Remarks = lambda _: (), reasons: bool = False
+    name: str,
+    *,
+    suffix: str,
+    remarks: Remarks = lambda _: (),
+    reasons: bool = False,
+    refuse: Refuse = lambda _: None,
 ) -> Callable[[WriteText], WriteText]:
     """Register ``(animation, text stream) -> None`` as the writer of a text format."""
 
@@ -42,7 +50,7 @@ def writer(
             text.flush()
             text.detach()
 
-        made = Writer(name, (suffix,), summary(write), encoded, remarks, reasons)
+        made = Writer(name, (suffix,), summary(write), encoded, remarks, reasons, refuse)
         WRITERS.add(name, made, write.__module__)
         return write
 
@@ -50,12 +58,16 @@ def writer(
 
 
 def binary_writer(
-    name: str, *, suffix: str, remarks: Remarks = lambda _: ()
+    name: str,
+    *,
+    suffix: str,
+    remarks: Remarks = lambda _: (),
+    refuse: Refuse = lambda _: None,
 ) -> Callable[[WriteBytes], WriteBytes]:
     """Register ``(animation, byte stream) -> None`` as the writer of a binary format."""
 
     def register(write: WriteBytes) -> WriteBytes:
-        made = Writer(name, (suffix,), summary(write), write, remarks)
+        made = Writer(name, (suffix,), summary(write), write, remarks, refuse=refuse)
         WRITERS.add(name, made, write.__module__)
         return write
 

@@ -4,11 +4,9 @@ from pathlib import Path
 
 from lipsync_lang.build.script_faults import ScriptFaults
 from lipsync_lang.build.script_files import ScriptLanguage
-from lipsync_lang.errors import PackError
 from lipsync_lang.packs.answers import column_names
 from lipsync_lang.packs.finding import POSESET, Finder
 from lipsync_lang.packs.models import Project
-from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, stated_faces, unique
 from lipsync_lang.phonology.language_names import folded_language
 
@@ -19,23 +17,11 @@ def languages_of(
     """Return the languages of a build by their index."""
     stated = project.languages or ({project.language: None} if project.language else {})
     if not stated:
-        faults.add(FILE, "names no language; state `languages: [NAME, ...]` or `language: NAME`")
+        faults.state((), "P401", "no `languages`", "state `languages: [NAME, ...]`")
     found: dict[int, ScriptLanguage] = {}
     for own, word in stated.items():
-        path = None
-        if ":" not in own:  # ENGINE:CODE has no pack
-            try:
-                path = finder.find("language", own)
-            except PackError as error:
-                faults.add_error(f"{FILE}: {error}")
+        path = next(map(Path, finder.lookup("language", own)), None)  # ENGINE:CODE has no pack
         name = own if path is None else path.stem
-        same = [one for one in found.values() if one.name == name]
-        if same:
-            faults.add(
-                FILE,
-                f"languages: {own} and {same[0].word} are the same language, {name}; state it once",
-            )
-            continue
         also = [] if path is None else column_names(path)
         answers = dict.fromkeys(map(folded_language, [word or own, own, *also]))
         found[len(found)] = ScriptLanguage(name, word or own.replace(":", "-"), tuple(answers))
@@ -48,17 +34,15 @@ class Cast:
     def __init__(self, project: Project, finder: Finder, faults: ScriptFaults) -> None:
         stated = stated_faces(project)
         if not stated:
-            faults.add(FILE, "names no character; state `character: NAME` or `cast: {...}`")
+            hint = "state `character: NAME` or `cast: {...}`"
+            faults.state((), "P401", "no `character`", hint)
         faces: dict[str, tuple[str, ...]] = {}
         for speaker, names in stated.items():
             own: list[str] = []
             for name in names:
                 found = finder.lookup("character", name) or finder.lookup("poseset", name)
-                if found:
-                    path = Path(found[0])
-                    own.append(path.parent.name if path.name == POSESET else path.stem)
-                else:
-                    faults.add_error(f"{FILE}: {finder.unknown(name, 'character', 'poseset')}")
+                paths = map(Path, found[:1])  # an unknown one is a fault of `check_characters`
+                own += (one.parent.name if one.name == POSESET else one.stem for one in paths)
             faces[speaker] = unique(own)
         self._faces = SpeakerFaces(faces)
         self.characters = self._faces.characters

@@ -2,22 +2,25 @@
 
 import os
 import posixpath
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.build.script_faults import ScriptFaults
 from lipsync_lang.errors import OutputError
+from lipsync_lang.files.reach import is_reached
 from lipsync_lang.packs.models import Project
-from lipsync_lang.packs.project import FILE, NARRATOR
+from lipsync_lang.packs.project import NARRATOR
+from lipsync_lang.packs.yaml.source import Loc
 
 
 class OutputPattern(NamedTuple):
-    """An output of every line: its writer, and its path from the project's folder."""
+    """An output of every line: its writer, its path from the project's folder, and its place."""
 
     writer: str
     path: str
+    loc: Loc
 
 
 def filled(pattern: str, language: str, character: str = "") -> str:
@@ -36,47 +39,57 @@ def for_line(pattern: str, name: str, speaker: str) -> str:
 def outputs_of(project: Project, faults: ScriptFaults) -> list[OutputPattern]:
     """Return the outputs that a project states, each with its writer."""
     if not project.outputs:
-        faults.add(FILE, "states no `outputs`, such as takes/{language}/{character}/{id}.csv")
+        hint = "state files such as `outputs: takes/{language}/{character}/{id}.csv`"
+        faults.state((), "P401", "no `outputs`", hint)
     found: list[OutputPattern] = []
-    for stated in project.outputs:
-        name, colon, path = stated.partition(":")
+    for number, stated in enumerate(project.outputs):
         try:
-            if not (colon and name in WRITERS):
-                name, path = find_writer(Path(stated)).name, stated
+            name, path = writer_of(stated)
         except OutputError as error:
-            faults.add(FILE, f"outputs: {error}")
+            what, hint = str(error), ""
+            if stated in WRITERS:
+                what = f"'{stated}' is a format, not a file"
+                hint = f"state a file, such as takes/{{id}}{WRITERS[stated].suffix}"
+            faults.state(("outputs", number), "P404", what, hint)
             continue
-        found.append(OutputPattern(name, posixpath.normpath(path.replace("\\", "/"))))
+        path = posixpath.normpath(path.replace("\\", "/"))
+        found.append(OutputPattern(name, path, ("outputs", number)))
     return found
 
 
-def check_outputs(
-    outputs: Sequence[OutputPattern], needed: Mapping[str, str], faults: ScriptFaults
-) -> None:
-    """Check that no two lines share an output.
+def writer_of(stated: str) -> tuple[str, str]:
+    """Return the name of an output's writer, and its path."""
+    name, colon, path = stated.partition(":")
+    return (name, path) if colon and name in WRITERS else (find_writer(Path(stated)).name, stated)
 
-    `needed` has the placeholders that must stand in a path, with what there are several of.
+
+def check_shared(
+    paths: Sequence[tuple[Loc, str]], needed: Mapping[str, str], faults: ScriptFaults
+) -> None:
+    """Check that no two lines share a file.
+
+    `paths` have their places in the project. `needed` has the placeholders that must stand in
+    each, with what there are several of.
     """
-    paths = [output.path for output in outputs]
-    for path in paths:
+    for loc, path in paths:
         for placeholder, several in needed.items():
             if placeholder not in path.replace("{line}", "{id}"):
-                what = f"'{path}' would be the same file for {several}; add {placeholder} to it"
-                faults.add(FILE, f"outputs: {what}")
-    for path in {path for path in paths if paths.count(path) > 1}:
-        faults.add(FILE, f"outputs: '{path}' is stated twice; state it once")
+                what = f"'{path}' would be the same file for {several}"
+                faults.state(loc, "P403", what, f"add {placeholder} to it")
+    first: dict[str, Loc] = {}
+    for loc, path in paths:
+        if first.setdefault(path, loc) != loc:
+            faults.state(loc, "P402", f"'{path}' is stated twice", "state it once")
 
 
-def check_links(paths: set[str], folder: Path, faults: ScriptFaults) -> None:
-    """Check that the folders of paths do not lead outside the project by a link."""
-    home = os.path.realpath(folder)
-    heads = {
-        posixpath.dirname(path.partition("{id}")[0].partition("{speaker}")[0]) for path in paths
-    }
-    for head in sorted(heads):
-        real = os.path.realpath(os.path.join(home, head))  # noqa: PTH118 links are followed here
-        if not Path(real).is_relative_to(home):
-            faults.add(FILE, f"outputs: {head} leads outside {folder} by a link; remove the link")
+def check_links(paths: Iterable[tuple[Loc, str]], folder: Path, faults: ScriptFaults) -> None:
+    """Check that paths, with their places in the project, do not lead outside it by a link."""
+    for loc, path in paths:
+        head = path.partition("{id}")[0].partition("{speaker}")[0]
+        head = head if head == path else posixpath.dirname(head)
+        if not is_reached(folder / head, folder):
+            what = f"{head} leads outside {folder} by a link"
+            faults.state(loc, "P106", what, "remove the link, or allow its target: --path FOLDER")
 
 
 def recorded_path(folder: Path, path: Path) -> str:

@@ -1,24 +1,40 @@
 """A project in a build: its lines, its pairs, its settings and its record."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+import numpy as np
+
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.making import LineMaker
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, plan
+from lipsync_lang.build.project_extras import check_installed
 from lipsync_lang.build.script import read_script
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.build.script_faults import PlanningError, ScriptFaults
+from lipsync_lang.build.script_files import PlanRemark
+from lipsync_lang.errors import LipsyncError, shortlist
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.project import FILE, find_project, load_project
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.performing.resolving import resolve
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.speech.needed_extras import missing_for
 
 if TYPE_CHECKING:
     from lipsync_lang.build.records import Records
     from lipsync_lang.packs.models import Project
+
+STILL_SCHEDULE = Schedule((SILENCE,), np.array((0.0, 0.1)))
+"""Schedule without a phoneme."""
+
+SHOWN_CHARACTERS = 8
+"""Maximum number of characters that a fault names."""
 
 USUAL_FPS = 60.0
 """Default frame rate of a project in frames per second."""
@@ -69,7 +85,7 @@ class ProjectBuild:
         paths: Iterable[Path] = (),
         selection: Selection | None = None,
         tts: str | None = None,
-        remark: Callable[[str], None] = lambda _: None,
+        remark: PlanRemark = lambda _: None,
     ) -> Self:
         """Read a project and its script, and resolve its pairs.
 
@@ -90,19 +106,24 @@ class ProjectBuild:
             raise LipsyncError(
                 f"this folder has no {FILE}; `lipsync-lang new NAME` makes a folder with one"
             )
-        project, folder = load_project(found).model, found.absolute().parent
-        chosen = selection or Selection()
-        lines = [
-            line
-            for line in read_script(project, folder, paths=tuple(paths), remark=remark)
-            if chosen.has(line)
-        ]
-        if chosen and not lines:
+        pack = load_project(found)
+        project, folder = pack.model, found.absolute().parent
+        chosen, faults = selection or Selection(), ScriptFaults(pack)
+        places = (*paths, *(folder / path for path in project.paths))
+        unread = missing_for({path: [Path(path).suffix.lower()] for path in project.lines})
+        read = () if unread else read_script(pack, paths=tuple(paths), remark=remark)
+        lines = [line for line in read if chosen.has(line)]
+        if chosen and not lines and not unread:
             raise LipsyncError("no line of the script is selected; check the ids and names")
+        library = Library(places, folder)
+        check_installed(faults, project, library, None if unread else lines, tts)
+        faults.raise_any()
         fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
         settings = BuildSettings(fps, dict(project.limits), tts, project.offset or 0.0)
         made = cls(project, folder, lines, settings, {}, {}, chosen)
-        made.resolve((*paths, *(folder / path for path in project.paths), folder))
+        made.resolve((*places, folder))
+        made.check_outputs(faults)
+        faults.raise_any()
         weak: dict[str, None] = {}  # unreliable readings of languages, for lines without timings
         for line in lines:
             needs = made.pairs.get((line.language, line.character))
@@ -130,6 +151,27 @@ class ProjectBuild:
                 self.pairs[language, character] = PairNeeds(performer, self.settings)
             except LipsyncError as error:
                 self.unsound[language, character] = error
+
+    def check_outputs(self, faults: ScriptFaults) -> None:
+        """Refuse outputs that a format cannot hold, tried with each character at rest."""
+        refused: dict[tuple[int, str], list[str]] = {}
+        tried: set[str] = set()
+        for line in self.lines:
+            pair = self.pairs.get((line.language, line.character))
+            if pair is None or line.character in tried:
+                continue
+            tried.add(line.character)
+            at_rest = pair.performer.rigged(
+                pair.performer.perform(STILL_SCHEDULE, self.settings.fps)
+            )
+            for number, (name, _) in enumerate(line.outputs):
+                try:
+                    WRITERS[name].refuse(at_rest)
+                except LipsyncError as error:
+                    refused.setdefault((number, str(error)), []).append(line.character)
+        for (number, why), characters in refused.items():
+            named = shortlist(characters, SHOWN_CHARACTERS)
+            faults.state(("outputs", number), "P405", f"cannot be made on {named}: {why}")
 
     @property
     def maker(self) -> LineMaker:
@@ -170,3 +212,30 @@ class ProjectBuild:
             for line in self.lines
             if (line.language, line.character) in self.unsound
         ]
+
+
+def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
+    """Return what keeps a project from being built, and warnings, as a build finds them."""
+    found: list[Fault] = []
+    pack = load_project(file)
+
+    def keep(remark: str | Fault) -> None:
+        found.extend([remark] if isinstance(remark, Fault) else [])
+
+    try:
+        unsound = ProjectBuild.open(file, paths=paths, remark=keep).unsound
+    except PlanningError as error:
+        told = [pack.fault(("lines",), "P407", one) for one in error.told]
+        found += [*error.stated, *told]
+        # A project without a script serves commands of single lines.
+        return found if pack.model.lines else [one for one in found if one.code == "P404"]
+    reasons: dict[str, list[str]] = {}
+    for (language, character), why in unsound.items():
+        if isinstance(why, PackFaults):
+            found += why.faults
+        else:
+            reasons.setdefault(str(why), []).append(f"{language} on {character}")
+    for reason, pairs in reasons.items():
+        what = f"cannot perform {shortlist(pairs, SHOWN_CHARACTERS)}: {reason}"
+        found.append(pack.fault(("languages",), "P408", what))
+    return found

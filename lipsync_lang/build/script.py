@@ -5,37 +5,37 @@ out or lack a file are not faults: remarks count them.
 """
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lipsync_lang.build.casting import Cast, languages_of
-from lipsync_lang.build.output_paths import check_links, check_outputs, outputs_of
+from lipsync_lang.build.output_paths import check_links, check_shared, outputs_of
 from lipsync_lang.build.planned_line import CONFIDENCE, PlannedLine
 from lipsync_lang.build.script_faults import ScriptFaults
-from lipsync_lang.build.script_files import Remark, ScriptFile, ScriptLanguage, read_rows
+from lipsync_lang.build.script_files import PlanRemark, ScriptFile, ScriptLanguage, read_rows
 from lipsync_lang.build.script_lines import ScriptPlanner
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.lines.line_readers import line_files
 from lipsync_lang.lines.markup import Cleaning
+from lipsync_lang.packs.checking.project_checks import check_characters, check_languages
 from lipsync_lang.packs.finding import Finder, Paths, folders_of
 from lipsync_lang.packs.models import Project
-from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.yaml.faults import shown
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.yaml.source import Loc
 
 REPORT_SUFFIXES = (".html", ".xml", ".json")
 
 
 def read_script(
-    project: Project,
-    folder: Path,
-    *,
-    paths: Paths = (),
-    remark: Remark | None = None,
+    pack: "Pack[Project]", *, paths: Paths = (), remark: PlanRemark | None = None
 ) -> list[PlannedLine]:
     """Read the lines that a project states, in every language and on every character.
 
     Parameters
     ----------
-    project : the project; its `lines` and `outputs` are needed
-    folder : the project's folder, which its paths are meant from
+    pack : the project; its `lines` and `outputs` are needed, and its paths start at its folder
     paths : folders of packs to search before those of the project
     remark : where to say what is left out or missing, in counts
 
@@ -45,26 +45,32 @@ def read_script(
 
     Raises
     ------
-    LipsyncError
+    PlanningError
         The script or the project is faulty; the message lists the first faults with their places.
 
     Examples
     --------
-    >>> project = Project.model_validate(data)  # doctest: +SKIP
-    >>> read_script(project, Path("game"))[0].outputs  # doctest: +SKIP
+    >>> read_script(load_project(Path("game/lipsync.yaml")))[0].outputs  # doctest: +SKIP
     (('csv', 'takes/english/facefx/intro_001.csv'),)
     """
-    faults = ScriptFaults()
+    project, folder, faults = pack.model, pack.path.absolute().parent, ScriptFaults(pack)
     own = [folder / path for path in project.paths]
     finder = Finder([*folders_of(paths), *own], folder)
+    faults.stated += [*check_languages(pack, finder), *check_characters(pack, finder)]
     languages = languages_of(project, finder, faults)
     cast = Cast(project, finder, faults)
     outputs = outputs_of(project, faults)
     several = {"{id}": "all lines"}
     several |= {"{language}": "all languages"} if len(languages) > 1 else {}
+    sources: list[tuple[Loc, str | None]] = [
+        (("audio",), project.audio), (("timings",), project.timings),
+    ]  # fmt: skip
+    check_shared([(loc, path) for loc, path in sources if path], several, faults)
     several |= {"{character}": "all characters of a line"} if cast.most > 1 else {}
-    check_outputs(outputs, several, faults)
-    check_links({output.path for output in outputs}, folder, faults)
+    check_shared([(output.loc, output.path) for output in outputs], several, faults)
+    check_links([(output.loc, output.path) for output in outputs], folder, faults)
+    reports = enumerate(project.reports)
+    check_links([(("reports", number), path) for number, path in reports], folder, faults)
     _check_settings(project, faults)
     faults.raise_any()
     tell = remark or (lambda _: None)
@@ -77,8 +83,11 @@ def read_script(
         for line in planner.lines(file, row)
     ]
     if not faults:
-        planner.check_clashes(planned, [folder / FILE, *(file.path for file in files)])
+        planner.check_clashes(planned, [pack.path.absolute(), *(file.path for file in files)])
+        planner.check_recordings()
     faults.raise_any()
+    for warning in faults.stated:
+        tell(warning)
     planner.tell(tell)
     return planned
 
@@ -86,17 +95,20 @@ def read_script(
 def _check_settings(project: Project, faults: ScriptFaults) -> None:
     """Check the settings of other parts of a build before hours of work."""
     if not project.lines:
-        faults.add(FILE, "states no `lines`; name the table of the script, such as script.csv")
+        hint = "name the table of the script, such as `lines: script.csv`"
+        faults.state((), "P401", "no `lines`", hint)
     if project.limits:
         from lipsync_lang.quality.measures import load_measures
 
         known = {*load_measures(), CONFIDENCE}
         for name in project.limits.keys() - known:
-            faults.add(FILE, f"limits: unknown measure '{name}'; {did_you_mean(name, known)}")
-    for report in project.reports:
+            what = f"unknown measure '{name}'"
+            faults.state(("limits", name), "P404", what, did_you_mean(name, known))
+    for number, report in enumerate(project.reports):
         if not report.lower().endswith(REPORT_SUFFIXES):
             ends = ", ".join(REPORT_SUFFIXES)
-            faults.add(FILE, f"reports: unknown format of '{report}'; use one of {ends}")
+            what = f"unknown format of the report '{report}'"
+            faults.state(("reports", number), "P404", what, f"use one of {ends}")
 
 
 def _files(
@@ -104,7 +116,7 @@ def _files(
     folder: Path,
     languages: dict[int, ScriptLanguage],
     faults: ScriptFaults,
-    remark: Remark,
+    remark: PlanRemark,
 ) -> list[ScriptFile]:
     """List the files of the script; those of one language are read once for each."""
     found: list[ScriptFile] = []
@@ -114,7 +126,7 @@ def _files(
         for held in own if "{language}" in stated else [languages]:
             path = folder / stated.replace("{language}", next(iter(held.values())).word)
             try:
-                for file, among_others in line_files(Path(shown(path)), remark):
+                for file, among_others in line_files(Path(shown(path)), remark, project=folder):
                     found.append(ScriptFile(file, held, project.encoding, among_others, cleaning))
             except LipsyncError as error:
                 faults.add_error(error)

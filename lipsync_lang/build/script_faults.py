@@ -1,19 +1,48 @@
-"""Faults of a script, collected so that a person can mend all of them at once."""
+"""Faults of a project and its script, collected so that a person can mend all of them at once."""
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.yaml.faults import Fault
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.models import Project
+    from lipsync_lang.packs.yaml.source import Loc
 
 SHOWN_FAULTS = 12
-"""Maximum number of faults in a message; further faults are counted."""
+"""Maximum number of a script's faults in a message; further faults are counted."""
+
+
+class PlanningError(LipsyncError):
+    """Faults that keep a project from being built.
+
+    Parameters
+    ----------
+    stated : faults of the project's file
+    told : faults of its script in words, each with its place
+    """
+
+    def __init__(self, stated: Iterable[Fault], told: Sequence[str] = ()) -> None:
+        self.stated, self.told = sorted(stated), tuple(told)
+        super().__init__("\n".join([*map(str, self.stated), *self.told]))
 
 
 class ScriptFaults:
-    """Faults with their places, the first few of them in words."""
+    """Faults of a project's file, and those of its script, the first few of them in words."""
 
-    def __init__(self) -> None:
+    def __init__(self, project: "Pack[Project]") -> None:
+        self._project = project
+        self.stated: list[Fault] = []
         self._shown: list[str] = []
         self._count = 0
+
+    def state(self, loc: "Loc", code: str, what: str, hint: str = "") -> None:
+        """Add a fault of the project's file, or a warning, by the first letter of its code."""
+        add = self._project.warning if code.startswith("W") else self._project.fault
+        self.stated.append(add(loc, code, what, hint))
 
     def add(self, where: str | Path, what: str) -> None:
         """Add a fault at a place, such as ``script.csv:4``."""
@@ -27,11 +56,12 @@ class ScriptFaults:
 
     def __len__(self) -> int:
         """Return the number of faults, also of those that are not shown."""
-        return self._count
+        return self._count + sum(fault.severity == "fault" for fault in self.stated)
 
     def raise_any(self) -> None:
         """Raise all faults as one error, if there are any."""
-        if self._count:
+        if len(self):
             more = self._count - len(self._shown)
             rest = [f"and {more} more of this script"] if more else []
-            raise LipsyncError("\n".join([*self._shown, *rest]))
+            faults = (one for one in self.stated if one.severity == "fault")
+            raise PlanningError(faults, [*self._shown, *rest])

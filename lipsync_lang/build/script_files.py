@@ -28,6 +28,7 @@ from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.lines.table import cell
 from lipsync_lang.lines.yarn import LINE_TAG
 from lipsync_lang.packs.models.project_models import ScriptColumns
+from lipsync_lang.packs.yaml.faults import Fault
 
 MAX_SLUG_CHARS = 32
 DIGEST_CHARS = 8
@@ -77,11 +78,11 @@ class ScriptFile:
         return str(self.path)
 
 
-Remark = Callable[[str], None]
+PlanRemark = Callable[[str | Fault], None]
 
 
 def read_rows(
-    file: ScriptFile, columns: ScriptColumns, faults: ScriptFaults, remark: Remark
+    file: ScriptFile, columns: ScriptColumns, faults: ScriptFaults, remark: PlanRemark
 ) -> Iterator[ScriptRow]:
     """Yield the rows of a file; its faults are collected, and end its reading."""
     try:

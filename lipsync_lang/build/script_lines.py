@@ -10,7 +10,8 @@ from lipsync_lang.build.casting import Cast
 from lipsync_lang.build.output_paths import OutputPattern, filled, for_line
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.build.recordings import Recordings
-from lipsync_lang.build.script_files import Remark, ScriptFile, ScriptLanguage, ScriptRow
+from lipsync_lang.build.script_files import PlanRemark, ScriptFile, ScriptLanguage, ScriptRow
+from lipsync_lang.errors import shortlist
 from lipsync_lang.files.names import fault_of_name, folded_name
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
@@ -67,6 +68,7 @@ class ScriptPlanner:
             for index, word in words.items()
             for character in cast.characters
         }
+        self._project, self._heard = project, 0
         stated = project.audio, project.timings
         self._audio, self._timings = (
             {index: posixpath.normpath(filled(pattern, word)) for index, word in words.items()}
@@ -159,12 +161,15 @@ class ScriptPlanner:
         if index in self._audio:
             path = for_line(self._audio[index], row.name, row.speaker)
             audio = self._recordings.find(path)
+            self._heard += audio is not None
             if timings is None and index not in self._timings:
                 timings = self._recordings.timings_beside(
                     path, lambda: self._own_outputs(index, row)
                 )
             if audio is None and timings is None and text:
                 self._lacking["recording"][index].add(path)
+        elif self._project.recordings == "required" and timings is None:
+            self._lacking["recording"][index].add(row.name)
         return audio, timings
 
     def _own_outputs(self, index: int, row: ScriptRow) -> tuple[str, ...]:
@@ -176,6 +181,28 @@ class ScriptPlanner:
         )
 
     # After all rows
+
+    def check_recordings(self) -> None:
+        """Refuse lines without a recording if the project requires them; warn if none has one."""
+        lacking = self._lacking["recording"]
+        if self._project.recordings == "required":
+            for index in lacking:
+                what = self._told("recording", index, "without a recording or timings")
+                self._faults.state(
+                    ("recordings",), "P407", what, "record them, or correct the path"
+                )
+        elif self._audio and lacking and not self._heard:
+            lines = sum(found.count for found in lacking.values())
+            what = f"no file matches '{self._project.audio}', so voices speak {lines:,} lines"
+            hint = "correct the path, or remove it; `recordings: required` makes this a fault"
+            self._faults.state(("audio",), "W315", what, hint)
+            lacking.clear()
+
+    def _told(self, what: str, index: int, told: str) -> str:
+        """Return the number of a language's lines that lack something, with examples."""
+        found = self._lacking[what][index]
+        lines = f"{found.count:,} line{'s' * (found.count > 1)}"
+        return f"{self._languages[index].word}: {lines} {told}: {found}"
 
     def check_clashes(self, planned: Sequence[PlannedLine], scripts: Iterable[Path]) -> None:
         """Refuse lines that write to one file, or to a file that is read.
@@ -202,15 +229,14 @@ class ScriptPlanner:
                     self._faults.add(line.place, f"{what}; put a '/' between its placeholders")
                 first.setdefault(key, line.place)
 
-    def tell(self, remark: Remark) -> None:
+    def tell(self, remark: PlanRemark) -> None:
         """Remark on the number of lines that are left out or lack a recording."""
         for what, told in LACKING.items():
-            for index, found in self._lacking[what].items():
-                lines = f"{found.count:,} line{'s' * (found.count > 1)}"
-                remark(f"{self._languages[index].word}: {lines} {told}: {found}")
+            for index in self._lacking[what]:
+                remark(self._told(what, index, told))
         unmet = self._cast.unmet()
         if unmet:
-            remark(f"{FILE}: cast: no line is spoken by {', '.join(unmet)}")
+            remark(f"{FILE}: cast: no line is spoken by {shortlist(unmet, SHOWN_EXAMPLES)}")
         unused = Examples()
         for suffix in {os.path.splitext(pattern)[1] for pattern in self._audio.values()}:  # noqa: PTH122
             for path in self._recordings.unused(suffix):

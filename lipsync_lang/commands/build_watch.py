@@ -13,6 +13,7 @@ from lipsync_lang.extras import install_line
 
 if TYPE_CHECKING:
     from lipsync_lang.build.project_build import ProjectBuild
+    from lipsync_lang.packs.yaml.faults import Fault
 
 WAKE_MILLISECONDS = 500
 """Longest wait for a change before the watcher looks at signals; the first one comes before the
@@ -23,14 +24,14 @@ class StandingRemarks:
     """Prints each remark once while it holds, since every build repeats it."""
 
     def __init__(self) -> None:
-        self._before: set[str] = set()
-        self._now: set[str] = set()
+        self._before: set[str | Fault] = set()
+        self._now: set[str | Fault] = set()
 
     def begin(self) -> None:
         """Begin another build."""
         self._before, self._now = self._now, set()
 
-    def __call__(self, text: str) -> None:
+    def __call__(self, text: "str | Fault") -> None:
         """Print a remark, unless the build before printed it."""
         if text not in self._before | self._now:
             print(text, file=sys.stderr)

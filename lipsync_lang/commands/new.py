@@ -99,7 +99,7 @@ def _of_recordings(options: Namespace) -> int:
     for told in drafted.matches:
         print(told, file=sys.stderr)
     try:
-        planned = read_script(load_project(path).model, here, paths=options.path)
+        planned = read_script(load_project(path), paths=options.path)
     except LipsyncError as error:
         print(f"{error}\ncorrect the script, then run: lipsync-lang build", file=sys.stderr)
         return FAULTS

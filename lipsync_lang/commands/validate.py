@@ -7,6 +7,7 @@ from pathlib import Path
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
+from lipsync_lang.packs.project import FILE, find_project
 
 
 @command("validate")
@@ -32,8 +33,10 @@ def add_validate(add: Add) -> None:
 def validate(options: Namespace) -> int:
     """Print every fault; warnings alone leave the packs sound."""
     from lipsync_lang.authoring.trial import doubts, languages_in, try_out
+    from lipsync_lang.build.project_build import planning_faults
     from lipsync_lang.packs.checking.validate import validate as find_faults
     from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.yaml.faults import shown
 
     library = Library(options.path)
     faults = find_faults(library, options.paths or None)
@@ -43,6 +46,10 @@ def validate(options: Namespace) -> int:
             with working(f"trying {pack.model.name}"):
                 found.update(try_out(library, pack).faults(silence), doubts(library, pack))
         faults = sorted(found)
+    for project in _projects(options.paths):
+        if not any(fault.file == shown(project) and fault.severity == "fault" for fault in faults):
+            with working("reading the script"):
+                faults = sorted({*faults, *planning_faults(project, options.path)})
     if options.json:
         print(as_json([fault.to_dict() for fault in faults]))
     else:
@@ -52,3 +59,12 @@ def validate(options: Namespace) -> int:
     warned = count(len(faults) - real, "warning")
     print(f"{count(real, 'fault')}, {warned}", file=sys.stderr)
     return FAULTS if real else SOUND
+
+
+def _projects(paths: list[Path]) -> list[Path]:
+    """Return the project files among the given files and folders, or that of this folder."""
+    if not paths:
+        found = find_project()
+        return [] if found is None else [found]
+    files = (path / FILE if path.is_dir() else path for path in paths)
+    return [path.absolute() for path in files if path.name == FILE and path.is_file()]

@@ -34,8 +34,8 @@ def planned(game, remarks=None, **changed):
     stated = {name: text for name, text in (PROJECT | changed).items() if text is not None}
     text = "kind: project\nformat: 1\n" + "".join(f"{n}: {t}\n" for n, t in stated.items())
     (game / "lipsync.yaml").write_text(text)
-    project = load_project(game / "lipsync.yaml").model
-    return read_script(project, game, remark=None if remarks is None else remarks.append)
+    project = load_project(game / "lipsync.yaml")
+    return read_script(project, remark=None if remarks is None else remarks.append)
 
 
 def refusal(game, **changed):
@@ -268,13 +268,13 @@ def test_the_encoding_of_a_script_is_a_field_of_the_project(game):
         ("id,english,german", {"languages": "[english, germn]"}, "did you mean 'german'?"),
         ("id,english,german", {"languages": "[english, en]"}, "are the same language, english"),
         ("id,english,german", {"lines": "no.csv"}, "no.csv: no such file"),
-        ("id,english,german", {"lines": None}, "states no `lines`"),
-        ("id,english,german", {"outputs": None}, "states no `outputs`"),
+        ("id,english,german", {"lines": None}, "no `lines`"),
+        ("id,english,german", {"outputs": None}, "no `outputs`"),
         ("id,english,german", {"outputs": "a.csv"}, "add {id} to it"),
         ("id,english,german", {"outputs": "'{id}.csv'"}, "add {language} to it"),
         ("id,english,german", {"outputs": "'{language}/{id}.xyz'"}, "no writer for '.xyz'"),
         ("id,english,german", {"limits": "{contcts: 0}"}, "did you mean 'contacts'?"),
-        ("id,english,german", {"reports": "report.pdf"}, "unknown format of 'report.pdf'"),
+        ("id,english,german", {"reports": "report.pdf"}, "unknown format of the report"),
         ("id,english,german", {"outputs": "'../{id}.csv'"}, "is outside the project's folder"),
         ("id,english,german", {"audio": "'../{id}.wav'"}, "is outside the project's folder"),
         ("id,english,german", {"lines": "/etc/passwd"}, "is outside the project's folder"),

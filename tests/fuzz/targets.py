@@ -30,8 +30,9 @@ from lipsync_lang.lines.line_readers import LINE_READERS as LINES
 from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
-from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import MODELS, Project, ReadOut
+from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.quality.fitting import read_for
 from lipsync_lang.render.staging import staged
@@ -143,12 +144,12 @@ def _lines(name: str, path: Path) -> None:
 
 def _script(path: Path) -> None:
     stated = {"kind": "project", "format": 1, "lines": path.name, "character": "facefx"}
-    stated |= {"languages": ["english", "german"], "audio": "vo/{speaker}/{id}.wav"}
+    stated |= {"languages": ["english", "german"], "audio": "vo/{speaker}/{language}-{id}.wav"}
     outputs = ("takes/{language}/{character}/{id}.csv", "json:{speaker}-{language}{id}.json")
     with chdir(path.parent):
-        lines = read_script(
-            Project.model_validate(stated | {"outputs": outputs}), path.parent, remark=_plain
-        )
+        data = stated | {"outputs": outputs}
+        pack = Pack(Project.model_validate(data), (YamlSource(Path("lipsync.yaml"), data),))
+        lines = read_script(pack, remark=_plain)
     made = [output for line in lines for _, output in line.outputs]
     assert len(set(made)) == len(made)
     for output in made:

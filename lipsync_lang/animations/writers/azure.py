@@ -13,6 +13,7 @@ from typing import TextIO
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import doubts, first_frame, laid_out, names
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import OutputError
 
 AZURE = "Azure"
@@ -20,14 +21,24 @@ FPS = 60
 AZURE_NAMES = "azure.txt"
 
 
-@writer("azure", suffix=".azure.json", remarks=partial(doubts, file=AZURE_NAMES, program=AZURE))
-def write_azure(animation: Animation, out: TextIO) -> None:
-    """Azure's blend shapes: 55 weights for each of 60 frames a second."""
+def _table(animation: Animation) -> Floats:
+    """Return the values of each frame; refuse another rate, and other shapes."""
     if animation.fps != FPS:
         raise OutputError(
             f"{AZURE}'s blend shapes are {FPS} frames a second, and this is {animation.fps:g}; "
             f"perform it with `fps={FPS}`"
         )
-    table = laid_out(animation, names(AZURE_NAMES), AZURE)
+    return laid_out(animation, names(AZURE_NAMES), AZURE)
+
+
+@writer(
+    "azure",
+    suffix=".azure.json",
+    remarks=partial(doubts, file=AZURE_NAMES, program=AZURE),
+    refuse=_table,
+)
+def write_azure(animation: Animation, out: TextIO) -> None:
+    """Azure's blend shapes: 55 weights for each of 60 frames a second."""
+    table = _table(animation)
     rows = ",\n".join(json.dumps(row) for row in table.round(6).tolist())
     out.write(f'{{"FrameIndex": {first_frame(animation)}, "BlendShapes": [\n{rows}\n]}}\n')

@@ -64,6 +64,15 @@ def unplaced(animation: Animation) -> Iterator[str]:
     yield from (f"{model.path}: {doubt}" for one in placed for doubt in one.doubts)
 
 
+def animated_model(animation: Animation) -> Model:
+    """Return the model that an animation moves; refuse an animation without one."""
+    if animation.model is None:
+        raise OutputError(
+            "there is no model to animate; name one (`model`), or state `model:` in the character"
+        )
+    return _model(animation.model, animation.columns)
+
+
 def _model(path: Path, channels: tuple[Channel, ...]) -> Model:
     return known_model(path, bones=any(channel.node is not None for channel in channels))
 
@@ -73,15 +82,10 @@ def _placing(channels: tuple[Channel, ...], mesh: Mesh) -> Placement:
     return on_mesh(channels, mesh)
 
 
-@binary_writer("glb", suffix=".glb", remarks=unplaced)
+@binary_writer("glb", suffix=".glb", remarks=unplaced, refuse=animated_model)
 def write_glb(animation: Animation, out: BinaryIO) -> None:
     """The character's 3D model with the animation added, all else in it kept."""
-    if animation.model is None:
-        raise OutputError(
-            "there is no model to animate; name one (`model`), or state `model:` in the character"
-        )
-    channels = animation.columns
-    model = _model(animation.model, channels)
+    channels, model = animation.columns, animated_model(animation)
     times = animation.timeline.astype("<f4")
     frames = np.flatnonzero(np.append(True, np.diff(times) > 0))
     error = animation.export.key_error

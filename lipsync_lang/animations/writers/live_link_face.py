@@ -21,6 +21,7 @@ THOUSAND = 1000
 @writer(
     "live-link-face",
     suffix=".live-link.csv",
+    refuse=lambda one: laid_out(one, names(LIVE_LINK_NAMES), LIVE_LINK_FACE),
     remarks=partial(doubts, file=LIVE_LINK_NAMES, program=LIVE_LINK_FACE),
 )
 def write_live_link_face(animation: Animation, out: TextIO) -> None:

@@ -19,7 +19,25 @@ from lipsync_lang.errors import OutputError
 RHUBARB_NAMES = Path(__file__).parent / "names" / "rhubarb.txt"
 
 
-@writer("rhubarb-tsv", suffix=".tsv")
+def _known() -> list[str]:
+    """Return the shape names, with the rest shape last."""
+    return RHUBARB_NAMES.read_text("utf-8").split()
+
+
+def _refuse_others(animation: Animation) -> dict[str, str]:
+    """Return Rhubarb's names by their folded form; refuse poses of other names."""
+    known = {name.casefold(): name for name in _known()}
+    others = [pose for pose in animation.poses if pose.casefold() not in known]
+    if others:
+        raise OutputError(
+            f"Rhubarb's mouth shapes are {', '.join(known.values())}, and {', '.join(others)} "
+            f"{'is' if len(others) == 1 else 'are'} unknown; perform on a character that has "
+            "those shapes (-c rhubarb)"
+        )
+    return known
+
+
+@writer("rhubarb-tsv", suffix=".tsv", refuse=_refuse_others)
 def write_tsv(animation: Animation, out: TextIO) -> None:
     """Rhubarb's table of mouth shapes: the start of each, and the end of the sound."""
     shapes = _shapes(animation)
@@ -27,7 +45,7 @@ def write_tsv(animation: Animation, out: TextIO) -> None:
     out.write(f"{shapes[-1].end:.2f}\t{_known()[-1]}\n")
 
 
-@writer("rhubarb-xml", suffix=".xml")
+@writer("rhubarb-xml", suffix=".xml", refuse=_refuse_others)
 def write_xml(animation: Animation, out: TextIO) -> None:
     """Rhubarb's mouth shapes as XML: the start and end of each."""
     shapes = _shapes(animation)
@@ -53,7 +71,7 @@ def write_xml(animation: Animation, out: TextIO) -> None:
     )
 
 
-@writer("rhubarb-json", suffix=".rhubarb.json")
+@writer("rhubarb-json", suffix=".rhubarb.json", refuse=_refuse_others)
 def write_json(animation: Animation, out: TextIO) -> None:
     """Rhubarb's mouth shapes as JSON: the start and end of each."""
     shapes = _shapes(animation)
@@ -74,20 +92,8 @@ def write_json(animation: Animation, out: TextIO) -> None:
     )
 
 
-def _known() -> list[str]:
-    """Return the shape names, with the rest shape last."""
-    return RHUBARB_NAMES.read_text("utf-8").split()
-
-
 def _shapes(animation: Animation) -> list[HeldShape]:
     """Return the held shapes under Rhubarb's names, ignoring case."""
-    known = {name.casefold(): name for name in _known()}
-    others = [pose for pose in animation.poses if pose.casefold() not in known]
-    if others:
-        raise OutputError(
-            f"Rhubarb's mouth shapes are {', '.join(known.values())}, and {', '.join(others)} "
-            f"{'is' if len(others) == 1 else 'are'} unknown; perform on a character that has "
-            "those shapes (-c rhubarb)"
-        )
+    known = _refuse_others(animation)
     shapes = held(animation, _known()[-1])
     return [shape._replace(name=known[shape.name.casefold()]) for shape in shapes]

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 from pydantic import ValidationError
 
 from lipsync_lang.errors import PackError
+from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.checking.language_checks import check_claims
+from lipsync_lang.packs.checking.project_checks import check_characters, check_languages
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.checking.voices import check_voices
 from lipsync_lang.packs.extending import extended
@@ -21,7 +23,6 @@ from lipsync_lang.packs.finding import (
     PART_FOLDERS,
     POSESET,
     SHARED,
-    Kind,
     beside,
     entries,
     yaml_files,
@@ -30,7 +31,7 @@ from lipsync_lang.packs.known import added_by, known
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import MODELS, Language, PackModel
 from lipsync_lang.packs.project import FILE as PROJECT_FILE
-from lipsync_lang.packs.project import PROJECT, find_project
+from lipsync_lang.packs.project import PROJECT, check_paths, find_project
 from lipsync_lang.packs.splicing import ABSENT, put
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
@@ -95,6 +96,7 @@ class _Validation:
         project = self.library.project
         found = None if project is None else find_project(project)
         if found is not None:
+            refuse_outside(found, found.parent)
             self.check_file(_placed(found))
         self._tags()
 
@@ -209,27 +211,9 @@ class _Validation:
                 self.check_file(File(path, "bank", path.stem))
 
     def _project(self, pack: "Pack[models.Project]") -> None:
-        stated = pack.model
-        if stated.language:
-            self._project_language(pack, ("language",), stated.language)
-        if stated.character:
-            self._project_character(pack, ("character",), stated.character)
-        for language in stated.languages:
-            self._project_language(pack, ("languages", language), language)
-        for speaker, names in stated.cast.items():
-            for index, name in enumerate(names):
-                self._project_character(pack, ("cast", speaker, index), name)
-
-    def _project_language(self, pack: "Pack[models.Project]", loc: Loc, language: str) -> None:
-        if ":" not in language and not self.library.finder.lookup("language", language):
-            known = {found.name for found in self.library.names("language")}
-            self.faults.add(pack.unknown(loc, "P210", "language", language, known))
-
-    def _project_character(self, pack: "Pack[models.Project]", loc: Loc, face: str) -> None:
-        kinds: tuple[Kind, ...] = ("character", "poseset")
-        if not any(self.library.finder.lookup(kind, face) for kind in kinds):
-            known = {found.name for kind in kinds for found in self.library.names(kind)}
-            self.faults.add(pack.unknown(loc, "P203", "character", face, known))
+        self.faults.update(check_paths(pack))
+        self.faults.update(check_languages(pack, self.library.finder))
+        self.faults.update(check_characters(pack, self.library.finder))
 
     def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""

@@ -1,0 +1,63 @@
+"""Extras that languages and files need, so that all missing ones are told before any work."""
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from lipsync_lang.errors import LipsyncError, shortlist
+from lipsync_lang.extras import extras, install_line
+from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.speech.speaking.speaker import NO_ENGINE
+
+SHOWN_USERS = 3
+"""Maximum number of languages or files that a message names for a missing extra."""
+
+
+def engines_of(
+    manner: Manner, *, spoken: bool = False, heard: bool = False, tts: str | None = None
+) -> Iterator[str]:
+    """Yield the engines of a language; one of ``g2p2|espeak`` is enough.
+
+    Parameters
+    ----------
+    spoken : True if a voice speaks texts
+    heard : True if recordings are aligned with their texts
+    tts : a speech engine in place of the language's
+    """
+    if manner.engine is not None:
+        yield "|".join(filter(None, (manner.engine, manner.settings.otherwise)))
+    if manner.settings.respell:
+        yield manner.settings.respell
+    if heard:
+        yield from (name.partition(":")[0] for name in manner.audio.align[:1])
+    voice = tts or (manner.voice[0] if manner.voice else NO_ENGINE)
+    if spoken and voice != NO_ENGINE:
+        yield voice
+
+
+def missing_for(needed: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
+    """Return the missing extras, each with its users.
+
+    Parameters
+    ----------
+    needed : by user, such as a language, its engines, formats and suffixes of files; one of
+        ``g2p2|espeak`` is enough
+    """
+    found: dict[str, list[str]] = {}
+    for user, names in needed.items():
+        for choice in names:
+            own = [one for one in extras() if not set(choice.split("|")).isdisjoint(one.provides)]
+            if own and all(one.missing() for one in own):
+                for one in own:
+                    found.setdefault(one.name, []).append(user)
+    return {name: list(dict.fromkeys(users)) for name, users in found.items()}
+
+
+def missing_words(missing: Mapping[str, Iterable[str]]) -> str:
+    """Return the result of `missing_for` in words."""
+    parts = (f"{name} (for {shortlist(users, SHOWN_USERS)})" for name, users in missing.items())
+    return f"not installed: {', '.join(parts)}"
+
+
+def refuse_missing(needed: Mapping[str, Iterable[str]]) -> None:
+    """Raise one error for all missing extras, with the command that installs them."""
+    if missing := missing_for(needed):
+        raise LipsyncError(f"{missing_words(missing)}\n  install them: {install_line(*missing)}")
