@@ -141,7 +141,7 @@ class ScriptCount:
         self._discard, self.sent = discard, True
 
     def _take(self, path: Path, name: str, column: str | None) -> None:
-        if not path.is_file():
+        if not os.path.isfile(path):  # noqa: PTH113 names of any length
             raise LipsyncError(f"there is no file '{name}' in the project")
         if path.suffix.lower() not in by_suffix():
             known = ", ".join(sorted(by_suffix()))

@@ -2,6 +2,8 @@
 
 import gzip
 import json
+import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -13,9 +15,10 @@ from studio_calls import HOST, TOKEN, Caller, unpacked
 
 from lipsync_lang import studio
 from lipsync_lang.cli import main
+from lipsync_lang.errors import LipsyncError
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.routes import line_routes
-from lipsync_lang.studio.routes.requests import StudioRequest
+from lipsync_lang.studio.routes.requests import MAX_TEXT_CHARS, StudioRequest
 from lipsync_lang.studio.routes.table import ROUTES
 from lipsync_lang.studio.server import MAX_REQUEST_BYTES
 from lipsync_lang.studio.workshop import Workshop
@@ -156,6 +159,44 @@ def test_half_a_character_is_never_a_fault_of_the_studio(tmp_path, route):
     assert caller.api("state").status == 200
     for name in (LONE, "%ED%A0%80"):
         assert caller.api(f"bigram/{name}").status == 422
+
+
+@pytest.mark.parametrize("part", ["a/", "../", "a", "%", "\u0301", "っ"])
+@pytest.mark.parametrize(
+    ("route", "fields"),
+    [
+        ("coverage", ("name",)),
+        ("script", ("name",)),
+        ("open", ("language", "character")),
+        ("language/sound", ("notation", "label")),
+        ("language/transcript", ("text",)),
+        ("line", ("text",)),
+    ],
+)
+def test_a_long_text_is_bounded_work(workshop, route, fields, part):
+    calls = 0
+
+    def count(_frame, event, _argument):
+        nonlocal calls
+        calls += event in ("call", "c_call")
+
+    for size in (10, MAX_TEXT_CHARS, 100 * MAX_TEXT_CHARS):  # the first reads what is kept
+        body = {"notation": "ipa"} | dict.fromkeys(fields, part * (size // len(part)))
+        request = StudioRequest(content=json.dumps(body).encode())
+        sys.setprofile(count if size > 10 else None)
+        try:
+            with pytest.raises(LipsyncError) if size > 10 else suppress(LipsyncError):
+                ROUTES[f"POST {route}"](workshop, request)
+        finally:
+            sys.setprofile(None)
+    assert calls < 20 * MAX_TEXT_CHARS
+    with pytest.raises(LipsyncError, match="more than 10,000 characters; shorten it"):
+        StudioRequest(query={"text": part * MAX_TEXT_CHARS + "a"})
+
+
+def test_a_name_of_a_script_that_no_file_can_have_is_told(caller):
+    found = caller.post("coverage", {"name": "a" * 1000 + ".csv"})
+    assert (found.status, found.json["error"][:18]) == (422, "there is no file '")
 
 
 def test_text_that_enters_is_valid_unicode():

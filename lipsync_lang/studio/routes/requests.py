@@ -16,6 +16,9 @@ from lipsync_lang.studio.workshop import Workshop
 MAX_PATH_DIGITS = 9
 """Maximum number of digits of a number in a path or a query."""
 
+MAX_TEXT_CHARS = 10_000
+"""Maximum length of a text in a request, such as that of a recording of ten minutes."""
+
 MAX_FILE_NAME_CHARS = 100
 """Maximum length of the name of a sent file; longer ones lose their beginning."""
 
@@ -32,8 +35,8 @@ class StudioRequest:
     content: bytes = b""
 
     def __post_init__(self) -> None:
-        self.name = _valid(self.name)
-        self.query = {_valid(key): _valid(text) for key, text in self.query.items()}
+        self.name = _short("path", _valid(self.name))
+        self.query = {_valid(key): _short(key, _valid(text)) for key, text in self.query.items()}
 
     @cached_property
     def body(self) -> Json:
@@ -58,7 +61,7 @@ class StudioRequest:
         found = self.body.get(name)
         if not isinstance(found, str):
             raise LipsyncError(f"the request needs a string '{name}'")
-        return found
+        return _short(name, found)
 
     def number(self, name: str, low: float, high: float) -> float:
         """Return a number of the body within a range."""
@@ -68,6 +71,13 @@ class StudioRequest:
         if not (math.isfinite(found) and low <= found <= high):
             raise LipsyncError(f"'{name}' is {found}; give a number from {low:g} to {high:g}")
         return float(found)
+
+
+def _short(name: str, text: str) -> str:
+    """Refuse a long text; the search for a path or a label of strangers could take seconds."""
+    if len(text) > MAX_TEXT_CHARS:
+        raise LipsyncError(f"'{name[:20]}' has more than {MAX_TEXT_CHARS:,} characters; shorten it")
+    return text
 
 
 def _valid(text: str) -> str:
