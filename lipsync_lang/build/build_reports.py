@@ -48,7 +48,7 @@ def report(
         tally = write_report(paths, chain(outcome.lines(), refused), heading, pages=pages)
     else:
         tally = outcome.tally(refused)
-    return tally, [one for one in tally.worst() if one.failed][:most]
+    return tally, [one for one in tally.worst() if one.failed or one.unsure][:most]
 
 
 def pages_folder(report: Path) -> Path:

@@ -162,6 +162,11 @@ class BuildTally:
         return sum(pair.aligned for pair in self.pairs.values())
 
     @property
+    def unsure(self) -> int:
+        """Number of lines whose recording may not hold their text."""
+        return sum(self.confidence.counts[:MIDDLE])
+
+    @property
     def mean_confidence(self) -> float | None:
         """Mean confidence of the aligned lines; None if there are none."""
         whole = sum(pair.confidence for pair in self.pairs.values())
@@ -173,12 +178,13 @@ class BuildTally:
 
 
 def badness(line: BuiltLine) -> tuple[float, float, float]:
-    """Return an order of lines: failed ones, then by their worst figure, then by confidence."""
+    """Return an order of lines: failed ones, unsure ones by confidence, then by worst figures."""
     failed = line.failed
-    rank = 2.0 if line.outcome == "failed" else 1.0 if failed else 0.0
     confidence = 1.0 if line.confidence is None else line.confidence
     most = max(map(share_of_limit, failed or line.figures), default=0.0)
-    return rank, most, 1 - confidence
+    if line.unsure and line.outcome != "failed":
+        return 2.0, 1 - confidence, most
+    return 3.0 if line.outcome == "failed" else 1.0 if failed else 0.0, most, 1 - confidence
 
 
 def share_of_limit(figure: JudgedFigure) -> float:

@@ -30,7 +30,7 @@ from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.files.temporary import temporary_name, this_process
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.schedule import DOUBTFUL, Schedule
 
 MAX_FINDINGS = 3
 """Maximum number of findings of a figure in a report."""
@@ -184,9 +184,9 @@ class LineMaker:
         ]
         confidence = animation.schedule.confidence
         if confidence is not None:
-            least = self.settings.limits.get(CONFIDENCE)
-            most = None if least is None else 1 - least
-            figures.append(JudgedFigure(TIMING_DOUBT, 1 - confidence, "", most))
+            stated = CONFIDENCE in self.settings.limits
+            most = 1 - self.settings.limits.get(CONFIDENCE, DOUBTFUL)
+            figures.append(JudgedFigure(TIMING_DOUBT, 1 - confidence, "", most, binding=stated))
         return needs, tuple(figures)
 
     def _made(

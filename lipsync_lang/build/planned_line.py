@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple
 
+from lipsync_lang.schedules.schedule import DOUBTFUL
+
 CONFIDENCE = "confidence"
 """Limit of a project that is a minimum: the confidence of an alignment."""
 
@@ -89,6 +91,11 @@ class BuiltLine:
         if self.outcome == "failed":
             return "failed"
         return "over" if self.failed else "doubted" if self.doubted else "passed"
+
+    @property
+    def unsure(self) -> bool:
+        """True if the recording may not hold the text of the line."""
+        return self.confidence is not None and self.confidence < DOUBTFUL
 
     @property
     def failed(self) -> tuple[JudgedFigure, ...]:

@@ -120,6 +120,7 @@ class JsonReport:
             "kept": list(heading.kept),
             "seconds": round(heading.seconds, 3),
             "confidence": tally.mean_confidence,
+            "doubtful": tally.doubtful,
             "units": {name: one.unit for (name, _), one in tally.figures.items()},
         }
         out.write(json.dumps(head, indent=1)[:-2] + ',\n "rows": [')

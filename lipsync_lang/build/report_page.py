@@ -106,8 +106,8 @@ class WorstRow:
     @property
     def badness(self) -> float:
         """Number by which rows are sorted."""
-        rank, most, doubt = badness(self.built)
-        return rank * 1e6 + min(most, 1e5) + doubt * 1e-3
+        rank, first, then = badness(self.built)
+        return rank * 1e6 + min(first, 1e5) + min(then, 1.0) * 1e-3
 
     @cached_property
     def shown(self) -> list[tuple[str, JudgedFigure]]:

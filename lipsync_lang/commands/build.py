@@ -242,13 +242,14 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
     yield f"{told}, {figures['current']} up to date, {figures['failed']} failed"
     for one in over:
         line = one.line
-        worst = ", ".join(f"{figure.name} {figure.value:.3g}" for figure in one.failed)
-        yield f"{line.place}: {line.name}, {line.language} on {line.character}: {worst}"
+        worst = [f"{figure.name} {figure.value:.3g}" for figure in one.failed]
+        worst += [f"the recording may hold other words ({one.confidence:.0%})"] * one.unsure
+        yield f"{line.place}: {line.name}, {line.language} on {line.character}: {', '.join(worst)}"
     if figures["over_limits"]:
         yield f"{count(figures['over_limits'], 'line')} past a limit of the project"
     if figures["doubted"]:
-        told = f"{count(figures['doubted'], 'line')} past a limit of the face"
-        yield f"{told}; state `limits` in the project if they should fail the build"
+        told = f"{count(figures['doubted'], 'line')} doubtful: past a recommended limit of the face"
+        yield f"{told}, or unlike the recording; `limits` in the project make them fail the build"
     if figures["deleted"]:
         deleted = figures["deleted"]
         yield f"{count(len(deleted), 'file')} deleted: {shortlist(deleted, MAX_NAMED)}"

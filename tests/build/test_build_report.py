@@ -15,9 +15,11 @@ from hypothesis import strategies as st
 
 from lipsync_lang.build import build_tally
 from lipsync_lang.build.build_tally import BINS, BuildHeading, BuildTally, badness, worst_lines
+from lipsync_lang.build.making import TIMING_DOUBT
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.report_files import write_report
 from lipsync_lang.errors import OutputError
+from lipsync_lang.schedules.schedule import DOUBTFUL
 
 LANGUAGES, CHARACTERS = ("english", "german"), ("facefx", "crab", "arkit")
 HEADING = BuildHeading("The Long Night", 3, 17, 1, ("takes/kept.csv",), 12.5)
@@ -277,8 +279,8 @@ def test_what_only_the_face_advises_fails_nothing(report):
 
     line = made(1, speed=20.0)
     text = report([Advised(**{name: getattr(line, name) for name in vars(line)})])
-    assert "The build passes." in text
-    assert "1\N{NO-BREAK SPACE}line more is beyond the advice of their face" in text
+    assert "The build fails." not in text
+    assert "it exceeds the recommended limits of the pose set" in text
 
 
 # Files
@@ -314,3 +316,37 @@ def test_bars_of_few_lines_are_seen():
     bars = figure_bars(tally.figures["speed", False])
     assert f"v-{LEAST_BAR}h8" in bars.over
     assert bars.within.count("M") + bars.over.count("M") <= BINS
+
+
+# Doubtful lines
+
+
+def aligned(number, confidence, **figures):
+    """Return a line as it is made from a recording, without a limit of confidence."""
+    line = made(number, confidence=confidence, **figures)
+    doubt = JudgedFigure(TIMING_DOUBT, 1 - confidence, "", 1 - DOUBTFUL, binding=False)
+    return replace(line, figures=(*line.figures, doubt))
+
+
+def test_lines_unlike_their_recordings_come_first_by_confidence(report):
+    lines = [aligned(1, 0.9, speed=12.6), aligned(2, 0.4), aligned(3, 0.0), aligned(4, 0.02)]
+    tally = BuildTally()
+    for line in [*lines, made(5, lips=0.9), made(6, failed=True)]:
+        tally.add(line)
+    assert [one.line.name for one in tally.worst()] == ["l6", "l3", "l4", "l2", "l5", "l1"]
+    assert tally.unsure == 3
+    rows = [float(row["data-badness"]) for row in Read(report(lines)).every("tr")
+            if "data-badness" in row]  # fmt: skip
+    assert rows == sorted(rows, reverse=True)
+
+
+def test_no_headline_says_that_a_build_with_doubtful_lines_passes(report):
+    sound = aligned(1, 0.9)
+    assert "The build passes." in report([sound])
+    text = report([sound, aligned(2, 0.1)])
+    assert "passes" not in text.split("<script>")[0].split("</header>")[0]
+    assert "1\N{NO-BREAK SPACE}recording may not hold the text of the line." in text
+    advised = JudgedFigure("speed", 13.0, "per second", 12.0, binding=False)
+    text = report([sound, replace(sound, figures=(advised,))])
+    assert "it exceeds the recommended limits of the pose set" in text
+    assert json.loads(report([sound, aligned(2, 0.1)], ".json"))["doubtful"] == 1
