@@ -36,11 +36,12 @@ from lipsync_lang.packs.models.schema import schema
 from lipsync_lang.packs.yaml.faults import fault_codes
 from lipsync_lang.pipeline import motion
 from lipsync_lang.quality.measures import load_measures
-from lipsync_lang.rigs.loss import losses
+from lipsync_lang.rigs.recognise import losses
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
 
 HERE = Path(__file__).parent / "reference"
 README = Path(__file__).parents[1] / "README.md"
+INDEX = Path(__file__).parent / "README.md"
 DEVELOPMENT = Path(__file__).parent / "contributing" / "development.md"
 MADE = "<!-- Written by docs/build_reference.py; change the code, then run that. -->\n"
 
@@ -389,7 +390,7 @@ COUNTED = {
     "languages": re.compile(r"\d+(?= languages\b|, or yours)"),
     "pose sets": re.compile(r"\d+(?= pose sets\b)"),
 }
-"""Numbers in the README, by the things that they count."""
+"""Numbers in the README and the index, by the things that they count."""
 """Engines that read text, in words."""
 
 
@@ -413,9 +414,9 @@ def languages() -> str:
             "# Languages",
             (
                 "These languages have a pack. Each has tests, which are words from a source "
-                "outside this program with their phonemes there, and a list of known errors. "
-                "`lipsync-lang languages show NAME` prints one language as a table of its sounds, "
-                "their mouths, and the reasons."
+                "outside this program with their phonemes there, and "
+                "[known errors](known-errors.md). `lipsync-lang languages show NAME` prints one "
+                "language as a table of its sounds, their mouths, and the reasons."
             ),
             (
                 "A language without a pack works as `-l espeak:CODE` or `-l epitran:CODE`, if "
@@ -443,13 +444,43 @@ def languages() -> str:
                         _read_by(model),
                         _spoken_by(model),
                         str(len(model.tests)),
-                        " ".join(model.caveats) or "-",
+                        f"[{len(model.caveats)}](known-errors.md#{_anchor(model)})"
+                        if model.caveats
+                        else "-",
                     )
                     for model in known()
                 ],
             ),
         ]
     )
+
+
+def known_errors() -> str:
+    """List the known errors of every built-in language."""
+    faulty = [model for model in known() if model.caveats]
+    sound = ", ".join(_titled(model) for model in known() if not model.caveats)
+    return "\n\n".join(
+        [
+            "# Known errors of the languages",
+            (
+                "Each language pack states under `caveats` the text that is read wrongly, and what "
+                "helps. `lipsync-lang languages show NAME` prints these notes too. To mend a word, "
+                "[pronounce it](../how-to/pronounce-a-word.md). "
+                f"The packs of these languages name no error: {sound}."
+            ),
+            *(
+                "\n\n".join(
+                    [f"## {_titled(model)}", "\n".join(f"- {one}" for one in model.caveats)]
+                )
+                for model in faulty
+            ),
+        ]
+    )
+
+
+def _anchor(model: Language) -> str:
+    """Return the anchor of a language's heading."""
+    return re.sub(r"[^\w\- ]", "", _titled(model).lower()).replace(" ", "-")
 
 
 # The IPA in all languages
@@ -619,6 +650,7 @@ GROUPS = {
     "P0": "The file as YAML",
     "P1": "The form of one pack",
     "P2": "Contradictions between parts",
+    "P4": "A project and its build",
     "W3": "Warnings: valid, but probably a mistake",
 }
 
@@ -650,7 +682,6 @@ def faults() -> str:
 
 
 # Motion
-    "P4": "A project and its build",
 
 
 def motions() -> str:
@@ -858,6 +889,7 @@ def formats() -> str:
 PAGES = {
     "commands.md": commands,
     "languages.md": languages,
+    "known-errors.md": known_errors,
     "ipa.md": ipa_table,
     "posesets.md": posesets,
     "packs.md": packs,
@@ -880,7 +912,8 @@ if __name__ == "__main__":
     for name in PAGES:
         (HERE / name).write_text(page(name), encoding="utf-8")
         sys.stdout.write(f"{HERE / name}\n")
-    README.write_text(readme(README.read_text(encoding="utf-8")), encoding="utf-8")
-    sys.stdout.write(f"{README}\n")
+    for counted in (README, INDEX):
+        counted.write_text(readme(counted.read_text(encoding="utf-8")), encoding="utf-8")
+        sys.stdout.write(f"{counted}\n")
     DEVELOPMENT.write_text(development(DEVELOPMENT.read_text(encoding="utf-8")), encoding="utf-8")
     sys.stdout.write(f"{DEVELOPMENT}\n")

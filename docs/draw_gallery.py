@@ -1,19 +1,21 @@
-"""Draw the moving pictures of the gallery: every pose set says one line.
+"""Draw the moving pictures of the gallery, and the same with sound: every pose set says one line.
 
     python docs/draw_gallery.py [--only NAME ...] [FOLDER]
 
 A pose set with a model is filmed on its own model. A pose set of drawings is drawn as a simple
 face in two dimensions. Every other pose set has no model of its own, so its weights move the FaceFX
 head: a fit over the targets of both sets finds the FaceFX poses that each of its poses is worth.
-The bars always show the weights of the pose set itself. Needs the extra `speech`, Pillow and scipy.
-The pictures go into docs/images, or into another folder.
+The bars always show the weights of the pose set itself. Needs the extras `speech` and
+`video`, and scipy. The pictures and films go into docs/images, or into another folder.
 """  # noqa: INP001 a script, not a package
 
 from __future__ import annotations
 
 import argparse
+import subprocess
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,10 +24,12 @@ from PIL import Image, ImageDraw, ImageFont
 from scipy.optimize import nnls
 
 import lipsync_lang as ll
+from lipsync_lang.animations.writers.wav import write_samples
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged, sweep
+from lipsync_lang.render.video import CODECS, COLOURS, REPRODUCIBLE_FLAGS, find_ffmpeg
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -41,7 +45,10 @@ WIDTH, HEIGHT = FACE + BARS, FACE + FOOT
 FINE = 3
 """Samples per pixel and direction of drawings and text."""
 
-FPS, QUALITY = 15, 60
+FPS, QUALITY = 30, 60
+STEP = 2
+"""Frames of a film for each frame of a picture."""
+
 SEEN = 0.05
 """A pose that never reaches this weight has no bar."""
 
@@ -233,9 +240,8 @@ def words(schedule: ll.Schedule, seconds: float) -> Image.Image:
     return image.resize((WIDTH, FOOT), Image.Resampling.LANCZOS)
 
 
-def frames(name: str) -> list[Image.Image]:
-    """Draw a pose set that says the line."""
-    schedule = ll.speak(TEXT, LANGUAGE)
+def frames(name: str, schedule: ll.Schedule) -> tuple[float, list[Image.Image]]:
+    """Draw a pose set that says the line; return the time of the first frame, and all frames."""
     animation = ll.resolve(LANGUAGE, name).perform(schedule, fps=60)
     times = np.arange(animation.times[0], animation.times[-1], 1 / FPS)
     if name in DRAWN:
@@ -249,7 +255,25 @@ def frames(name: str) -> list[Image.Image]:
         page.paste(bars(animation, seconds), (FACE, 0))
         page.paste(words(schedule, seconds), (0, FACE))
         pages.append(page)
-    return pages
+    return float(times[0]), pages
+
+
+def film(
+    pages: list[Image.Image], start: float, schedule: ll.Schedule, path: Path, fps: int = FPS
+) -> None:
+    """Write frames from a time on, with the sound, which begins at zero seconds."""
+    audio = schedule.audio
+    whole = round(len(pages) / fps * audio.rate)
+    samples = np.pad(audio.samples, (round(-start * audio.rate), whole))[:whole]
+    width, height = pages[0].size
+    with TemporaryDirectory() as folder:
+        sound = Path(folder) / "sound.wav"
+        with sound.open("wb") as stream:
+            write_samples(samples, audio.rate, stream)
+        form = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{fps}"]
+        command = [find_ffmpeg(), "-loglevel", "error", "-y", *form, "-i", "-", "-i", str(sound)]
+        command += [*COLOURS, *CODECS["mp4"], *REPRODUCIBLE_FLAGS, str(path)]
+        subprocess.run(command, input=b"".join(p.tobytes() for p in pages), check=True)  # noqa: S603
 
 
 def main() -> None:
@@ -259,12 +283,15 @@ def main() -> None:
     parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parent / "images")
     parser.add_argument("--only", nargs="+", choices=names, default=names)
     options = parser.parse_args()
+    schedule = ll.speak(TEXT, LANGUAGE)
     for name in options.only:
-        first, *rest = frames(name)
+        start, pages = frames(name, schedule)
+        first, *rest = pages[::STEP]
         first.save(
             options.folder / f"gallery-{name}.webp", save_all=True, append_images=rest,
-            duration=round(1000 / FPS), loop=0, quality=QUALITY, method=6,
+            duration=round(1000 * STEP / FPS), loop=0, quality=QUALITY, method=6,
         )  # fmt: skip
+        film(pages, start, schedule, options.folder / f"gallery-{name}.mp4")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 
 The recording is a sentence of LibriSpeech (CC BY 4.0) in the folder that LIPSYNC_LANG_TEST_DATA
 names. Its text is aligned as `lipsync-lang run --audio` does it. Needs the extras `audio`, `speech`
-and `video`. The picture goes into docs/images, or into another folder.
+and `video`. The picture, and a film with the sound, go into docs/images, or into another folder.
 """  # noqa: INP001 a script, not a package
 
 from __future__ import annotations
@@ -159,8 +159,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parent / "images")
     folder = parser.parse_args().folder
-    frames = [*Page(performed()).frames()]
+    from draw_gallery import film  # beside this script
+
+    page = Page(performed())
+    frames = [*page.frames()]
     moving(frames, folder / "talking.webp")
+    film(frames, page.begin, page.animation.schedule, folder / "talking.mp4", FPS)
 
 
 if __name__ == "__main__":

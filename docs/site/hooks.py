@@ -6,6 +6,7 @@
 - Pages of the repository's root belong to the site. Links between the folders stay as GitHub
   needs them, and lead to the right page here.
 - Scripts and data are left out. One that a page links to is copied as text.
+- A moving picture with a film beside it is that film, with controls and sound.
 - Markdown between tags of HTML is Markdown, as on GitHub.
 - The headings of a table's columns say how long its texts are, for the widths in site.css.
 - Blocks that tests run state a file (`title`, `edits`, `shows`) and an exit code. Here they get a
@@ -15,6 +16,7 @@
 import posixpath
 import re
 from collections.abc import Iterator
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +49,9 @@ API = re.compile(r"^<!-- api: ([\w.]+?(\w+)) -->\n.*?^<!-- end -->$", re.MULTILI
 
 TABLE = re.compile(r"<table>.*?</table>", re.DOTALL)
 CELL = re.compile(r"<t([hd])\b[^>]*>(.*?)</t\1>", re.DOTALL)
+PICTURE = re.compile(r"!\[(?P<told>[^\]]*)\]\((?P<path>[^)\s]+\.webp)\)")
+"""A moving picture; a film of the same name beside it has the sound."""
+
 LENGTHS = {250: "passage", 80: "sentence", 20: "words"}
 """Classes of columns by the characters that their longest cell exceeds, longest first."""
 WIDE = re.compile(r'<th class="(sentence|passage)"')
@@ -178,6 +183,17 @@ def _plain(text: str) -> str:
 def _relinked(text: str, source: Path) -> str:
     here = posixpath.dirname(address(source))
 
+    def filmed(found: re.Match[str]) -> str:
+        film = (source.parent / found["path"]).resolve().with_suffix(".mp4")
+        if not film.is_file():
+            return found[0]
+        place = posixpath.relpath(address(film), here or ".")
+        told = escape(" ".join(found["told"].split()))
+        return (
+            f'<video controls loop playsinline preload="metadata" src="{place}" '
+            f'poster="{place.removesuffix(".mp4")}.webp" aria-label="{told}"></video>'
+        )
+
     def relinked(found: re.Match[str]) -> str:
         target = (source.parent / found["path"]).resolve()
         if ":" in found["path"] or not target.is_relative_to(ROOT):
@@ -187,7 +203,7 @@ def _relinked(text: str, source: Path) -> str:
         path = posixpath.relpath(address(target), here or ".")
         return f"{found['before']}{path}{found['anchor'] or ''}{found['after']}"
 
-    return LINK.sub(relinked, text)
+    return LINK.sub(relinked, PICTURE.sub(filmed, text))
 
 
 def _fence(block: re.Match[str]) -> str:

@@ -18,22 +18,27 @@ def add_new(add: Add) -> None:
     made = add(
         "new",
         new,
-        "make a project: a new folder, or the project file of your recordings and table",
+        "make a project: a new folder, or the project file of your script and recordings",
         "new my-game -l finnish",
     )
     made.add_argument("name", metavar="NAME", nargs="?", help="the name of the new folder")
     made.add_argument(
+        "--example", metavar="EXAMPLE",
+        help="copy an example: a built-in language or pose set, or a whole game; a wrong name "
+        "lists them",
+    )  # fmt: skip
+    made.add_argument(
         "--recordings", metavar="FOLDER", type=Path,
-        help="make a project of this folder of recordings in the current folder, with --from",
+        help="the folder of the recordings of --from, if there are any",
     )  # fmt: skip
     made.add_argument(
         "--from", metavar="TABLE", type=Path, dest="table",
-        help="the script of the recordings, one row for each line",
+        help="make a project of this script in the current folder, one row for each line",
     )  # fmt: skip
     made.add_argument(
         "-l", "--language", metavar="LANGUAGE", dest="new_language",
-        help="the language of the lines, by name or tag [english; of recordings, from their "
-        "folders or a column]",
+        help="the language of the lines, by name or tag [from the columns of --from or "
+        "the folders of --recordings, else english]",
     )  # fmt: skip
     made.add_argument(
         "-c", "--character", metavar="CHARACTER", action="append", default=[], dest="characters",
@@ -45,21 +50,22 @@ def add_new(add: Add) -> None:
 
 
 def new(options: Namespace) -> int:
-    """Make a project folder, or write the project file of recordings and their table."""
-    given = [option is not None for option in (options.recordings, options.table)]
-    if any(given) != all(given):
-        raise LipsyncError("--recordings FOLDER and --from TABLE belong together; give both")
-    if all(given) and options.name is not None:
+    """Make a project folder, copy an example, or write the project file of a script."""
+    if options.example is not None:
+        return _of_example(options)
+    if options.table is None and options.recordings is not None:
+        raise LipsyncError("--recordings FOLDER needs their script too: --from TABLE")
+    if options.table is not None and options.name is not None:
         raise LipsyncError(
-            f"NAME '{options.name}' makes a new folder, and --recordings and --from a project in "
-            "the folder that holds both; leave one of the two out"
+            f"NAME '{options.name}' makes a new folder, and --from a project in the current one; "
+            "leave one of the two out"
         )
-    if all(given):
-        return _of_recordings(options)
+    if options.table is not None:
+        return _of_table(options)
     if options.name is None:
         raise LipsyncError(
-            "give the NAME of the new folder, or --recordings FOLDER and --from TABLE to make a "
-            "project of both in this folder"
+            "give the NAME of the new folder, --example EXAMPLE to copy an example, or --from "
+            "TABLE, with --recordings FOLDER if there are any, to make a project in this folder"
         )
     if len(options.characters) > 1:
         raise LipsyncError(f"a new folder has one character; add others to `cast` in its {FILE}")
@@ -77,7 +83,24 @@ def new(options: Namespace) -> int:
     return SOUND
 
 
-def _of_recordings(options: Namespace) -> int:
+def _of_example(options: Namespace) -> int:
+    """Copy an example, and name the command that uses it."""
+    from lipsync_lang.authoring.examples import copy_example
+
+    others = (options.recordings, options.table, options.new_language, *options.characters)
+    if any(other is not None for other in others):
+        raise LipsyncError("--example copies an example as it is; leave out the other options")
+    copied = copy_example(options.example, options.name and Path(options.name))
+    for path in copied:
+        tell_written(path)
+    folder = next((path.parent for path in copied if path.name == FILE), None)
+    quoted = f'"{folder}"' if " " in str(folder) else folder
+    after = f"cd {quoted}, then: lipsync-lang build" if folder else "lipsync-lang validate"
+    print(f"next: {after}", file=sys.stderr)
+    return SOUND
+
+
+def _of_table(options: Namespace) -> int:
     """Write `lipsync.yaml`, and print the numbers of its lines and the faults of the script."""
     from lipsync_lang.build.new_project import new_project
     from lipsync_lang.build.project_folder import starter

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 READINGS_FILE = "readings.sqlite"
 
 MAX_READINGS_BYTES = 2**29
-"""Maximum size of the file, which then begins anew."""
+"""Maximum size of the file, which is then deleted."""
 
 KEY_BYTES = 16
 """Length of the digest of a text with its settings."""

@@ -14,9 +14,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from lanes import full
+from pages import follow_here
 from places import ROOT, TESTS
 from small_models import glb
-from test_docs import follow
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
@@ -254,7 +254,7 @@ def test_the_face_keeps_time_with_its_sound(engine, tmp_path, monkeypatch, capsy
     if importlib.util.find_spec("espeakng_loader") is None:
         pytest.skip("nothing speaks: espeakng_loader is an extra")
     monkeypatch.chdir(tmp_path)
-    follow(PAGE, capsys)
+    follow_here(PAGE, capsys)
     project = tmp_path / "project"
     project.mkdir()
     for name in ("hello.glb", "hello.wav", "speaking.gd"):

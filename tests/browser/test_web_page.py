@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lanes import full
+from pages import follow_here
 from test_consumers import chromium, found, run
-from test_docs import follow
 
 import lipsync_lang as ll
 
@@ -31,7 +31,7 @@ def played(tmp_path, monkeypatch, capsys):
     if importlib.util.find_spec("espeakng_loader") is None:
         pytest.skip("nothing speaks: espeakng_loader is an extra")
     monkeypatch.chdir(tmp_path)
-    follow(PAGE, capsys)
+    follow_here(PAGE, capsys)
     return run(node, HERE / "web.mjs", modules, chromium(), tmp_path, json.dumps(ASKED))
 
 

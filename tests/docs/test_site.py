@@ -92,6 +92,17 @@ def test_links_between_folders_lead_to_pages_of_the_site():
     )
 
 
+def test_a_moving_picture_with_a_film_beside_it_is_that_film():
+    page, text = ROOT / "docs/gallery.md", '![A "mouth"](images/gallery-crab.webp)'
+    assert HOOKS._relinked(text, page) == (  # noqa: SLF001
+        '<video controls loop playsinline preload="metadata" src="images/gallery-crab.mp4" '
+        'poster="images/gallery-crab.webp" aria-label="A &quot;mouth&quot;"></video>'
+    )
+    assert HOOKS._relinked(text, ROOT / "README.md") == text  # noqa: SLF001 no such file there
+    text = "![A face](docs/images/talking.webp)"
+    assert 'src="../images/talking.mp4"' in HOOKS._relinked(text, ROOT / "README.md")  # noqa: SLF001
+
+
 @pytest.mark.parametrize(
     ("block", "shown"),
     [

@@ -6,8 +6,8 @@ from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
+from pages import blocks
 from places import ROOT
-from test_docs import blocks
 
 import lipsync_lang as ll
 

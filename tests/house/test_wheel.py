@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from lanes import full
+from pages import DOING, LEARNED, Ended, beyond, follow, named, readme_extras
 from places import ROOT
 
 import lipsync_lang as ll
@@ -52,14 +53,16 @@ def dist(root, tmp_path_factory):
     return folder
 
 
-def installed_in(python, folder, dist):
+def installed_in(python, folder, dist, extras=()):
     """Install the wheel into a new environment of a Python; return the folder of its programs."""
     made = run(python, "-m", "venv", folder)
     assert made.returncode == 0, made.stdout + made.stderr
     programs = folder / ("Scripts" if sys.platform == "win32" else "bin")
     (wheel,) = dist.glob("*.whl")
     options = ["--quiet", "--disable-pip-version-check", "--prefer-binary"]
-    done = run(programs / "python", "-m", "pip", "install", *options, wheel)
+    done = run(
+        programs / "python", "-m", "pip", "install", *options, f"{wheel}[{','.join(extras)}]"
+    )
     if done.returncode and any(words in done.stderr for words in UNREACHABLE):
         pytest.skip("pip reaches no index to install the wheel's requirements from")
     assert done.returncode == 0, done.stderr
@@ -73,13 +76,25 @@ def installed(dist, tmp_path_factory):
     return installed_in(sys.executable, folder, dist)
 
 
+@pytest.fixture(scope="module")
+def readers(dist, tmp_path_factory):
+    """Programs of an environment with the extras of the README."""
+    folder = tmp_path_factory.mktemp("reader")
+    return installed_in(sys.executable, folder, dist, sorted(readme_extras()))
+
+
 @pytest.fixture
-def start(installed, tmp_path, monkeypatch):
-    """Run the installed command in an empty folder outside the checkout."""
+def outside(tmp_path, monkeypatch):
+    """An empty folder outside the checkout, as the current one."""
     for name in ("PYTHONPATH", "LIPSYNC_LANG_PATH", "VIRTUAL_ENV"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path.with_name("wheel-cache")))
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def start(installed, outside):  # noqa: ARG001 the current folder
+    """Run the installed command in an empty folder outside the checkout."""
     return lambda *arguments: run(installed / "lipsync-lang", *arguments)
 
 
@@ -105,6 +120,7 @@ def tracked(root, *folders):
 def test_the_wheel_holds_the_code_and_the_packs_and_nothing_else(dist, root):
     (wheel,) = dist.glob("*.whl")
     packs = {f"lipsync_lang/data/{name}" for name in tracked(root, "languages", "posesets")}
+    packs |= {f"lipsync_lang/data/{name}" for name in tracked(root / "docs", "examples")}
     code = {name for name in tracked(root, "lipsync_lang") if Path(name).suffix not in LIBRARIES}
     assert "lipsync_lang/py.typed" in code
     assert "lipsync_lang/data/languages/common.yaml" in packs
@@ -242,3 +258,21 @@ def test_extras_that_are_missing_are_named(start):
     assert 'pip install "lipsync-lang[plot]"' in done.stderr
     assert done.stderr.count("\n") == 1
     assert {path.name for path in Path().iterdir()} == {"line.json"}
+
+
+@pytest.mark.parametrize("page", [page for page in LEARNED if page in DOING], ids=named)
+def test_a_reader_can_follow_a_page(page, readers, outside):  # noqa: ARG001 the current folder
+    if more := beyond(page, readme_extras()):
+        pytest.skip(f"{named(page)} asks for more than the README, which lacks {', '.join(more)}")
+    said = []
+
+    def start(words):
+        ended = run(readers / "lipsync-lang", *words)
+        return Ended(ended.returncode, ended.stdout, ended.stderr)
+
+    def perform(text):
+        said.append(text)  # later blocks use names of earlier ones
+        ended = run(readers / "python", "-c", "\n".join(said))
+        assert ended.returncode == 0, ended.stderr
+
+    follow(page, start, perform)
