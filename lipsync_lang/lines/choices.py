@@ -46,14 +46,16 @@ def chosen(text: str, values: Mapping[str, str], depth: int = 0) -> str:
 
 
 def _ends(text: str) -> dict[int, int]:
-    """Map each opening brace to its closing one."""
+    """Map each opening brace to its closing one; those of inner choices only to `MAX_DEPTH`."""
     opened: list[int] = []
     ends: dict[int, int] = {}
     for found in re.finditer(r"[{}]", text):
         if found[0] == "{":
             opened.append(found.start())
         elif opened:
-            ends[opened.pop()] = found.start()
+            start = opened.pop()
+            if len(opened) < MAX_DEPTH:
+                ends[start] = found.start()
     return ends
 
 

@@ -50,7 +50,7 @@ APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
 """An apostrophe within a word, in any of its spellings."""
 
 RUBY_TAG = r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>|\{rt\}(?:(?!\{rt\}).)*?\{/rt\}"
-ALIAS_TAG = r"<sub\s[^<>]*?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<>]*>[^<>]*</sub>"
+ALIAS_TAG = r"<sub\s[^<>]{0,200}?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<>]*>[^<>]*</sub>"
 MARKUP_TAG = (
     r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|</>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
 )
@@ -87,7 +87,7 @@ EMOTICONS = (
 )
 """Emoticons."""
 BULLET = r"^(?:[-+*]+ )+(?=\D)"
-SYMBOLS = rf"{BULLET}|{SYMBOL}(?:\u200d?{SYMBOL})*|<3+(?!\d)|[-=]+>|<[-=]+|>{{2,}}|<{{2,}}"
+SYMBOLS = rf"{BULLET}|{SYMBOL}(?:\u200d?{SYMBOL})*|<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{{2,}}|<{{2,}}"
 WAVES = r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"
 
 MARKUP_FORMS = (
@@ -121,6 +121,8 @@ TAGS_BEFORE = re.compile(r"(?: |\{[^{}]*\}|<[^<>]*>)+$")
 TAGS_AFTER = re.compile(r"^(?: |\{[^{}]*\}|<[^<>]*>)+")
 SEEN_CHARS = 200
 """Number of characters examined on each side of an aside."""
+MAX_MOVED_GAPS = 100
+"""Maximum number of gaps in a text with stray marks that is cleaned again; each reads the text."""
 MAX_UNSPOKEN_CHARS = 500
 """Longest passage between the two ends of an `unspoken` entry."""
 
@@ -172,7 +174,8 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     )
     found = TextCleaner(chosen(text, cleaning.values), cleaning).spoken()
     # The signs beside a stray mark may be markup without it, such as an emoticon.
-    again = spoken(found.text, cleaning) if found.remarks else found
+    twice = found.remarks and len(found.gaps) <= MAX_MOVED_GAPS
+    again = spoken(found.text, cleaning) if twice else found
     if again.text == found.text:
         return found
     gaps = {len(spoken(found.text[:gap], cleaning).text) for gap in found.gaps} | {*again.gaps}
@@ -207,7 +210,7 @@ class TextCleaner:
                 self._gaps.append(self._solid)
             done = at = found.end()
         self._say(self._sound(done, len(self.text)))
-        tidy = " ".join(PAUSED.sub(_paused, "".join(self._left)).split())
+        tidy = " ".join(PAUSED.sub(_paused, " ".join("".join(self._left).split())).split())
         said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)
         # Gaps are counted without spaces, because dropping markup changes the spaces around it.
         solid = (at for at, one in enumerate(said, 1) if not one.isspace() and one != PAUSE_MARK)

@@ -6,6 +6,7 @@ emphasise nothing, and are left out; between two letters or digits a space is le
 """
 
 import re
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -17,6 +18,10 @@ ESCAPED_STAR = r"\*"
 RUN, ESCAPES = re.compile(r"\*+"), re.compile(r"(?:\\\*)+")
 MAX_MARKED_CHARS = 1000
 """Maximum length of an emphasised passage, which also limits the search for a closing asterisk."""
+
+
+REACH_CHARS = 10_000
+"""Maximum distance of a word from the one before it."""
 
 
 class EmphasisedText(NamedTuple):
@@ -74,13 +79,13 @@ def _marks(text: str) -> Iterator[tuple[int, int, str | None]]:
 def touched(words: Iterable[str], text: str, spans: Sequence[tuple[int, int]]) -> list[bool]:
     """Return, for each word of a text in order, True if an emphasised span touches it."""
     found: list[bool] = []
-    at = 0
+    at, ahead = 0, deque(spans)
     for word in words:
         first = next(iter(word.split()), word)
-        start = text.find(first, at)
-        if start < 0:
-            found.append(False)
-            continue
-        at = start + len(first)
-        found.append(any(low < at and start < high for low, high in spans))
+        start = text.find(first, at, at + REACH_CHARS + len(first))
+        if start >= 0:
+            at = start + len(first)
+            while ahead and ahead[0][1] <= start:
+                ahead.popleft()
+        found.append(start >= 0 and bool(ahead) and ahead[0][0] < at)
     return found

@@ -12,6 +12,7 @@ contexts see the labels as the engine gave them.
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
+from itertools import accumulate
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
@@ -87,7 +88,7 @@ def _corrected(
     """Yield the labels of a word after correction, each with its stress."""
     labels = tuple(map(normalise, said.labels))
     folded = [plain(label).replace(_LENGTH_MARK, "ː") for label in labels]
-    starts = [sum(map(len, folded[:at])) for at in range(len(folded) + 1)]
+    starts = [0, *accumulate(map(len, folded))]
     sounds, written = "".join(folded), plain(said.text)[:MAX_WRITTEN_CHARS]
     at = 0
     while at < len(labels):

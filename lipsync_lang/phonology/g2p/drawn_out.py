@@ -18,6 +18,9 @@ MAX_COPIES = 3
 DRAWN_LETTERS = 3
 """Minimum number of equal letters in a drawn-out word."""
 
+MAX_RUNS = 100
+"""Maximum number of different letters in a row; no language has longer words."""
+
 SYLLABIC = ("CJK", "HIRAGANA", "KATAKANA", "HANGUL SYLLABLE", "BOPOMOFO", "YI ")
 """Starts of names of characters that are read as syllables, not as names of letters."""
 
@@ -72,6 +75,8 @@ def drawn_out(token: str, ordinary: Mapping[str, str]) -> ElongatedWord | None:
     if not _LONG_RUN.search(token):
         return None
     runs = [(letter, len(list(same))) for letter, same in groupby(token, key=str.casefold)]
+    if len(runs) > MAX_RUNS:
+        return None
     long = []
     for letter, count in runs:
         called = name(letter[0], "")

@@ -16,6 +16,9 @@ from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 MAX_ROMAN_CHARS = 12
 """Maximum number of letters of a Roman numeral."""
 
+SEEN_CHARS = 16
+"""Number of characters examined on each side of an abbreviation."""
+
 _ROMAN = re.compile(
     "M{0,3}"
     + "".join(
@@ -113,18 +116,23 @@ def _fits(found: re.Match[str], read: str) -> bool:
     key = found[0]
     if not key.endswith(".") or read.endswith("."):
         return True
-    after = found.string[found.end() :].lstrip(" \u00a0\u202f")
+    after = _seen_after(found).lstrip(" \u00a0\u202f")
     if len(key) == len("D."):
-        before = found.string[: found.start()].rstrip()
+        before = found.string[max(found.start() - SEEN_CHARS, 0) : found.start()].rstrip()
         return after[:1].isupper() and not before[-1:].isdigit()
     return not key[0].isupper() or any(map(str.isalnum, after[:3]))
+
+
+def _seen_after(found: re.Match[str]) -> str:
+    """Return the start of the text after a match; the whole rest would be copied for each match."""
+    return found.string[found.end() : found.end() + SEEN_CHARS]
 
 
 def _expanded(found: re.Match[str], read: str) -> str:
     """Return the expansion of a key with its numbers, and spaces before and after words."""
     for place, number in enumerate(found.groups(), start=1):
         read = read.replace(f"{{{place}}}", number)
-    rest = found.string[found.end() :]
+    rest = _seen_after(found)
     after = rest.lstrip()
     if read.endswith(".") and after and not after[:1].isupper():
         read = read[:-1]

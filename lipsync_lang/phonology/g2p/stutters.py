@@ -17,6 +17,9 @@ MAX_STUTTER_CHARS = 4
 """Maximum number of letters of a repeated start of a word."""
 
 
+MAX_STARTS = 20
+"""Maximum number of repeated starts of a word; a longer row of hyphens is no stutter."""
+
 _HYPHENS = re.compile("[-\u2010\u2011]")
 
 
@@ -31,7 +34,7 @@ def starts_of(token: str, vowels: str, hyphenated: Collection[str] = ()) -> tupl
     ()
     """
     parts = _HYPHENS.split(token)
-    if len(parts) == 1 or plain(token) in hyphenated:
+    if not 1 < len(parts) <= MAX_STARTS + 1 or plain(token) in hyphenated:
         return ()
     for number in range(len(parts) - 1, 0, -1):
         starts, word = parts[:number], parts[number]
