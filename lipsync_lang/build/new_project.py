@@ -1,7 +1,7 @@
-"""A project for a folder of recordings and a table, drafted from their common names.
+"""A project for a table, or for a table and its recordings, drafted from their common names.
 
-The column of ids is the one whose cells name the most recordings. Folders that are called like
-languages or speakers become placeholders.
+The column of ids is the one whose cells name the most recordings; without recordings, the name of
+the column tells. Folders that are called like languages or speakers become placeholders.
 """
 
 import os
@@ -11,10 +11,11 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
+from lipsync_lang.build.project_folder import starter
 from lipsync_lang.build.project_text import ProjectLayout, project_text
 from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files.names import folded_name
-from lipsync_lang.lines.columns import SPEAKER_COLUMNS, first_column, text_column
+from lipsync_lang.lines.columns import NAME_COLUMNS, SPEAKER_COLUMNS, first_column, text_column
 from lipsync_lang.lines.line_readers import LineFile, by_suffix, line_files
 from lipsync_lang.lines.table import cell
 from lipsync_lang.packs.finding import Finder, Kind
@@ -82,7 +83,7 @@ class NewProject(NamedTuple):
 
 
 def new_project(  # noqa: PLR0913 the parts of a draft
-    recordings: Path,
+    recordings: Path | None,
     table: Path,
     *,
     folder: Path,
@@ -90,14 +91,15 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     language: str | None = None,
     characters: Sequence[str] = (),
 ) -> NewProject:
-    """Draft the project of a folder of recordings and a table.
+    """Draft the project of a table, and of a folder of recordings if there is one.
 
     Parameters
     ----------
-    recordings : folder of recordings, with folders for languages or speakers
+    recordings : folder of recordings, with folders for languages or speakers; None for none yet
     table : the script, a row for each line
     folder : the project's folder, which holds both
-    language : of the recordings; None if folders or columns tell
+    language : of the recordings; None if folders or columns tell; without recordings, all columns
+        that are named after languages, or else the language of new projects
 
     Raises
     ------
@@ -105,17 +107,22 @@ def new_project(  # noqa: PLR0913 the parts of a draft
         The two have nothing in common, or a language or character is not known.
     """
     for path in (recordings, table):
-        if not path.resolve().is_relative_to(folder.resolve()):
+        if path is not None and not path.resolve().is_relative_to(folder.resolve()):
             what = "move both into it, or start in the folder of both"
             raise LipsyncError(f"{path}: is outside of {folder}, the project's folder; {what}")
-    found, suffix = recordings_below(recordings, folder)
+    found, suffix = recordings_below(recordings, folder) if recordings else ([], "")
     cells = read_cells(table)
-    ids = find_ids(found, cells, recordings, table)
+    ids = find_ids(found, cells, recordings, table) if recordings else _named_ids(cells, table)
     speaker = first_column(cells.head, SPEAKER_COLUMNS, [ids.column])
     named = {ids.stem(name) for name in cells.at(ids.column)}
     matching = [one for one in found if folded_name(one.stem) in named]
-    pattern, words = _folders(matching, cells.at(speaker), finder)
-    languages, text = _languages(cells, {ids.column, speaker}, words, finder, language)
+    taken = {ids.column, speaker}
+    if matching:
+        pattern, words = _folders(matching, cells.at(speaker), finder)
+    else:
+        usual = starter().language
+        pattern, words = [], _headed(cells, taken, finder) or {usual: usual}
+    languages, text = _languages(cells, taken, words, finder, language)
     for name in characters:
         if not any(finder.lookup(kind, name) for kind in FACE_KINDS):
             raise finder.unknown(name, *FACE_KINDS)
@@ -124,7 +131,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
         raise LipsyncError(f"the character is missing; name one of: {', '.join(known)}")
     layout = ProjectLayout(
         lines=table.resolve().relative_to(folder.resolve()).as_posix(),
-        audio="/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]),
+        audio="/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
         columns={"id": cells.head[ids.column], **text}
         | ({"speaker": cells.head[speaker]} if speaker >= 0 else {}),
         languages=languages,
@@ -200,6 +207,18 @@ def find_ids(
     )
 
 
+def _named_ids(cells: Cells, table: Path) -> IdColumn:
+    """Return the column that is named like one of ids."""
+    column = first_column(cells.head, NAME_COLUMNS)
+    if column < 0:
+        known = ", ".join(NAME_COLUMNS)
+        raise LipsyncError(
+            f"{table}:1: no column is named like one of ids ({known}); rename the column of ids, "
+            f"or add one. Its columns: {', '.join(cells.head)}"
+        )
+    return IdColumn(column)
+
+
 def _within(stems: Collection[str], cells: Cells, at: int) -> Iterator[IdColumn]:
     """Yield the text around cells of a column in names of recordings, most frequent first."""
     names = {folded_name(one) for one in cells.at(at)[:MAX_COMPARED]}
@@ -234,15 +253,20 @@ def _folders(
     return pattern, languages
 
 
-def _languages(
-    cells: Cells, taken: Collection[int], folders: dict[str, str], finder: Finder, asked: str | None
-) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the words of languages, and their text column if the project must state it."""
-    heads = {
+def _headed(cells: Cells, taken: Collection[int], finder: Finder) -> dict[str, str]:
+    """Return the names of columns with texts by the languages that they are called like."""
+    return {
         own: name
         for at, name in enumerate(cells.head)
         if at not in taken and cells.at(at) and (own := _language(finder, name))
     }
+
+
+def _languages(
+    cells: Cells, taken: Collection[int], folders: dict[str, str], finder: Finder, asked: str | None
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the words of languages, and their text column if the project must state it."""
+    heads = _headed(cells, taken, finder)
     if asked is not None:
         own = _language(finder, asked)
         if own is None:
@@ -277,6 +301,8 @@ def _matches(
     matching: Sequence[FoundRecording],
 ) -> tuple[str, ...]:
     """Count matched and unmatched lines and recordings, with examples."""
+    if not found:
+        return ()
     there = {folded_name(one.stem) for one in found}
     silent = [name for name in names if ids.stem(name) not in there]
     known = set(matching)

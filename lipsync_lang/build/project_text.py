@@ -24,7 +24,7 @@ languages: {languages}
 
 # The recording of a line. A voice speaks the lines that have none. Timed phonemes beside it, such
 # as a TextGrid, are found by themselves; state `timings: ...` for those in another folder.
-audio: {audio}
+{audio}
 
 # The characters of each speaker; "*" is everybody else.
 cast: {cast}{speakers}
@@ -42,7 +42,7 @@ class ProjectLayout(NamedTuple):
     """Contents of a drafted project."""
 
     lines: str
-    audio: str
+    audio: str | None
     columns: dict[str, str]
     languages: dict[str, str]
     characters: list[str]
@@ -59,9 +59,11 @@ def project_text(layout: ProjectLayout) -> str:
         f"\n#   {json.dumps(one, ensure_ascii=False)}: ..."
         for one in layout.speakers[:SHOWN_SPEAKERS]
     )
+    recorded = flow(f"vo/{several}{{id}}.wav")
     return TEXT.format(
         lines=flow(layout.lines), columns=flow(layout.columns), languages=flow(languages),
-        audio=flow(layout.audio), cast=flow(cast),
+        audio=f"audio: {flow(layout.audio)}" if layout.audio else f"# audio: {recorded}",
+        cast=flow(cast),
         speakers=f"\n# Speakers of their own go beside it:{speakers}" if speakers else "",
         outputs=flow(f"takes/{several}{{character}}/{{id}}.csv"),
     )  # fmt: skip

@@ -68,6 +68,41 @@ def test_folders_of_languages_and_speakers_become_placeholders(cli, game):
     assert '#   "Ann": ...' in text
 
 
+@pytest.mark.parametrize(
+    ("head", "more", "stated_lines"),
+    [
+        (
+            "key,speaker,text",
+            (),
+            ["columns: {id: key, text: text, speaker: speaker}", "languages: [english]"],
+        ),
+        ("key,speaker,text", ("-l", "fi"), ["languages: [finnish]"]),
+        (
+            "key,speaker,line in it",
+            (),
+            ['columns: {id: key, text: "line in it", speaker: speaker}'],
+        ),
+        ("key,de,en", (), ["columns: {id: key}", "languages: {german: de, english: en}"]),
+    ],
+)
+def test_a_table_alone_makes_a_project(cli, game, head, more, stated_lines):
+    (game / "script.csv").write_text(f"{head}\na,Hello.,Hello.\nb,Bye.,Bye.\n", "utf-8")
+    ended = cli("new", "--from", "script.csv", *more)
+    lines = 4 if "de" in head else 2
+    assert (ended.code, ended.err.splitlines()[0]) == (0, "wrote lipsync.yaml")
+    assert f"{lines} lines to make" in ended.err
+    assert set(stated_lines) <= set(stated(game).splitlines())
+    assert "# audio: " in stated(game)
+
+
+def test_a_table_alone_needs_a_column_of_ids(cli, game):
+    (game / "script.csv").write_text("cue,text\na,Hello.\n", "utf-8")
+    ended = cli("new", "--from", "script.csv")
+    assert ended.code == 2
+    assert "script.csv:1: no column is named like one of ids" in ended.err
+    assert ended.err.endswith("Its columns: cue, text\n")
+
+
 def test_names_may_have_more_around_the_id(cli, game):
     record(game, *(f"vo/EN_{name}_final.wav" for name in ("intro_1", "intro_2", "outro_1")))
     ended = new(cli, "-l", "en")
@@ -136,9 +171,9 @@ def test_faults_of_the_script_are_told_at_once(cli, game):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ((), "give the NAME of the new folder, or --recordings FOLDER and --from TABLE"),
-        (("--recordings", "vo"), "--recordings FOLDER and --from TABLE belong together"),
-        (("game", "--from", "script.csv"), "--recordings FOLDER and --from TABLE belong together"),
+        ((), "give the NAME of the new folder"),
+        (("--recordings", "vo"), "--recordings FOLDER needs their script too: --from TABLE"),
+        (("game", "--from", "script.csv"), "leave one of the two out"),
         (("game", "--recordings", "vo", "--from", "script.csv"), "leave one of the two out"),
         (("game", "-c", "crab", "-c", "arkit"), "a new folder has one character"),
     ],
