@@ -129,10 +129,7 @@ def restored(line: PlannedLine, record: LineRecord) -> BuiltLine:
             result["message"],
             result["seconds"],
             result["confidence"],
-            tuple(
-                JudgedFigure(name, value, unit, limit, tuple(at), words, binding)
-                for name, value, unit, limit, at, words, binding in result["figures"]
-            ),
+            tuple(map(JudgedFigure._make, result["figures"])),
             {path: one.digest for path, one in record.outputs.items()},
         )
     except (KeyError, TypeError, ValueError):

@@ -427,6 +427,18 @@ def test_pruning_deletes_nothing_outside_the_project(built, link):
     assert victim.read_bytes() == precious
 
 
+def test_a_report_of_an_unchanged_build_judges_each_record_once(game, monkeypatch):
+    game.build()
+    judged = []
+    real = build_run.restored
+    monkeypatch.setattr(
+        build_run, "restored", lambda line, record: judged.append(line.name) or real(line, record)
+    )
+    told = game.build("--report", "r.html", "--report", "r.json")
+    assert (told.code, told.built) == (0, [])
+    assert sorted(judged) == ALL
+
+
 @pytest.mark.parametrize(("lines", "processes"), [(199, []), (200, [2])])
 def test_processes_start_only_for_work_that_is_worth_them(game, monkeypatch, lines, processes):
     asked = []
