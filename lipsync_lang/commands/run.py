@@ -33,7 +33,7 @@ def add_run(add: Add) -> None:
         "run",
         run,
         "animate text or timed phonemes",
-        'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav --plot hello.png',
+        'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav -o hello.html',
     )
     add_line(run_)
     written = run_.add_argument_group("output")

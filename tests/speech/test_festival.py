@@ -146,7 +146,7 @@ def test_its_voices_are_listed(cli):
 
 def test_a_language_without_a_voice_of_it_says_so():
     told = (
-        r"german names no voice of festival; add to its pack `tts: \{others: \{festival: VOICE\}\}`"
+        r"german has no voice of festival; add to its pack `tts: \{others: \{festival: VOICE\}\}`"
     )
     with pytest.raises(SpeechError, match=told):
         ll.speak("Hallo", "german", engine="festival")

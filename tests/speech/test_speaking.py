@@ -270,7 +270,7 @@ def test_a_language_that_reads_nothing_says_what_to_do(tmp_path):
     )
     with pytest.raises(
         SpeechError,
-        match=r"mute names no voice.*`tts`.*"
+        match=r"mute has no voice.*`tts`.*"
         r"`g2p`",
     ):
         speak("a", "mute", paths=[tmp_path])

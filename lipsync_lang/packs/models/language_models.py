@@ -257,7 +257,8 @@ class AudioFields(Strict):
 
     align: Annotated[tuple[Text, ...], OrOne] = ()
     """The aligner, which finds the times of a text in a recording, or several: where the first is
-    not sure, the next is asked, and the surer result is kept. `NAME:MODEL` names its model as well.
+    not sure, the next is asked. The more confident result is kept. `NAME:MODEL` names its model
+    as well.
     Unless stated, `[pocketsphinx, warp]`."""
     recognise: Text | None = None
     """The recogniser, which finds the words of a recording without a text; `NAME:MODEL` names its

@@ -388,7 +388,7 @@ class Speaker:
 
             ENGINES.find(name, SpeechError)
             raise SpeechError(
-                f"{manner.language} names no voice of {name}; add to its pack "
+                f"{manner.language} has no voice of {name}; add to its pack "
                 f"`tts: {{others: {{{name}: VOICE}}}}` (lipsync-lang voices {name} lists them)"
             )
         return name, voice
@@ -400,7 +400,7 @@ class Speaker:
         manner = self.manner
         if manner.engine is None:
             error = SpeechError(
-                f"{manner.language} names no voice: add a `tts` to its pack, or a `g2p` to "
+                f"{manner.language} has no voice: add a `tts` to its pack, or a `g2p` to "
                 "estimate times, or give timed phonemes (`schedule`)"
             )
             return (error for _ in texts)
