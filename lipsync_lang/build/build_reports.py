@@ -1,12 +1,13 @@
 """Reports of a project's build, with a page for each of its worst lines."""
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.build_run import BuildOutcome
-from lipsync_lang.build.build_tally import BuildHeading, BuildTally, share_of_limit, worst_lines
+from lipsync_lang.build.build_tally import BuildHeading, BuildTally, share_of_limit
 from lipsync_lang.build.planned_line import BuiltLine
 from lipsync_lang.build.project_build import ProjectBuild
 from lipsync_lang.build.records import Key
@@ -44,7 +45,7 @@ def report(
             outcome.seconds,
         )
         linking = next((path for path in paths if path.suffix.lower() == f".{PAGE}"), None)
-        pages = _pages(project, outcome, linking) if linking else {}
+        pages = partial(_pages, project, outcome, linking) if linking else None
         tally = write_report(paths, chain(outcome.lines(), refused), heading, pages=pages)
     else:
         tally = outcome.tally(refused)
@@ -56,11 +57,13 @@ def pages_folder(report: Path) -> Path:
     return report.with_name(f"{report.stem}-lines")
 
 
-def _pages(project: ProjectBuild, outcome: BuildOutcome, report: Path) -> dict[Key, Path]:
+def _pages(
+    project: ProjectBuild, outcome: BuildOutcome, report: Path, worst: Sequence[BuiltLine]
+) -> dict[Key, Path]:
     """Write the pages of the worst lines beside a report; pages of unchanged lines are kept."""
     folder = pages_folder(report)
     pages: dict[Key, Path] = {}
-    for built in worst_lines(outcome.lines(), MAX_PAGES):
+    for built in worst[:MAX_PAGES]:
         line = built.line
         if built.outcome == "failed" or max(map(share_of_limit, built.figures), default=0) <= 1:
             continue

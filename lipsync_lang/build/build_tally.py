@@ -5,7 +5,6 @@ has no shares; its figures have 1 and more, by their value.
 """
 
 import heapq
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import ceil, inf
 
@@ -124,9 +123,10 @@ class BuildTally:
             passed = figure.passed
             exceeded = exceeded or not passed
             key = figure.name, limit == 0
-            if key not in self.figures:
-                self.figures[key] = FigureTally(figure.name, figure.unit)
-            self.figures[key].add(line, value, limit, passed=passed)
+            counted = self.figures.get(key)
+            if counted is None:
+                counted = self.figures[key] = FigureTally(figure.name, figure.unit)
+            counted.add(line, value, limit, passed=passed)
         failed = line.outcome == "failed"
         over = not failed and exceeded and bool(line.failed)
         pair = self.pairs.setdefault((line.line.language, line.line.character), PairTally())
@@ -194,11 +194,3 @@ def share_of_limit(figure: JudgedFigure) -> float:
     if figure.limit > 0:
         return figure.value / figure.limit
     return 0.0 if figure.passed else 1 + ZERO_SCALE * figure.value
-
-
-def worst_lines(built: Iterable[BuiltLine], most: int) -> list[BuiltLine]:
-    """Return the worst lines of a build in order, which get their own pages."""
-    tally = BuildTally(most)
-    for line in built:
-        tally.add(line)
-    return tally.worst()

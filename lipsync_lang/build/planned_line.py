@@ -1,6 +1,6 @@
 """Lines of a build, before and after they are made."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -56,7 +56,7 @@ class JudgedFigure(NamedTuple):
     """Value; None if the line could not be judged."""
     unit: str
     limit: float | None
-    at: tuple[float, ...] = ()
+    at: Sequence[float] = ()
     """Times of its first findings in seconds."""
     words: str = ""
     """First finding in words, or the reason for a missing judgement."""

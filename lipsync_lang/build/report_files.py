@@ -1,7 +1,7 @@
 """Reports of a build: HTML, JUnit XML and JSON, by the suffix of each file, in one pass."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from io import TextIOWrapper
 from pathlib import Path
@@ -14,6 +14,9 @@ from lipsync_lang.build.records import Key
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.writing import atomic
 from lipsync_lang.reports.junit import JunitCase, JunitSuite, junit_text
+
+MakePages = Callable[[Sequence[BuiltLine]], Mapping[Key, Path]]
+"""Makes pages of lines, and returns them by the line's key."""
 
 BUILD_FORMAT = "lipsync-lang build 1"
 
@@ -33,7 +36,7 @@ def write_report(
     built: Iterable[BuiltLine],
     heading: BuildHeading,
     *,
-    pages: Mapping[Key, Path] | None = None,
+    pages: MakePages | None = None,
 ) -> BuildTally:
     """Write reports of a build, and count its lines; the folders of the reports are made.
 
@@ -41,7 +44,7 @@ def write_report(
     ----------
     paths : files to write: `.html`, `.xml` for JUnit, `.json`
     built : all lines of the project as they stand now; read once
-    pages : pages of lines (`-o line.html`) by the line's key
+    pages : called with the worst lines; returns pages of lines (`-o line.html`) by the line's key
 
     Raises
     ------
@@ -54,7 +57,7 @@ def write_report(
         if suffix == ".html":
             from lipsync_lang.build.report_page import PageReport
 
-            forms.append((path, PageReport(heading, path.parent, pages or {})))
+            forms.append((path, PageReport(heading, path.parent, pages)))
         elif suffix in {".xml", ".json"}:
             forms.append((path, (JunitReport if suffix == ".xml" else JsonReport)(heading)))
         else:
@@ -117,10 +120,10 @@ class JsonReport:
             "up_to_date": heading.up_to_date,
             "failed": tally.failed,
             "over_limit": tally.over,
+            "doubtful": tally.doubtful,
             "kept": list(heading.kept),
             "seconds": round(heading.seconds, 3),
             "confidence": tally.mean_confidence,
-            "doubtful": tally.doubtful,
             "units": {name: one.unit for (name, _), one in tally.figures.items()},
         }
         out.write(json.dumps(head, indent=1)[:-2] + ',\n "rows": [')

@@ -5,7 +5,6 @@ larger. Charts are SVG with a name in words; rows are sorted and filtered by a s
 """
 
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,7 +21,7 @@ from lipsync_lang.build.build_tally import (
     share_of_limit,
 )
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
-from lipsync_lang.build.records import Key
+from lipsync_lang.build.report_files import MakePages
 from lipsync_lang.files.quoting import shell_command
 from lipsync_lang.reports.pages import CHART_HEIGHT, PageEnvironment
 from lipsync_lang.reports.percentages import percent, percentage_text
@@ -131,7 +130,7 @@ class WorstRow:
 class PageReport:
     """The page of a build, with links from its folder to the pages of lines (`-o line.html`)."""
 
-    def __init__(self, heading: BuildHeading, folder: Path, pages: Mapping[Key, Path]) -> None:
+    def __init__(self, heading: BuildHeading, folder: Path, pages: MakePages | None) -> None:
         self._heading, self._folder, self._pages = heading, folder, pages
 
     def add(self, line: BuiltLine) -> None:
@@ -139,7 +138,9 @@ class PageReport:
 
     def write(self, out: TextIO, tally: BuildTally) -> None:
         """Write the page."""
-        rows = [WorstRow(one, self._pages.get(one.line.key), self._folder) for one in tally.worst()]
+        worst = tally.worst()
+        pages = self._pages(worst) if self._pages is not None else {}
+        rows = [WorstRow(one, pages.get(one.line.key), self._folder) for one in worst]
         figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))
         languages, characters = (sorted(set(part)) for part in zip(*tally.pairs, strict=True)) if (
             tally.pairs
