@@ -28,6 +28,9 @@ from lipsync_lang.files.writing import atomic
 MAX_BATCH_LINES = 64
 """Maximum number of lines that a worker makes before it reports."""
 
+MIN_BATCH_LINES = 12
+"""Minimum number of lines in a batch, if each worker gets one: engines start for each batch."""
+
 MAX_BATCH_CHARACTERS = 8
 """Maximum number of characters of a line in a batch, whose tables the worker keeps."""
 
@@ -261,7 +264,8 @@ class _Casts:
 
 def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:
     """Yield the lines in batches of one language; a line's characters are in one batch."""
-    size = max(1, min(MAX_BATCH_LINES, len(stale) // (workers * POOL_BATCHES_PER_WORKER)))
+    share = max(len(stale) // (workers * POOL_BATCHES_PER_WORKER), MIN_BATCH_LINES)
+    size = min(MAX_BATCH_LINES, share, max(1, len(stale) // workers))
     takes: dict[tuple[str, str], list[PlannedLine]] = {}
     for step in stale:
         takes.setdefault((step.line.language, step.line.name), []).append(step.making)

@@ -16,9 +16,16 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import DOUBTFUL
-from lipsync_lang.speech.hearing.align.aligners import ALIGNERS
+from lipsync_lang.speech.hearing import alignment
+from lipsync_lang.speech.hearing.align.aligners import ALIGNERS, BatchAligner
 from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import WordReader
-from lipsync_lang.speech.hearing.alignment import NamedAligner, aligned, surest
+from lipsync_lang.speech.hearing.alignment import (
+    AlignmentAttempt,
+    NamedAligner,
+    align_many,
+    aligned,
+    finished,
+)
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES, features
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
@@ -622,11 +629,40 @@ def test_a_line_whose_words_fit_stays_where_it_is_whatever_is_beside_it(monkeypa
     laid_by(monkeypatch, "warp", 0.9)
     said = (ll.Word("Mama", 0, 1, confidence=0.8),)
     first = ll.Schedule(("m",), [0.0, 1.0], words=said, confidence=0.2, language="german")
-    named = [NamedAligner(name, ALIGNERS.known[name], None) for name in ("pocketsphinx", "warp")]
+    named = [NamedAligner("warp", ALIGNERS.known["warp"], None)]
     silence = ll.Audio(np.zeros(16000, np.int16), 16000)
-    found = surest(Speaker.of("german"), lambda: silence, WrittenText("Mama"), first, named)
+    line = AlignmentAttempt(lambda: silence, WrittenText("Mama"), [("pocketsphinx", first)])
+    (found,) = finished([line], named, Speaker.of("german"))
     assert found.words == said
     assert "hardly fits the recording" in found.remarks[0]
+
+
+class Sure(BatchAligner):
+    """An aligner that is as sure as the texts say, and counts its calls."""
+
+    def __init__(self):
+        self.calls = []
+
+    def align_many(self, recordings, speaker, model=None):  # noqa: ARG002 the interface
+        """Align texts such as `0.3`."""
+        self.calls.append([])
+        for sound, text in recordings:
+            self.calls[-1].append(text)
+            yield ll.Schedule(("m",), [0, 1], audio=sound(), confidence=float(text))
+
+
+@pytest.mark.parametrize("most", [64, 1])
+def test_unsure_lines_go_to_the_next_aligner_together(monkeypatch, most):
+    first, second = Sure(), Sure()
+    monkeypatch.setitem(ALIGNERS.known, "pocketsphinx", first)
+    monkeypatch.setitem(ALIGNERS.known, "warp", second)
+    monkeypatch.setattr(alignment, "MAX_WAITING_LINES", most)
+    texts = ["0.9", "0.3", "0.8", "...", "0.2", "0.7"]
+    silence = ll.Audio(np.zeros(16000, np.int16), 16000)
+    found = align_many(Speaker.of("german"), [(silence, text) for text in texts])
+    assert [one.confidence for one in found] == [0.9, 0.3, 0.8, None, 0.2, 0.7]
+    assert first.calls == [["0.9", "0.3", "0.8", "0.2", "0.7"]]
+    assert second.calls == ([["0.3", "0.2"]] if most == 64 else [["0.3"], ["0.2"]])
 
 
 def test_an_aligner_that_is_named_is_the_only_one(monkeypatch):

@@ -6,7 +6,7 @@ sure.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import tee, zip_longest
 from pathlib import Path
@@ -26,6 +26,9 @@ from lipsync_lang.speech.speaking.written_text import WrittenText, as_written, s
 
 MAX_DOUBTFUL_WORDS = 5
 """Maximum number of doubtful words in a remark."""
+
+MAX_WAITING_LINES, MAX_WAITING_SECONDS = 64, 600.0
+"""Maximum number and length of lines that wait, so that the next aligner starts once for many."""
 
 
 @overload
@@ -70,8 +73,8 @@ def align(  # noqa: PLR0913 a recording, its text, a language, and options
 
     Returns
     -------
-    A schedule; of several recordings an iterator, which reads one recording at a time, and may take
-    up to 500 texts ahead
+    A schedule; of several recordings an iterator, which reads one recording at a time, keeps ten
+    minutes of them where it asks another aligner, and may take up to 500 texts ahead
 
     Raises
     ------
@@ -120,7 +123,8 @@ def align_many(
 ) -> Iterator[Schedule | SpeechError]:
     """Align each recording with its text, as `align` does, with a prepared language.
 
-    Models load once in a process. Sound is read when its turn comes.
+    Models load once in a process. Sound is read when its turn comes. Lines wait while one of them
+    is to be asked of another aligner.
 
     Yields
     ------
@@ -134,15 +138,27 @@ def align_many(
     ours, theirs = tee((partial(sound_of, a), speaker.written(text)) for a, text in recordings)
     sounding = ((sound, text.text) for sound, text in theirs if not text.silent)
     found = engines[0].all(sounding, speaker)
+    waiting: list[AlignmentAttempt] = []
     for sound, text in ours:
-        try:
-            if text.silent:
-                yield silent(text, speaker.manner, sound())
-            else:
-                yield surest(speaker, sound, text, next_result(found), engines)
-        except SpeechError as error:
-            yield error
+        first = _rest(speaker, sound, text) if text.silent else next_result(found)
+        waiting.append(AlignmentAttempt(sound, text, [(engines[0].name, first)]))
+        lasting = sum(one.seconds for one in waiting)
+        many = len(waiting) >= MAX_WAITING_LINES or lasting > MAX_WAITING_SECONDS
+        if many or not any(one.unsure for one in waiting):
+            yield from finished(waiting, engines[1:], speaker)
+            waiting = []
+    yield from finished(waiting, engines[1:], speaker)
     exhaust(found)
+
+
+def _rest(
+    speaker: Speaker, sound: Callable[[], Audio], text: WrittenText
+) -> Schedule | SpeechError:
+    """Return silence as long as a recording, or the error of reading it."""
+    try:
+        return silent(text, speaker.manner, sound())
+    except SpeechError as error:
+        return error
 
 
 class NamedAligner(NamedTuple):
@@ -178,38 +194,65 @@ def aligners(speaker: Speaker, named: str | None) -> list[NamedAligner]:
     return [NamedAligner(n or "", ALIGNERS.find(n or "", SpeechError), m) for n, m in pairs]
 
 
-def surest(
-    speaker: Speaker,
-    sound: Callable[[], Audio],
-    text: WrittenText,
-    first: Schedule | SpeechError,
-    engines: Sequence[NamedAligner],
-) -> Schedule:
-    """Return the most confident result of a language's aligners, tried until one is sure."""
-    best, results = first, [(engines[0].name, _sureness(first))]
-    for engine in engines[1:]:
+@dataclass
+class AlignmentAttempt:
+    """A line with the results of the aligners that were asked, by name."""
+
+    sound: Callable[[], Audio]
+    text: WrittenText
+    results: list[tuple[str, Schedule | SpeechError]]
+
+    @property
+    def best(self) -> Schedule | SpeechError:
+        """The most confident result, the first of equal ones."""
+        return max((result for _, result in self.results), key=_sureness)
+
+    @property
+    def unsure(self) -> bool:
+        """True if the next aligner should be asked."""
+        if self.text.silent or _sureness(self.best) >= DOUBTFUL:
+            return False
         # Most words fit where only other sound beside them makes the line doubtful.
-        words = best.words if isinstance(best, Schedule) else ()
+        words = self.best.words if isinstance(self.best, Schedule) else ()
         sure = sorted(word.confidence for word in words if word.confidence is not None)
-        if _sureness(best) >= DOUBTFUL or (sure and sure[len(sure) // 2] >= DOUBTFUL):
-            break
-        (other,) = engine.all([(sound, text.text)], speaker)
-        results.append((engine.name, _sureness(other)))
-        if _sureness(other) > _sureness(best):
-            best = other
-    if isinstance(best, SpeechError):
-        raise best
-    schedule = _doubted(best)
-    if len(results) > 1:
-        asked = ", ".join(
-            f"{name} {'failed' if rate < 0 else f'{rate:.2f}'}" for name, rate in results
-        )
-        kept = max(results, key=lambda one: one[1])[0]
-        remark = f"aligned by {kept}, the most confident of: {asked}"
-        if isinstance(first, SpeechError):
-            remark += f" ({first})"
-        schedule = replace(schedule, remarks=(*schedule.remarks, remark))
-    return as_written(text, schedule)
+        return not sure or sure[len(sure) // 2] < DOUBTFUL
+
+    @property
+    def seconds(self) -> float:
+        """Length of the sound in memory."""
+        sounds = [one.audio for _, one in self.results if isinstance(one, Schedule)]
+        return sum(sound.seconds for sound in sounds if sound is not None)
+
+    @property
+    def surest(self) -> Schedule | SpeechError:
+        """The best result with the doubts about it, and with the markup of the text."""
+        if isinstance(self.best, SpeechError) or self.text.silent:
+            return self.best
+        schedule, first = _doubted(self.best), self.results[0][1]
+        if len(self.results) > 1:
+            rates = [(name, _sureness(one)) for name, one in self.results]
+            asked = ", ".join(f"{n} {'failed' if rate < 0 else f'{rate:.2f}'}" for n, rate in rates)
+            kept = max(rates, key=lambda one: one[1])[0]
+            remark = f"aligned by {kept}, the most confident of: {asked}"
+            if isinstance(first, SpeechError):
+                remark += f" ({first})"
+            schedule = replace(schedule, remarks=(*schedule.remarks, remark))
+        return as_written(self.text, schedule)
+
+
+def finished(
+    lines: Sequence[AlignmentAttempt], others: Sequence[NamedAligner], speaker: Speaker
+) -> Iterator[Schedule | SpeechError]:
+    """Ask each further aligner about all unsure lines at once, and yield the surest results."""
+    for engine in others:
+        unsure = [one for one in lines if one.unsure]
+        if unsure:
+            pairs = [(one.sound, one.text.text) for one in unsure]
+            answers = engine.all(pairs, speaker)
+            for one in unsure:
+                one.results.append((engine.name, next_result(answers)))
+            exhaust(answers)
+    return (one.surest for one in lines)
 
 
 def _doubted(schedule: Schedule) -> Schedule:
