@@ -2,12 +2,16 @@
 
 Files leave gaps, have rows in any order, and count in milliseconds or frames. Here they become one
 contiguous schedule in seconds, or an error that names the line.
+
+A label may be a mouth shape, which stands for several sounds that look alike. The common pack maps
+the labels of shapes to common phonemes, the same for every language. A remark of the schedule warns
+of the loss.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import log
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from statistics import median
 from typing import NamedTuple
 
@@ -18,9 +22,7 @@ from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, wor
 from lipsync_lang.schedules.timing_file import TimingFile
 
 MILLISECONDS_PER_SECOND = 1000.0
-
 TYPICAL_SOUND_SECONDS = 0.08
-"""Typical duration of a phoneme, in seconds."""
 
 LONG_SOUND_SECONDS = 1.0
 """Longest plausible median duration in seconds; longer sounds are in another unit."""
@@ -33,6 +35,9 @@ MAX_LABEL_CHARS = 40
 
 LIKELY_RATES = (MILLISECONDS_PER_SECOND, 100.0, 60.0, 30.0, 25.0, 24.0)
 """Units per second of files that do not count in seconds."""
+
+Start = tuple[str, float, int | None]
+"""A label, its start time, and its line in the file."""
 
 
 class LabelRow(NamedTuple):
@@ -56,13 +61,9 @@ def listed_rows(  # noqa: PLR0913 optional parts of a format
 ) -> Iterator[LabelRow]:
     """Yield rows of three lists in JSON of one length, in the file's unit.
 
-    Parameters
-    ----------
-    source : the file, for messages
-    labels, starts, ends : values of the file, which may be anything
-    form : an example of the format, for the error about anything else
-    line : the line of the lists, if each line of the file is JSON
-    durations : True if `ends` are durations
+    The values may be anything; `form` is an example of the format, for the error about anything
+    else, and `line` that of the lists, if each line of the file is JSON. With `durations`, the ends
+    are durations.
     """
     given = (labels, starts, ends)
     lists = [one for one in given if isinstance(one, list)]
@@ -85,6 +86,9 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
 ) -> Schedule:
     """Make a schedule of rows; gaps, and the time from zero on, are silence.
 
+    Raises ScheduleError if a time is below zero, runs backwards or overlaps another; the line is
+    named.
+
     Parameters
     ----------
     source : the file, for messages; its `rate`, if given, overrides that of the format
@@ -94,11 +98,6 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
     rate : units per second of all times; None for seconds
     guess : guess the unit of a format that does not state one, and add a remark
     remarks : doubts about the file
-
-    Raises
-    ------
-    ScheduleError
-        A time is below zero, runs backwards or overlaps another; the line is named.
     """
     in_order = attrgetter("start", "end")
     phones, spans = sorted(rows, key=in_order), sorted(words, key=in_order)
@@ -123,16 +122,9 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
         lines=_lines(whole),
         remarks=told,
     )
-    return with_words(schedule, [(row.label, row.start, row.end) for row in spans])
-
-
-def with_words(schedule: Schedule, spans: Sequence[tuple[str, float, float]]) -> Schedule:
-    """Return a schedule with words from (text, start, end); silent words are left out."""
-    if not spans and not schedule.words:
-        return schedule
-    found = words_from_spans(schedule, list(spans))
+    found = words_from_spans(schedule, [(row.label, row.start, row.end) for row in spans])
     heard = [w for w in found if set(schedule.labels[w.first : w.stop]) != {SILENCE}]
-    return replace(schedule, words=tuple(heard))
+    return replace(schedule, words=tuple(heard)) if heard else schedule
 
 
 def _lines(rows: Sequence[LabelRow]) -> tuple[int, ...]:
@@ -149,11 +141,8 @@ def guessed_rate(
 ) -> tuple[float | None, tuple[str, ...]]:
     """Return the likely units per second and a remark about them; None for seconds.
 
-    Parameters
-    ----------
-    things : name of what the rows time, for the remark
-    typical : its usual duration in seconds
-    longest : the longest plausible median of its durations in seconds
+    The rows time `things`, which last `typical` seconds, and `longest` seconds at most in a
+    plausible median.
     """
     lengths = [row.end - row.start for row in rows if row.label and row.end > row.start]
     middle = median(lengths) if lengths else 0.0
@@ -238,3 +227,51 @@ def _append(rows: list[LabelRow], row: LabelRow) -> None:
     if rows and rows[-1].label == row.label == SILENCE:
         row = row._replace(start=rows.pop().start)
     rows.append(row)
+
+
+def shapes_of(  # noqa: PLR0913 optional parts of a format
+    source: TimingFile,
+    rows: Iterable[LabelRow],
+    *,
+    notation: str,
+    words: Iterable[LabelRow] = (),
+    rate: float | None = None,
+    remarks: Iterable[str] = (),
+) -> Schedule:
+    """Make a schedule of shapes; see `rows.schedule_of` for the parameters."""
+    lossy = (
+        f"{source.path}: has mouth shapes, not phonemes: each represents several phonemes, and "
+        "their difference is lost; if you have timed phonemes of the line, give those"
+    )
+    remarks = (lossy, *remarks)
+    return schedule_of(source, rows, words=words, notation=notation, rate=rate, remarks=remarks)
+
+
+def until_next(
+    source: TimingFile,
+    starts: Iterable[Start],
+    *,
+    rest: str,
+    end: float | None = None,
+    rate: float = 1.0,
+) -> tuple[list[LabelRow], list[str]]:
+    """Let each label last until the start of the next.
+
+    Labels come in any order; of several at one time, the last counts. As the last label, `rest`
+    only ends the label before. `rate` is the units per second of all times, and `end` that of the
+    last label, if the file states one; the remark says if it is a guess.
+    """
+    ordered = sorted(starts, key=itemgetter(1))
+    if not ordered:
+        return [], []
+    label, last, _ = ordered[-1]
+    told: list[str] = []
+    if end is None or end <= last:
+        end = last
+        if label != rest or len(ordered) == 1:
+            end = last + TYPICAL_SOUND_SECONDS * (source.rate or rate)
+            last_one = f"{source.path}: does not state when its last label, {label!r}, ends"
+            told = [f"{last_one}; it is given {TYPICAL_SOUND_SECONDS:g} s"]
+    ends = [start for _, start, _ in ordered[1:]] + [end]
+    rows = [LabelRow(one[0], one[1], stop, one[2]) for one, stop in zip(ordered, ends, strict=True)]
+    return [row for row in rows if row.end > row.start], told

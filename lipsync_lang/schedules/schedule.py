@@ -7,15 +7,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Self
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.errors import ScheduleError
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from lipsync_lang.errors import OutputError, ScheduleError
 
 SILENCE = "_"
 """The label of silence, in every notation."""
@@ -188,7 +186,7 @@ class Schedule:
         """Return a copy slowed down by a factor, with the same start and without its sound."""
         return replace(self, times=self.start + (self.times - self.start) * factor, audio=None)
 
-    def save(self, path: "str | Path") -> None:
+    def save(self, path: str | Path) -> None:
         """Write the timings to a file; its suffix names the format, and readers read it back.
 
         The formats are JSON, TextGrid (Praat), eaf (ELAN), csv, and txt (Audacity).
@@ -204,9 +202,19 @@ class Schedule:
         >>> ll.read_schedule("line.TextGrid").labels
         ('M',)
         """
-        from lipsync_lang.schedules.timing_writers import save_timings
+        from lipsync_lang.files import argument_path, atomic
+        from lipsync_lang.schedules.writers import TIMING_WRITERS
 
-        save_timings(self, path)
+        target = argument_path(path)
+        texts = {f".{suffix.lower()}": text_of for suffix, text_of in TIMING_WRITERS.items()}
+        text_of = texts.get(target.suffix.lower())
+        if text_of is None:
+            raise OutputError(
+                f"{target}: timings cannot be written as '{target.suffix}'; use the suffix "
+                f"{', '.join(texts)}"
+            )
+        with atomic(target) as stream:
+            stream.write(text_of(self).encode("utf-8"))
 
     def word_at(self, index: int) -> Word | None:
         """Return the word of phoneme `index`, or None."""
@@ -224,10 +232,8 @@ def words_from_spans(
 ) -> tuple[Word, ...]:
     """Give each timed word the phonemes whose middle lies in it; drop words without phonemes.
 
-    Parameters
-    ----------
-    spans : text, start and end of each word
-    emphasis, confidence : of each word; empty for none
+    `spans` are the text, start and end of each word; `emphasis` and `confidence` are of each word,
+    or empty.
     """
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     words: list[Word] = []

@@ -44,7 +44,6 @@ TIME_DIGITS = 6
 """Decimals of a written time in seconds: microseconds."""
 
 CONFIDENCE_DIGITS = 2
-"""Decimals of a written confidence."""
 
 TimeSpan = tuple[float, float]
 """Start and end in the file's unit or in seconds."""
@@ -149,10 +148,7 @@ def _rated(schedule: Schedule, rows: Sequence[LabelRow]) -> Schedule:
 
 
 def only(source: TimingFile, tiers: Sequence[Tier], what: str) -> Tier:
-    """Return the tier named by ``source.tier`` or, without it, the only one.
-
-    `what` describes the tiers in the error about several.
-    """
+    """Return the tier named by ``source.tier``, or else the only one of the `what`."""
     if not tiers:
         raise source.fault("has no phonemes; check that the file is complete")
     found = list(tiers)
@@ -209,12 +205,8 @@ def _list(tiers: Sequence[Tier]) -> str:
 def tiers_of(schedule: Schedule) -> dict[str, list[LabelSpan]]:
     """Return the tiers of a schedule from time zero on: words, phones and maybe confidences.
 
-    Texts have single spaces and no line breaks. Times have `TIME_DIGITS` decimals.
-
-    Raises
-    ------
-    OutputError
-        The schedule ends at time zero, or within the first microsecond.
+    Texts have single spaces and no line breaks. Times have `TIME_DIGITS` decimals. Raises
+    OutputError if the schedule ends at time zero, or within the first microsecond.
     """
     times = [round(float(time), TIME_DIGITS) for time in schedule.times]
     if times[-1] <= 0:

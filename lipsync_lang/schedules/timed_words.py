@@ -23,7 +23,6 @@ from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 
 TYPICAL_WORD_SECONDS = 0.3
-"""Typical duration of a word, in seconds."""
 
 LONG_WORD_SECONDS = 30.0
 """Longest plausible median duration in seconds, of words and cues; longer is another unit."""
@@ -132,19 +131,11 @@ def timed_words_of(
     """Make timed words of the words of a file, in any order; blank ones are left out.
 
     A word without length shares the time of its neighbour, as recognisers give such times to short
-    words. Neighbours that overlap by no more than `ROUNDING_SECONDS` meet in the middle.
-
-    Parameters
-    ----------
-    source : the file, for messages; its `rate`, if given, overrides that of the format
-    rate : units per second of all times; None for seconds
-    guess : guess the unit of a format that does not state one, and add a remark
-    remarks : doubts about the file
-
-    Raises
-    ------
-    ScheduleError
-        No word is left; or a time is below zero, runs backwards or overlaps another.
+    words. Neighbours that overlap by no more than `ROUNDING_SECONDS` meet in the middle. Raises
+    ScheduleError if no word is left; or a time is below zero, runs backwards or overlaps another.
+    The `rate` of the source, if given, overrides that of the format: units per second of all times,
+    None for seconds. `guess` guesses the unit of a format that does not state one, and adds a
+    remark.
     """
     found = [replace(word, text=" ".join(word.text.split())) for word in words]
     found = sorted((w for w in found if w.text), key=lambda word: (word.start, word.end))

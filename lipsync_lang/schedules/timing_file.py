@@ -29,7 +29,6 @@ The UTF-32 mark begins with that of UTF-16, so the order matters.
 """
 
 MAX_TIMINGS_BYTES = 64 * MIB_BYTES
-"""Maximum size of a file of timings, in bytes."""
 
 HEAD_BYTES = 4096
 """Number of first bytes that identify a format."""
@@ -230,10 +229,7 @@ class TimingFile:
         return self.number(number, line)
 
     def objects(self, whole: object, name: str, form: str, line: int | None = None) -> list[Json]:
-        """Return the list of objects in a field of a JSON object; empty without the field.
-
-        `form` is an example of the format, for the error about anything else.
-        """
+        """Return the list of objects in a field, empty without it; `form` is for errors."""
         parts = whole.get(name, []) if isinstance(whole, dict) else None
         what = f"`{name}` must be a list of objects; the form is {form}"
         return self.object_list(parts, what, line)
@@ -254,12 +250,8 @@ class TimingFile:
     ) -> Iterator[tuple[int, re.Match[str]]]:
         """Yield (number, match) of each line; raise an error for a line of another form.
 
-        Parameters
-        ----------
-        form : of the lines
-        what : the form in words, for the error
-        after : number of lines to skip at the start
-        comments : starts of lines to skip
+        `what` is the form in words, for the error. The first lines, as many as `after`, and lines
+        that start with `comments` are skipped.
         """
         for number, line in self.lines[after:]:
             if line.startswith(comments):
@@ -295,13 +287,7 @@ def plain_fields(value: object) -> Json:
 
 
 def timing_bytes(path: Path) -> bytes:
-    """Return the bytes of a file of timings.
-
-    Raises
-    ------
-    ScheduleError
-        The file cannot be read, or is too large.
-    """
+    """Return the bytes of a file of timings; a ScheduleError if it is unreadable or too large."""
     return read_input(
         path, MAX_TIMINGS_BYTES, error=ScheduleError, mend="check that it is a schedule"
     )

@@ -156,10 +156,8 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     if name is not None:
         return TIMING_READERS.find(name, ScheduleError)
     named = TIMING_READERS.ending(source.path)
-    for readers in (
-        TIMING_READERS.built_in(),
-        TIMING_READERS,
-    ):  # a plug-in reads what no built-in one knows
+    # A plug-in reads what no built-in reader knows.
+    for readers in (TIMING_READERS.built_in(), TIMING_READERS):
         alike = [one for one in readers.values() if one.sniff(source)]
         found = [one for one in alike if one in named] or alike
         if len(found) > 1:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from lipsync_lang.errors import OutputError
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 from lipsync_lang.schedules.timing_readers import read_schedule
-from lipsync_lang.schedules.timing_writers import TIMING_WRITERS
+from lipsync_lang.schedules.writers import TIMING_WRITERS
 from lipsync_lang.schedules.writers.textgrid import textgrid_text
 
 LINE = Schedule(

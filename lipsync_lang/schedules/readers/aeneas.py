@@ -6,9 +6,7 @@ levels contain smaller ones; the smallest are read.
 
 from operator import methodcaller
 
-from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import TimedWord, TimedWords, TimingFile, reader, timed_words_of
 
 AENEAS_FORM = (
     '{"fragments": [{"id": "f000001", "begin": "0.000", "end": "2.680", "lines": ["Hello."]}]}'

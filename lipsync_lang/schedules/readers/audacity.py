@@ -5,10 +5,8 @@ A line that begins with a backslash holds the frequencies of the label above, an
 
 import re
 
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
 from lipsync_lang.schedules.timed_words import are_words, words_of_rows
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 

@@ -16,16 +16,12 @@ from math import inf
 from statistics import median
 
 from lipsync_lang.json_object import Json
-from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
-from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile, plain_fields
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader
+from lipsync_lang.schedules.rows import Start, shapes_of, until_next
+from lipsync_lang.schedules.timing_file import plain_fields
 
 AZURE_NOTATION = "azure"
-
 TICKS_PER_SECOND = 1e7
-"""Ticks per second."""
 
 UNITS = {"ticks": TICKS_PER_SECOND, "milliseconds": 1000.0, "seconds": 1.0}
 """Units per second of offsets, the smallest unit first."""

@@ -11,11 +11,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
-from lipsync_lang.schedules.mouth_shapes import shapes_of, until_next
-from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimingFile, reader
+from lipsync_lang.schedules.rows import shapes_of, until_next
 
 SMARTBODY_NOTATION = "smartbody"
 

@@ -8,10 +8,9 @@ from bisect import bisect_right
 from operator import attrgetter
 
 from lipsync_lang.json_object import Json
-from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile, first_item
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
+from lipsync_lang.schedules.timing_file import first_item
 
 BOURNEMOUTH_FORM = (
     '{"segments": [{"phoneme_ts": [{"ipa_label": "m", "start_ms": 0, "end_ms": 80}], '

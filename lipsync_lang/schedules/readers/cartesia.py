@@ -6,10 +6,9 @@ or words, one of starts and one of ends, in seconds; the others hold sound.
 
 from operator import methodcaller
 
-from lipsync_lang.schedules.rows import LabelRow, listed_rows
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
+from lipsync_lang.schedules.rows import listed_rows
 from lipsync_lang.schedules.timed_words import phones_or_words
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 TIMESTAMP_LISTS = {"phoneme_timestamps": "phonemes", "word_timestamps": "words"}
 """Fields with times, and the lists of their labels."""

@@ -6,10 +6,8 @@ write them down as they are. Times are seconds. Its tables and TextGrids are rea
 
 from collections.abc import Sequence
 
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile, first_item
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
+from lipsync_lang.schedules.timing_file import first_item
 
 CHARSIU_FORM = '[[[0.0, 0.1, "[SIL]"], [0.1, 0.19, "M"], ...], [[0.1, 0.62, "maps"], ...]]'
 
@@ -22,10 +20,7 @@ def sniff(source: TimingFile) -> bool:
 
 def _is_row(value: object) -> bool:
     """Return True for a list of start, end and label."""
-    match value:
-        case [_, _, str()]:
-            return True
-    return False
+    return isinstance(value, list) and len(value) == 3 and isinstance(value[2], str)  # noqa: PLR2004
 
 
 @reader("charsiu", ".json", sniff=sniff)

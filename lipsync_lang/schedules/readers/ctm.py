@@ -8,11 +8,9 @@ import re
 from collections import defaultdict
 from dataclasses import replace
 
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
 from lipsync_lang.schedules.tiers import Tier, only
 from lipsync_lang.schedules.timed_words import are_words, words_of_rows
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 CTM_COMMENT = ";;"
 CTM_CONFIDENCE = r"0?\.\d+|[01]|1\.0*"

@@ -10,12 +10,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from operator import methodcaller
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 from lipsync_lang.schedules.tiers import Tier, TimeSpan, read_tiers
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -24,12 +23,8 @@ if TYPE_CHECKING:
 ELAN_ROOT = "ANNOTATION_DOCUMENT"
 
 
-class Reference(NamedTuple):
-    """An annotation's parent, and its place among those of the tier that share the parent."""
-
-    parent: str
-    place: int
-    among: int
+Reference = tuple[str, int, int]
+"""An annotation's parent, its place among those of the tier that share it, and their number."""
 
 
 @reader("elan", ".eaf", sniff=methodcaller("has_root", ELAN_ROOT), tiers=True)
@@ -39,7 +34,9 @@ def read_elan(source: TimingFile) -> Timings:
     if document.tag != ELAN_ROOT:
         raise source.fault("is not an ELAN document; save it again in ELAN")
     elements = list(document.iter("TIER"))
-    _check_parents(source, elements)
+    parents = {one.get("TIER_ID", ""): [one.get("PARENT_REF")] for one in elements}
+    told = "tier '{}' is its own parent; give it another parent in ELAN (Change Parent)"
+    _parents_first(source, parents, "TIER_ID", told)
     spans = _spans(source, document, elements)
     rate = source.rate or MILLISECONDS_PER_SECOND
     tiers = []
@@ -66,17 +63,16 @@ def _id(annotation: "Element") -> str:
     return annotation.get("ANNOTATION_ID", "")
 
 
-def _check_parents(source: TimingFile, tiers: list["Element"]) -> None:
-    """Raise an error if a tier is its own parent, directly or through others."""
-    parents = {tier.get("TIER_ID", ""): [tier.get("PARENT_REF")] for tier in tiers}
+def _parents_first(
+    source: TimingFile, parents: dict[str, list[Any]], field: str, fault: str
+) -> list[Any]:
+    """Return names after their parents; raise an error if one is its own, through others even."""
     try:
-        TopologicalSorter(parents).prepare()
+        return list(TopologicalSorter(parents).static_order())
     except CycleError as error:
         at = next(name for name in parents if name in error.args[1])
-        raise source.fault(
-            f"tier '{at}' is its own parent; give it another parent in ELAN (Change Parent)",
-            source.line_of(f'TIER_ID="{at}"'),
-        ) from None
+        line = source.line_of(f'{field}="{at}"')
+        raise source.fault(fault.format(at), line) from None
 
 
 def _spans(source: TimingFile, document: "Element", tiers: list["Element"]) -> dict[str, TimeSpan]:
@@ -126,7 +122,7 @@ def _references(annotations: list["Element"]) -> dict[str, Reference]:
     places: defaultdict[str, int] = defaultdict(int)
     found = {}
     for name, parent in parents:
-        found[name] = Reference(parent, places[parent], counts[parent])
+        found[name] = (parent, places[parent], counts[parent])
         places[parent] += 1
     return found
 
@@ -135,18 +131,11 @@ def _refer(
     source: TimingFile, references: dict[str, Reference], spans: dict[str, TimeSpan]
 ) -> None:
     """Add the spans of annotations that refer to others."""
-    waiting = {name: [told.parent] for name, told in references.items() if name not in spans}
-    try:
-        parents_first = list(TopologicalSorter(waiting).static_order())
-    except CycleError as error:
-        name = next(name for name in waiting if name in error.args[1])
-        raise source.fault(
-            f"annotation '{name}' refers to itself; delete it in ELAN, and create it again",
-            source.line_of(f'ANNOTATION_ID="{name}"'),
-        ) from None
-    for name in parents_first:
-        if name in waiting and references[name].parent in spans:
-            parent, place, among = references[name]
+    waiting = {name: [parent] for name, (parent, _, _) in references.items() if name not in spans}
+    told = "annotation '{}' refers to itself; delete it in ELAN, and create it again"
+    for name in _parents_first(source, waiting, "ANNOTATION_ID", told):
+        parent, place, among = references.get(name, ("", 0, 0))
+        if name in waiting and parent in spans:
             start, end = spans[parent]
             step = (end - start) / among
             spans[name] = (start + place * step, start + (place + 1) * step)

@@ -7,10 +7,9 @@ make a word.
 
 import re
 
+from lipsync_lang.schedules import TimedWord, TimedWords, TimingFile, reader, timed_words_of
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow, listed_rows
-from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
-from lipsync_lang.schedules.timing_file import TimingFile, first_item, plain_fields
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timing_file import first_item, plain_fields
 
 STARTS = re.compile(r'"char(acter)?_?start_?times?_?\w{2,7}"\s*:', re.IGNORECASE)
 """The name of the list of starts, which ends with its unit."""

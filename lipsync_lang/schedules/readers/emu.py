@@ -10,10 +10,8 @@ from dataclasses import replace
 from operator import methodcaller
 
 from lipsync_lang.json_object import Json
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import Tier, TimeSpan, read_tiers
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 EMU_FORM = (
     '{"sampleRate": 16000, "levels": [{"name": "Phonetic", "type": "SEGMENT", "items": [{"id": 1, '

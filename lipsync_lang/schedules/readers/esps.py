@@ -7,10 +7,8 @@ a `.words` file beside each `.phones` file. After `;` a line has further fields.
 
 import re
 
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
 from lipsync_lang.schedules.timed_words import words_of_rows
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 HEADER_END = re.compile(r"^[ \t]*#[ \t]*\n+[ \t]*\d+(?:\.\d*)?[ \t]+-?\d+[ \t]", re.MULTILINE)
 """The end of the header, and the first label."""

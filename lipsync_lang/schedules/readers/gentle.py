@@ -8,13 +8,10 @@ remark names them.
 import re
 
 from lipsync_lang.errors import shortlist
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile, first_item
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
+from lipsync_lang.schedules.timing_file import first_item
 
 MAX_SHOWN_WORDS = 8
-"""Words in a remark."""
 
 PLACE = re.compile(r"_[BEIS]$")
 """A phone at the beginning, end or inside of a word, or a single phone."""

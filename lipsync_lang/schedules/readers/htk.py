@@ -10,10 +10,7 @@ import re
 from pathlib import PureWindowsPath
 
 from lipsync_lang.errors import did_you_mean
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 
 UNITS_PER_SECOND = 1e7
 """Units of 100 ns per second."""

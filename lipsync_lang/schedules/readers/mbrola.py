@@ -6,10 +6,8 @@ comments. eSpeak writes the format, too (``--pho``).
 
 import re
 
-from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 
 MBROLA_NUMBER = r"\d+(?:\.\d*)?"
 

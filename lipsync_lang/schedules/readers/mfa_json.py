@@ -7,10 +7,8 @@ Tiers are a mapping from names, or a list in which each has its name. Entries of
 from operator import methodcaller
 from typing import Any
 
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import Tier, read_tiers
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 TIERS_FORM = '{"tiers": {"phones": {"type": "interval", "entries": [[START, END, "LABEL"], ...]}}}'
 

@@ -6,11 +6,9 @@ drawing shown from that frame on. The frames per second are the animation's and 
 
 import re
 
-from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
+from lipsync_lang.schedules import SILENCE, Schedule, TimingFile, reader
 from lipsync_lang.schedules.readers import papagayo, rhubarb
-from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.rows import Start, shapes_of, until_next
 
 MOHO_HEADER = "MohoSwitch1"
 

@@ -10,11 +10,8 @@ from typing import NamedTuple
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.json_object import Json
-from lipsync_lang.schedules.mouth_shapes import Start, shapes_of
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
+from lipsync_lang.schedules.rows import Start, shapes_of
 
 PRESTON_BLAIR_NOTATION = "preston-blair"
 

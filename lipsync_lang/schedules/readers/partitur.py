@@ -6,10 +6,7 @@ sample short. The link is the number of the word, or -1. ``ORT: link word`` give
 
 import re
 
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 
 PHONES, WORDS, RATE = "MAU", "ORT", "SAM"
 

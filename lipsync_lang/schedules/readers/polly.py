@@ -6,11 +6,8 @@ start of the sound. Words have marks of their own; their `start` and `end` are o
 
 import re
 
-from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
-from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, Start, shapes_of, until_next
 
 POLLY_NOTATION = "polly"
 

@@ -6,17 +6,11 @@ recording with a closed mouth. XML and JSON state the end of every shape.
 
 import re
 
-from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
-from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader
+from lipsync_lang.schedules.rows import Start, shapes_of, until_next
 
 RHUBARB_NOTATION = "rhubarb"
-
 RHUBARB_LINE = re.compile(r"(\d+(?:\.\d*)?)\t([A-Z])\s*", re.ASCII)
-"""A line of TSV."""
-
 RHUBARB_FORM = '{"mouthCues": [{"start": 0.0, "end": 0.05, "value": "X"}, ...]}'
 
 

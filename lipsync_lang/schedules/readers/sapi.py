@@ -8,12 +8,9 @@ list, or one on each line.
 
 import re
 
-from lipsync_lang.schedules.mouth_shapes import shapes_of
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader
 from lipsync_lang.schedules.readers.azure import LAST_VISEME, TICKS_PER_SECOND
-from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.rows import shapes_of
 
 SAPI_NOTATION = "sapi-visemes"
 

@@ -12,10 +12,8 @@ from html import unescape
 from itertools import groupby
 from typing import NamedTuple
 
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import read_speakers
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 CLOCK = r"(?:\d{1,9}:)?\d\d?:\d\d[.,]\d{1,9}"
 

@@ -18,10 +18,8 @@ from io import StringIO
 from itertools import chain
 
 from lipsync_lang.files.quoting import plain_text
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, WORD_TIER_NAME, Tier, read_tiers
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 TABLE_COLUMNS = {
     "label": ("phoneme", "phone", "label"),

@@ -5,10 +5,8 @@ The words are in a file of the same name with `.wrd` beside it.
 
 import re
 
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
 from lipsync_lang.schedules.timed_words import words_of_rows
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 SAMPLES_PER_SECOND = 16_000.0
 

@@ -9,10 +9,8 @@ from collections.abc import Iterator
 from operator import methodcaller
 from typing import TYPE_CHECKING
 
-from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import read_speakers
-from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import Timings, reader
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

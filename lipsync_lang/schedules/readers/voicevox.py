@@ -8,13 +8,10 @@ divided by the speed, and each sound rounded to a whole frame. A question length
 from collections.abc import Iterator
 
 from lipsync_lang.json_object import Json
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.schedules.timing_file import TimingFile, plain_fields
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimingFile, reader, schedule_of
+from lipsync_lang.schedules.timing_file import plain_fields
 
 VOICEVOX_FPS = 24_000 / 256
-"""Frames of the engine."""
 
 QUESTION_SECONDS = 0.15
 """Length of the vowel that the engine adds to a question, before its speed counts."""

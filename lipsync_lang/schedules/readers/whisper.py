@@ -10,16 +10,11 @@ from collections import defaultdict
 from typing import Any, NamedTuple
 
 from lipsync_lang.json_object import Json
+from lipsync_lang.schedules import TimedWord, TimedWords, TimingFile, reader, timed_words_of
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 from lipsync_lang.schedules.tiers import Tier, only
-from lipsync_lang.schedules.timed_words import (
-    TYPICAL_WORD_SECONDS,
-    TimedWord,
-    TimedWords,
-    timed_words_of,
-)
-from lipsync_lang.schedules.timing_file import TimingFile, first_item
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timed_words import TYPICAL_WORD_SECONDS
+from lipsync_lang.schedules.timing_file import first_item
 
 SEGMENT_LISTS = ("segments", "transcription", "chunks", "result", "words")
 """Fields of the document that hold segments or words, in the order in which they are looked for."""

@@ -3,7 +3,7 @@
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, MAX_SCHEDULE_SECONDS
-from lipsync_lang.schedules.timing_writers import TIMING_WRITERS
+from lipsync_lang.schedules.writers import TIMING_WRITERS
 from lipsync_lang.studio.routes.line_routes import takes, whole
 from lipsync_lang.studio.routes.requests import PackedResponse, StudioRequest, listed, whole_number
 from lipsync_lang.studio.workshop import Workshop
