@@ -38,15 +38,8 @@ Panel = tuple[BigramChange, list[int]]
 def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002 as `plot`
     """Draw the requested bigrams, by default those with the largest differences.
 
-    Parameters
-    ----------
-    stream : binary stream, open for writing
-    format : a name in `PLOT_FORMATS`, in any case
-
-    Raises
-    ------
-    OutputError
-        The format is unknown, matplotlib is missing, or there is nothing to draw.
+    Raises OutputError if the format is unknown, matplotlib is missing, or there is nothing to draw.
+    The format is a name in `PLOT_FORMATS`, in any case.
     """
     if not diff.named:
         raise OutputError(f"nothing to draw: no bigram differs from those of {diff.against}")

@@ -2,6 +2,9 @@
 
 No library lists fonts for all pictures: matplotlib draws plots, and Pillow draws sheets. So the
 folders of the system are searched here, and the drawing library tests the letters of a file.
+
+matplotlib draws a letter in the first font of a list that contains it. The list is the default
+font, followed by fonts for its missing letters. Fonts are searched only if letters are missing.
 """
 
 import logging
@@ -10,10 +13,14 @@ import re
 import sys
 import unicodedata
 from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FONT_FOLDERS = {
     "linux": ("/usr/share/fonts", "/usr/local/share/fonts", "~/.local/share/fonts", "~/.fonts"),
@@ -23,9 +30,7 @@ FONT_FOLDERS = {
 """Folders of fonts by platform; other systems use those of Linux."""
 
 FONT_SUFFIXES = (".ttf", ".otf", ".ttc", ".otc")
-
 MAX_FONTS = 5000
-"""Maximum number of font files to read."""
 
 SHOWN_LETTERS = 12
 """Maximum number of missing letters in a remark."""
@@ -74,10 +79,8 @@ class FoundFonts(NamedTuple):
 def find_fonts(letters: frozenset[str], coverage: FontCoverage) -> FoundFonts:
     """Find a few installed fonts that contain some letters, plain fonts first.
 
-    Parameters
-    ----------
-    letters : characters, alone or with their marks, as `letters_of` gives them
-    coverage : function of the drawing library that finds the letters of a font file
+    `letters` are characters, alone or with their marks, as `letters_of` gives them; `coverage` is a
+    function of the drawing library that finds the letters of a font file.
     """
     wanted = {path: coverage(path, letters) for path in font_files()} if letters else {}
     chosen: list[Path] = []
@@ -156,11 +159,7 @@ def legible(text: str, missing: Collection[str]) -> str:
 
 
 def font_remark(missing: Collection[str]) -> str:
-    """Name the letters that no installed font contains, and the font to install.
-
-    >>> print(font_remark("क"))  # doctest: +SKIP
-    no installed font has the letter क: the picture shows "…" instead; install Noto Sans ...
-    """
+    """Name the letters that no installed font contains, and the font to install."""
     letters = sorted(letter for letter in missing if letter[0] in missing)
     shown = " ".join(letters[:SHOWN_LETTERS]) + (" ..." if len(letters) > SHOWN_LETTERS else "")
     what = f"the letters {shown}" if len(letters) > 1 else f"the letter {shown}"
@@ -186,3 +185,74 @@ def fonts_to_install(letters: Iterable[str]) -> dict[str, str]:
         name: f"sudo apt install {package} (Debian, Ubuntu), or the Noto package of your system"
         for name, package in packages.items()
     }
+
+
+@contextmanager
+def quiet_fonts() -> Iterator[None]:
+    """Silence matplotlib's log of fonts without a bold face within the block."""
+    log = logging.getLogger("matplotlib.font_manager")
+    before = log.level
+    log.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        log.setLevel(before)
+
+
+def with_fonts(page: "Callable[[], Figure]") -> "Figure":
+    """Make a figure with fonts for all its letters.
+
+    The figure is made again if the default font lacks letters, since labels are placed by the width
+    of their text. The caller restores matplotlib's settings. Letters that no font has become "…",
+    and the log has one warning with the font to install.
+    """
+    from matplotlib import rcParams
+    from matplotlib.text import Text
+
+    figure = page()
+    texts = [text.get_text() for text in figure.findobj(Text)]
+    for axes in figure.axes:  # matplotlib sets the texts of ticks only on request
+        for axis in (axes.xaxis, axes.yaxis):
+            texts += [label.get_text() for label in axis.get_ticklabels(which="both")]
+    found = fonts_for(letters_of(texts))
+    if found.paths:
+        rcParams["font.family"] = [*rcParams["font.family"], *map(_family, found.paths)]
+        figure = page()
+    if found.missing:
+        for text in figure.findobj(Text):
+            text.set_text(legible(text.get_text(), found.missing))
+        warn_of(found.missing)
+    return figure
+
+
+def fonts_for(letters: frozenset[str]) -> FoundFonts:
+    """Return fonts for the letters that matplotlib's usual font lacks."""
+    from matplotlib import font_manager
+
+    usual = Path(font_manager.findfont(font_manager.FontProperties()))
+    lacking = letters - coverage(usual, letters)
+    return find_fonts(lacking, coverage)
+
+
+def coverage(path: Path, letters: frozenset[str]) -> frozenset[str]:
+    """Return the letters that a font file contains; none if matplotlib cannot use it."""
+    from matplotlib.ft2font import FT2Font
+
+    try:
+        font = FT2Font(str(path))
+    except (OSError, RuntimeError, ValueError):
+        return frozenset()
+    if not font.scalable:
+        return frozenset()
+    return frozenset(one for one in letters if all(font.get_char_index(ord(c)) for c in one))
+
+
+@cache
+def _family(path: Path) -> str:
+    """Register a font file with matplotlib, and return its family."""
+    from matplotlib import font_manager
+
+    manager = font_manager.fontManager
+    if all(one.fname != str(path) for one in manager.ttflist):
+        manager.addfont(str(path))
+    return str(font_manager.get_font(str(path)).family_name)

@@ -22,28 +22,9 @@ from lipsync_lang.extras import install_line
 from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.perform import Stage
-from lipsync_lang.render.plot_fonts import quiet_fonts, with_fonts
-from lipsync_lang.render.sound_panel import (
-    IN_DOUBT,
-    PHONEME_EDGES,
-    draw_doubts,
-    draw_spectrogram,
-    draw_waveform,
-)
-from lipsync_lang.render.view import (
-    AXIS,
-    FOOT,
-    HEAD,
-    LANE,
-    LEFT,
-    RIGHT,
-    SHOWN,
-    SOUND,
-    SPECTRUM,
-    VISIBLE_WEIGHT,
-    WIDTH,
-    View,
-)
+from lipsync_lang.render import view as layout
+from lipsync_lang.render.fonts import quiet_fonts, with_fonts
+from lipsync_lang.render.view import View
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -100,15 +81,8 @@ GATE: dict[str, Any] = {"facecolor": "none", "edgecolor": "#b8408a", "lw": 1.2, 
 def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002
     """Draw an animation with its intermediate stages.
 
-    Parameters
-    ----------
-    stream : binary stream, open for writing
-    format : a name in `PLOT_FORMATS`, in any case
-
-    Raises
-    ------
-    OutputError
-        The format is unknown, matplotlib is missing, or the animation has no performer.
+    Raises OutputError if the format is unknown, matplotlib is missing, or the animation has no
+    performer. The format is a name in `PLOT_FORMATS`, in any case.
     """
     line = PerformedLine.of(animation)
     if line is None:
@@ -119,13 +93,7 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
 
 
 def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  # noqa: A002
-    """Make a figure and write it, independent of the user's matplotlib settings.
-
-    Raises
-    ------
-    OutputError
-        The format is unknown, or matplotlib is missing.
-    """
+    """Make a figure and write it, independent of the user's matplotlib settings."""
     name = format.lower()
     if name not in PLOT_FORMATS:
         what = f"no picture format '{format}'" if format else "the picture's name has no suffix"
@@ -151,20 +119,24 @@ def _page(view: View) -> "Figure":
     from matplotlib.figure import Figure
 
     title = title_of(view.animation.schedule)
-    height = HEAD + view.strips * (view.height + AXIS) + FOOT
-    figure = Figure(figsize=(WIDTH, height))
-    figure.text(LEFT / WIDTH, 1 - 0.12 / height, title, size=13, weight="bold", va="top")
-    figure.text(LEFT / WIDTH, 1 - 0.4 / height, _subtitle(view), size=10, color=INK, va="top")
+    height = layout.HEAD + view.strips * (view.height + layout.AXIS) + layout.FOOT
+    figure = Figure(figsize=(layout.WIDTH, height))
+    figure.text(
+        layout.LEFT / layout.WIDTH, 1 - 0.12 / height, title, size=13, weight="bold", va="top"
+    )
+    figure.text(
+        layout.LEFT / layout.WIDTH, 1 - 0.4 / height, _subtitle(view), size=10, color=INK, va="top"
+    )
     _legend(figure, view, 1 - 0.64 / height)
     edges = np.linspace(view.begin, view.end, view.strips + 1).tolist()
     for number, limits in enumerate(pairwise(edges)):
-        bottom = height - HEAD - (number + 1) * view.height - number * AXIS
-        place = (view.left / WIDTH, bottom / height)
-        size = (1 - (view.left + RIGHT) / WIDTH, view.height / height)
+        bottom = height - layout.HEAD - (number + 1) * view.height - number * layout.AXIS
+        place = (view.left / layout.WIDTH, bottom / height)
+        size = (1 - (view.left + layout.RIGHT) / layout.WIDTH, view.height / height)
         axes = figure.add_axes((*place, *size), xlim=limits, ylim=(view.height, 0))
         for draw in (
-            _scales, _grounds, draw_doubts, draw_waveform, draw_spectrogram, _labels, _bigrams,
-            _curves,
+            _scales, _grounds, layout.draw_doubts, layout.draw_waveform, layout.draw_spectrogram,
+            _labels, _bigrams, _curves,
         ):  # fmt: skip
             draw(axes, view)
     return figure
@@ -182,7 +154,7 @@ def _subtitle(view: View) -> str:
     if animation.schedule.estimated:
         parts.append("times are estimated")
     if view.end < animation.times[-1]:
-        parts.append(f"the first {SHOWN:g} s of {animation.times[-1] - view.begin:.1f} s")
+        parts.append(f"the first {layout.SHOWN:g} s of {animation.times[-1] - view.begin:.1f} s")
     if view.resting:
         parts.append(f"at rest: {shorten(', '.join(view.resting), TITLE_CHARS, placeholder=' …')}")
     return "   ·   ".join(parts)
@@ -203,13 +175,13 @@ def _legend(figure: "Figure", view: View, top: float) -> None:
     if view.gates:
         entries["bounds of a contact"] = Patch(**GATE)
     if view.spectrogram is not None:
-        entries["boundaries"] = Line2D([], [], **PHONEME_EDGES)
+        entries["boundaries"] = Line2D([], [], **layout.PHONEME_EDGES)
     if view.doubts:
-        entries["word in doubt"] = Patch(**IN_DOUBT)
+        entries["word in doubt"] = Patch(**layout.IN_DOUBT)
     figure.legend(
         list(entries.values()), list(entries), ncols=len(entries), loc="upper left",
-        bbox_to_anchor=(LEFT / WIDTH, top), frameon=False, borderpad=0, borderaxespad=0,
-        fontsize=8.5, columnspacing=1.1, handlelength=1.6, handletextpad=0.5,
+        bbox_to_anchor=(layout.LEFT / layout.WIDTH, top), frameon=False, borderpad=0,
+        borderaxespad=0, fontsize=8.5, columnspacing=1.1, handlelength=1.6, handletextpad=0.5,
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
     )  # fmt: skip
 
@@ -226,8 +198,11 @@ def _scales(axes: "Axes", view: View) -> None:
     names += [(view.animation.poses[p], view.y(row, 0.5)) for row, p in enumerate(view.moving)]
     ends = [(view.y(row, end), f"{end}") for row in range(len(view.moving)) for end in (0, 1)]
     if view.spectrogram is not None:
-        names += [("sound", SOUND / 2), ("spectrum", SOUND + SPECTRUM / 2)]
-        ends += [(SOUND + SPECTRUM, "0"), (SOUND, f"{view.spectrogram.highest / 1000:g}k")]
+        names += [("sound", layout.SOUND / 2), ("spectrum", layout.SOUND + layout.SPECTRUM / 2)]
+        ends += [
+            (layout.SOUND + layout.SPECTRUM, "0"),
+            (layout.SOUND, f"{view.spectrogram.highest / 1000:g}k"),
+        ]
     axes.set_yticks([at for _, at in names], [name for name, _ in names], size=10)
     axes.tick_params(axis="y", length=0, pad=22)
     axes.set_yticks([at for at, _ in ends], [end for _, end in ends], minor=True, size=7)
@@ -261,7 +236,7 @@ def _labels(axes: "Axes", view: View) -> None:
         middles = band.spans.mean(axis=1).tolist()
         for text, middle, lane in zip(band.texts, middles, band.lanes, strict=True):
             if low <= middle < high:
-                at = band.top + (lane + 0.575) * LANE
+                at = band.top + (lane + 0.575) * layout.LANE
                 axes.text(middle, at, text, size=band.size, ha="center", va="center")
 
 
@@ -276,7 +251,7 @@ def _bigrams(axes: "Axes", view: View) -> None:
         if times[0] < high and times[-1] > low:
             for row, pose in enumerate(view.moving):
                 curve = curves[:, pose]
-                if curve.max() > VISIBLE_WEIGHT:
+                if curve.max() > layout.VISIBLE_WEIGHT:
                     line = np.column_stack([times, view.y(row, curve)])
                     feet = [(at, view.y(row, 0)) for at in (times[0], times[-1])]
                     lines[i % len(BIGRAMS)].append(np.vstack([feet[:1], line, feet[1:]]))
@@ -293,7 +268,7 @@ def _curves(axes: "Axes", view: View) -> None:
         colour = _look(after)[1]
         for row, pose in enumerate(view.moving):
             old, new = before.curves[pose, stitched], after.curves[pose, stitched]
-            changed = np.abs(new - old) > VISIBLE_WEIGHT
+            changed = np.abs(new - old) > layout.VISIBLE_WEIGHT
             if changed.any():
                 changed = np.convolve(changed, np.ones(3))[1:-1] > 0  # to where the curves meet
                 lines = (shown, view.y(row, old), view.y(row, new))
@@ -315,5 +290,4 @@ def _near(axes: "Axes", times: Floats) -> Bools:
     """Select the frames of a strip and their direct neighbours."""
     low, high = axes.get_xlim()
     step = times[1] - times[0] if len(times) > 1 else 0.0
-    near: Bools = (times >= low - step) & (times <= high + step)
-    return near
+    return (times >= low - step) & (times <= high + step)

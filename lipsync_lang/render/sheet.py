@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from textwrap import shorten
@@ -13,13 +12,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Ints
 from lipsync_lang.errors import OutputError
-from lipsync_lang.render.fonts import (
-    find_fonts,
-    legible,
-    letters_of,
-    split_letters,
-    warn_of,
-)
+from lipsync_lang.render.fonts import find_fonts, legible, letters_of, split_letters, warn_of
 from lipsync_lang.render.model.camera import close_up, framed
 from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist
@@ -44,25 +37,12 @@ MISSING_CHARACTER = "\U0010fffe"
 """A character absent from every font."""
 
 
-@dataclass(frozen=True)
-class Still:
-    """A moment of a line in seconds of its schedule, with its sound and its word."""
-
-    seconds: float
-    sound: str
-    word: str
+Still = tuple[float, str, str]
+"""A moment of a line in seconds of its schedule, with its sound and its word."""
 
 
 def sheet(animation: Animation, out: BinaryIO) -> None:
-    """Draw the most different faces of a line.
-
-    Raises
-    ------
-    OutputError
-        Pillow is missing, or there is nothing to draw.
-    ModelError
-        The model cannot be drawn.
-    """
+    """Draw the most different faces of a line; an OutputError if there is nothing to draw."""
     pillow()
     scene, schedule = staged(animation), animation.schedule
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
@@ -75,17 +55,9 @@ def moments(
 ) -> None:
     """Draw the faces of a line at given times, with the same camera for all lines of a model.
 
-    Parameters
-    ----------
-    seconds : in the schedule
-    close : show the mouth alone
-
-    Raises
-    ------
-    OutputError
-        A time is outside the animation, Pillow is missing, or there is nothing to draw.
-    ModelError
-        The model cannot be drawn.
+    Raises OutputError if a time is outside the animation, Pillow is missing, or there is nothing to
+    draw, and ModelError if the model cannot be drawn. The times are seconds in the schedule;
+    `close` shows the mouth alone.
     """
     pillow()
     first, last = float(animation.times[0]), float(animation.times[-1])
@@ -103,9 +75,9 @@ def moments(
 def _still(schedule: Schedule, seconds: float) -> Still:
     number = int(np.searchsorted(schedule.times, seconds, side="right")) - 1
     if not 0 <= number < len(schedule):
-        return Still(seconds, SILENCE, "")
+        return seconds, SILENCE, ""
     word = schedule.word_at(number)
-    return Still(seconds, schedule.labels[number], word.text if word else "")
+    return seconds, schedule.labels[number], word.text if word else ""
 
 
 def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO) -> None:
@@ -118,17 +90,16 @@ def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO)
     size = (2 * EDGE - GAP + columns * (CELL + GAP), 2 * EDGE + rows * (CELL + FOOT))
     page = image.new("RGB", size, PAPER)
     draw = ImageDraw.Draw(page)
-    for place, still in enumerate(stills):
+    for place, (seconds, sound, word) in enumerate(stills):
         row, column = divmod(place, columns)
         left, top = EDGE + column * (CELL + GAP), EDGE + row * (CELL + FOOT)
-        picture = artist.draw(still.seconds + start)
+        picture = artist.draw(seconds + start)
         page.paste(image.fromarray(picture), (left, top))
         caption = top + CELL
-        _write(draw, (left, caption + 4), _plain(still.sound, 12), 20, INK)
-        word = _plain(still.word, 24)
-        if word:
-            left = _write(draw, (left, caption + 29), word, 14, PALE) + APART
-        _write(draw, (left, caption + 29), f"{still.seconds:.2f} s", 14, PALE)
+        _write(draw, (left, caption + 4), _plain(sound, 12), 20, INK)
+        if shown := _plain(word, 24):
+            left = _write(draw, (left, caption + 29), shown, 14, PALE) + APART
+        _write(draw, (left, caption + 29), f"{seconds:.2f} s", 14, PALE)
     page.save(out, "PNG", optimize=True)
 
 

@@ -14,12 +14,8 @@ from lipsync_lang.render.model.scene import Scene
 def staged(animation: Animation) -> Scene:
     """Build the scene of the animation's GLB, without the silence of an offset.
 
-    Raises
-    ------
-    OutputError
-        There is no model, or nothing in it moves.
-    ModelError
-        The model cannot be read or drawn.
+    Raises OutputError if there is no model, or nothing in it moves, and ModelError if the model
+    cannot be read or drawn.
     """
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path = Path(folder) / "line.glb"

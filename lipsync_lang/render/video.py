@@ -61,21 +61,11 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
 ) -> None:
     """Draw every frame of an animation and write a video with its sound.
 
-    The duration is the longer of animation and sound.
-
-    Parameters
-    ----------
-    kind : a name in `CODECS`
-    size : side of a frame in pixels; `FRAME_PIXELS` by default
-    codec : options of the encoder, instead of those in `CODECS`
-    framing : animation of the same model for camera and light; by default, this one
-
-    Raises
-    ------
-    OutputError
-        A library is missing, there is nothing to draw, or ffmpeg fails.
-    ModelError
-        The model cannot be drawn.
+    The duration is the longer of animation and sound. Raises OutputError if a library is missing,
+    there is nothing to draw, or ffmpeg fails, and ModelError if the model cannot be drawn. The kind
+    is a name in `CODECS`, whose options `codec` replaces; the size is the side of a frame in
+    pixels, by default `FRAME_PIXELS`. Camera and light are those of `framing`, an animation of the
+    same model.
     """
     ffmpeg, size = find_ffmpeg(), size or FRAME_PIXELS
     pillow()
@@ -107,13 +97,7 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
 
 
 def find_ffmpeg() -> str:
-    """Return the path of ffmpeg.
-
-    Raises
-    ------
-    OutputError
-        ffmpeg is not installed.
-    """
+    """Return the path of ffmpeg; an OutputError if it is not installed."""
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError:

@@ -21,7 +21,7 @@ from lipsync_lang.commands import doctor, doctor_checks, starting
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, load_project
-from lipsync_lang.render import plot_fonts
+from lipsync_lang.render import fonts
 from lipsync_lang.render.fonts import FoundFonts
 from lipsync_lang.resolver.cache import CACHE_VARIABLE
 from lipsync_lang.speech.speaking.speech_engines import ENGINES
@@ -451,7 +451,7 @@ def test_fonts_to_install_are_named(monkeypatch):
     pytest.importorskip("matplotlib", reason="plots are an extra")
     for missing, state, told in (("", "ok", "ʃ"), ("क", "missing", "Noto Sans Devanagari: ")):
         found = FoundFonts((), frozenset(missing))
-        monkeypatch.setattr(plot_fonts, "fonts_for", lambda _, found=found: found)
+        monkeypatch.setattr(fonts, "fonts_for", lambda _, found=found: found)
         assert one("fonts")[0] == state
         assert told in one("fonts")[1]
     without(monkeypatch, "matplotlib")

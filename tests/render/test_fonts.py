@@ -18,18 +18,19 @@ from matplotlib import font_manager
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from lipsync_lang.render import fonts, plot_fonts, sheet
+from lipsync_lang.render import fonts, sheet
 from lipsync_lang.render.fonts import (
     ELLIPSIS,
     find_fonts,
     font_files,
     font_remark,
+    fonts_for,
     fonts_to_install,
     legible,
     letters_of,
     split_letters,
+    with_fonts,
 )
-from lipsync_lang.render.plot_fonts import fonts_for, with_fonts
 
 pillow = pytest.mark.skipif(importlib.util.find_spec("PIL") is None, reason="needs Pillow")
 
@@ -94,7 +95,7 @@ def strings(figure):
 
 def drawn(text):
     """Draw a text; a letter without a glyph would cause a warning, which is an error here."""
-    with plot_fonts.quiet_fonts(), plot_fonts_context():
+    with fonts.quiet_fonts(), plot_fonts_context():
         figure = with_fonts(page(text))
         figure.savefig(BytesIO(), format="png")
     return strings(figure)
@@ -247,7 +248,7 @@ def test_every_letter_of_every_language_is_drawn_or_named(language, empty, reque
     letters = letters_of(texts)
     found = fonts_for(letters)
     usual = Path(font_manager.findfont(font_manager.FontProperties()))
-    having = [plot_fonts.coverage(path, letters) for path in (usual, *found.paths)]
+    having = [fonts.coverage(path, letters) for path in (usual, *found.paths)]
     assert letters == found.missing.union(*having)
     left = letters_of(legible(text, found.missing) for text in texts) - {ELLIPSIS}
     assert left <= frozenset().union(*having)

@@ -17,8 +17,7 @@ from lipsync_lang.errors import OutputError
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.render.plot import PLOT_FORMATS, STAGES, plot
-from lipsync_lang.render.sound_panel import Spectrogram, draw_spectrogram
-from lipsync_lang.render.view import View
+from lipsync_lang.render.view import Spectrogram, View, draw_spectrogram
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 
 MAGIC = {

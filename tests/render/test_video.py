@@ -20,7 +20,7 @@ from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.errors import ModelError, OutputError
 from lipsync_lang.render import sheet, video
 from lipsync_lang.render.model.camera import framed
-from lipsync_lang.render.model.material import Material
+from lipsync_lang.render.model.gltf import Material
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.model.raster import Window, area, fill, planes, shown
 from lipsync_lang.render.model.scene import FAN, STRIP, _triangles

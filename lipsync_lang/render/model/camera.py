@@ -48,12 +48,7 @@ class Camera:
     half: float
 
     def see(self, points: Floats, size: int) -> tuple[Floats, Floats]:
-        """Project points onto a picture of `size` by `size` samples.
-
-        Returns
-        -------
-        (V, 2) columns and rows; (V,) 1 / distance from the eye, at most 0 for points behind it
-        """
+        """Project points onto a picture: (V, 2) columns and rows, and (V,) 1 / distance."""
         seen = (points - self.middle) @ self.turn
         depth = self.distance - seen[:, 2]
         near = np.where(depth > self.distance / 100, 1 / np.where(depth, depth, 1.0), 0.0)
@@ -88,12 +83,7 @@ def framed(scene: Scene) -> Camera:
 
 
 def close_up(swept: Scene) -> Camera:
-    """Frame the mouth, from the side that `framed` takes for the front.
-
-    Parameters
-    ----------
-    swept : a movement of one shape after the other, in a second each
-    """
+    """Frame the mouth from the front, by a movement of one shape after the other, 1 s each."""
     times = np.unique(np.linspace(1.0, swept.seconds, MOMENTS).round())
     stir = np.mean([np.abs(swept.points(time) - swept.rest).sum(axis=1) for time in times], axis=0)
     mouth = swept.rest[stir >= MOUTH * stir.max()]

@@ -77,8 +77,7 @@ class Normals:
         """Mask the (V,) points whose normals change with the given moving triangles."""
         turned: Bools = np.zeros(len(self._group), bool)
         turned[self._group[triangles]] = True
-        found: Bools = turned[self._group]
-        return found
+        return turned[self._group]
 
     def _smooth(self, points: Floats) -> Floats:
         """Average the triangle normals around each point, weighted by area."""
@@ -97,27 +96,20 @@ def groups(scene: Scene) -> Ints:
     keys = np.hstack([scene.rest / size / GRAIN[0], np.where(bare[:, None], 0, given) / GRAIN[1]])
     keys = np.column_stack([keys.round(), np.where(bare, np.arange(len(keys)), -1)])
     _, first, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    found: Ints = first[group.ravel()]
-    return found
+    return first[group.ravel()]
 
 
 def unit(vectors: Floats) -> Floats:
     """Normalise vectors to length 1; zero vectors stay zero."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    found: Floats = vectors / np.where(lengths > 0, lengths, 1.0)
-    return found
+    return vectors / np.where(lengths > 0, lengths, 1.0)
 
 
 def lit(normals: Floats, gloss: Floats) -> tuple[Floats, Floats]:
     """Compute the light that surfaces scatter and reflect, from (n, 3) normals in eye axes.
 
-    Parameters
-    ----------
-    gloss : (n,) in [0, 1]
-
-    Returns
-    -------
-    (n, 3) diffuse light, to be multiplied by the surface colour; (n, 1) white specular light
+    Of (n,) gloss in [0, 1], returns (n, 3) diffuse light, to be multiplied by the surface colour,
+    and (n, 1) white specular light.
     """
     up = normals[:, 1:2] / 2 + 0.5
     scattered = GROUND + (SKY - GROUND) * up
@@ -166,5 +158,4 @@ def openness(scene: Scene, camera: Camera) -> Floats:
 def encoded(light: npt.NDArray[np.floating]) -> npt.NDArray[np.uint8]:
     """Encode linear light as sRGB."""
     steps = (light * (_SHADE_STEPS - 1)).clip(0, _SHADE_STEPS - 1).astype(np.uint16)
-    found: npt.NDArray[np.uint8] = _SHADES[steps]
-    return found
+    return _SHADES[steps]

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from lipsync_lang.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.render.model.camera import Camera, framed
+from lipsync_lang.render.model.gltf import Material
 from lipsync_lang.render.model.light import LINEAR_LIGHT, Normals, encoded, lit, openness
-from lipsync_lang.render.model.material import Material
 from lipsync_lang.render.model.raster import (
     MIN_AREA,
     DepthKeys,
@@ -59,11 +59,8 @@ class Faces(NamedTuple):
 class Artist:
     """Renderer of a scene.
 
-    Parameters
-    ----------
-    size : side of the picture in pixels
-    camera : by default, the one that frames the scene
-    widest : another movement of the model, by which ambient light is judged; by default, its own
+    `size` is the side of the picture in pixels. By default, the camera frames the scene, and
+    ambient light is judged by the scene's own movement; `widest` is another one of the model.
     """
 
     def __init__(
@@ -155,10 +152,10 @@ class Artist:
         flat, pixels = keys.reshape(-1), light.reshape(3, -1)
         cut = self._cut[faces.names]
         cost = np.abs(area(faces.corners)).clip(0, keys.size) / 2 + OVERHEAD
-        for own in _batches(np.flatnonzero(~cut), cost, COVERED):
-            _fill(flat, window, faces, own)
-        for own in _batches(np.flatnonzero(cut), cost, COVERED):
-            _fill(flat, window, faces, own, partial(self._opaque, faces, own))
+        for some in (~cut, cut):
+            for own in _batches(np.flatnonzero(some), cost, COVERED):
+                seen = partial(self._opaque, faces, own) if some is cut else None
+                fill(flat, window, faces.corners[own], faces.depth[own], faces.names[own], seen)
         rank = np.empty(len(self._scene.triangles), np.intp)
         rank[faces.names] = np.arange(len(faces.names))
         changed = np.flatnonzero(keys != still)
@@ -180,8 +177,7 @@ class Artist:
         for one, material, texels in self._texels(faces, samples):
             alpha[one] = material.colour[3] * texels[:, 3] / 255
         cutoff = np.array([m.cutoff for m in scene.materials])[number]
-        found: Bools = alpha >= cutoff
-        return found
+        return alpha >= cutoff
 
     def _texels(self, faces: Faces, samples: Samples) -> Iterator[tuple[Ints, Material, Pixels]]:
         """Yield each textured material with its samples and their texture values."""
@@ -200,16 +196,6 @@ def _batches(numbers: Ints, cost: Floats, most: int) -> list[Ints]:
     """Split triangles into batches small enough for the processor cache."""
     batch = np.cumsum(cost[numbers]) // most
     return np.split(numbers, np.flatnonzero(np.diff(batch)) + 1) if len(numbers) else []
-
-
-def _fill(
-    keys: DepthKeys,
-    window: Window,
-    faces: Faces,
-    own: Ints,
-    seen: Callable[[Samples], Bools] | None = None,
-) -> None:
-    fill(keys, window, faces.corners[own], faces.depth[own], faces.names[own], seen)
 
 
 def _at(faces: Faces, samples: Samples, part: slice) -> Singles:

@@ -46,14 +46,8 @@ class Samples(NamedTuple):
 def planes(corners: Floats, values: Floats) -> Floats:
     """Compute the linear functions of values across triangles.
 
-    Parameters
-    ----------
-    corners : (F, 3, 2), of non-zero area
-    values : (F, 3, k) at the corners
-
-    Returns
-    -------
-    (F, 3, k): ``p[0] + p[1] * x + p[2] * y``
+    Of corners (F, 3, 2) of non-zero area, with values (F, 3, k), the functions are (F, 3, k):
+    ``p[0] + p[1] * x + p[2] * y``.
     """
     (ax, ay), (bx, by) = ((corners[:, n] - corners[:, 0]).T[..., None] for n in (1, 2))
     a, b = (values[:, n] - values[:, 0] for n in (1, 2))

@@ -14,8 +14,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.json_object import Json
-from lipsync_lang.render.model.gltf import Gltf
-from lipsync_lang.render.model.material import Material, material
+from lipsync_lang.render.model.gltf import Gltf, Material, material
 from lipsync_lang.rigs.accessors import Array
 from lipsync_lang.rigs.container import fail
 from lipsync_lang.rigs.model import Model, read_model
@@ -78,15 +77,8 @@ class Primitive:
 class Scene:
     """Visible geometry of a model: V points, F triangles.
 
-    Parameters
-    ----------
-    path : a GLB; its last animation is played
-    name : file name for messages
-
-    Raises
-    ------
-    ModelError
-        The file is damaged, has nothing to draw, or is compressed without an installed decoder.
+    Raises ModelError if the file is damaged, has nothing to draw, or is compressed without an
+    installed decoder. The last animation of a GLB is played; messages call the file `name`.
     """
 
     def __init__(self, path: Path, name: Path) -> None:
@@ -215,8 +207,6 @@ class Scene:
             colours[:, : given.shape[1]] = given
         places = arrays.get("TEXCOORD_0", np.zeros((count, 2))).astype(float)
         return normals, colours * material.colour, places * material.scale + material.offset
-
-    # In time
 
     def points(self, seconds: float) -> Floats:
         """Compute the positions of all points at a time: (V, 3)."""
