@@ -6,7 +6,7 @@ The match counts shown poses; output paths are relative to the project folder.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 from lipsync_lang.authoring.new_pack import (
     PackDraft,
@@ -20,16 +20,12 @@ from lipsync_lang.authoring.new_pack import (
 from lipsync_lang.authoring.rig import drafted, rig_lines
 from lipsync_lang.errors import LipsyncError, ModelError, PackError, did_you_mean
 from lipsync_lang.packs.finding import FOLDERS, POSESET
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.rigs.model import Model, read_model, some
 from lipsync_lang.rigs.recognise import Match, recognise
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.models import RigPack
-
 MAX_ALTERNATIVES = 3
-"""Maximum number of alternatives in a message."""
 
 
 @dataclass(frozen=True)
@@ -91,20 +87,8 @@ class CharacterDraft(PackDraft):
         }
 
 
-def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> CharacterDraft:
-    """Draft a character.
-
-    Parameters
-    ----------
-    library : source of pose sets and rigs
-    wanted : request with the sources of the draft
-    folder : project folder; the output is under `characters`
-
-    Raises
-    ------
-    LipsyncError
-        The model is unreadable or without a match, or the name is invalid or in use.
-    """
+def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> CharacterDraft:
+    """Draft a character, under `characters` of the project folder, or raise a LipsyncError."""
     path = folder / FOLDERS["character"] / f"{wanted.name}.yaml"
     check_name(wanted.name)
     there = [path] if path.exists() else library.finder.lookup("character", wanted.name)
@@ -119,10 +103,11 @@ def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> C
     summaries = {path: f"the poses of {match.poseset}" + (f", rig {rig}" if rig else "")}
     if not match.complete:
         rig_path = _new_rig_path(library, match, wanted.name, folder)
-        poseset, base = library.poseset(match.poseset).model, None
+        poseset = library.poseset(match.poseset).model
+        base: Any = None
         if match.rig is not None:
             known = {one.stem: one for one in library.rigs_of(match.poseset)}
-            base = cast("RigPack", library.load(known[match.rig], "rig", match.rig).model)
+            base = library.load(known[match.rig], "rig", match.rig).model
         made = drafted(wanted.name, wanted.heading, match, poseset, base)
         outputs[rig_path] = pack_bytes(rig_lines(made, model, match, poseset))
         count = sum(len(places) for places in match.found.places.values())
@@ -137,7 +122,7 @@ def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> C
 
 
 def _chosen(
-    library: "Library", wanted: CharacterWish, model: Model, matches: Sequence[Match]
+    library: Library, wanted: CharacterWish, model: Model, matches: Sequence[Match]
 ) -> Match:
     """Return the requested match; by default the best one."""
     if wanted.poseset is not None:
@@ -176,7 +161,7 @@ def _running(name: str, model: Path) -> str:
     return f'lipsync-lang run "Hello" -l LANGUAGE -c {name} -o {name}{"-line" * same}.glb'
 
 
-def _new_rig_path(library: "Library", match: Match, name: str, folder: Path) -> Path:
+def _new_rig_path(library: Library, match: Match, name: str, folder: Path) -> Path:
     """Return the path of a new rig, in a folder that is searched for rigs of the pose set."""
     path = folder / FOLDERS["poseset"] / match.poseset / "rigs" / f"{name}.yaml"
     known = {one.stem: one for one in library.rigs_of(match.poseset)}

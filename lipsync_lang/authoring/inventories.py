@@ -41,16 +41,10 @@ class Inventory(NamedTuple):
 def read_inventory(path: Path, which: str | None = None) -> Inventory:
     """Read one inventory.
 
-    Parameters
-    ----------
-    path : the PHOIBLE table (.csv or .tsv, optionally gzipped), or plain text of segments
-        separated by white space
-    which : inventory number, ISO 639-3 code or language name in the PHOIBLE table
-
-    Raises
-    ------
-    LipsyncError
-        The file is unreadable, or the number of matching inventories is not one.
+    `path` is the PHOIBLE table (.csv or .tsv, optionally gzipped), or plain text of segments
+    separated by white space; `which` is an inventory number, ISO 639-3 code or language name in the
+    table. Raises LipsyncError if the file is unreadable, or the number of matching inventories is
+    not one.
     """
     text = _text(path)
     first = text.partition("\n")[0]

@@ -7,13 +7,11 @@ its own `reasons`, in a decision that languages share, or because it maps the sy
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from lipsync_lang.packs import models
 from lipsync_lang.packs.finding import IPA
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.library import Library
 
 MAX_PIECES = 4
 """Maximum number of letters of a symbol in a search for the parts of its mapping."""
@@ -45,22 +43,16 @@ class SymbolMappings(NamedTuple):
         return tuple(name for one in self.unusual if not one.reason for name in one.languages)
 
 
-def compare(library: "Library") -> list[SymbolMappings]:
+def compare(library: Library) -> list[SymbolMappings]:
     """Compare the mappings of all languages found, the most widespread symbols first."""
     packs = [library.language(found.name).model for found in library.names("language")]
     return compare_models(packs, library.ipa().model.decided)
 
 
 def compare_models(
-    packs: "Iterable[models.Language]", decided: "Sequence[models.Decision]" = ()
+    packs: Iterable[models.Language], decided: Sequence[models.Decision] = ()
 ) -> list[SymbolMappings]:
-    """Compare the mappings of languages.
-
-    Parameters
-    ----------
-    packs : the languages
-    decided : decisions that languages share, of the IPA pack
-    """
+    """Compare the mappings of languages; `decided` are decisions that languages share."""
     tables = {
         pack.name: {label: tuple(sounds.to) for label, sounds in pack.notations[IPA].items()}
         for pack in packs

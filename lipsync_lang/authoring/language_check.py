@@ -1,20 +1,29 @@
-"""Check of a language pack for its author: faults, tests, and the mouth of each sound."""
+"""Check of a language pack for its author: faults, tests, and the mouth of each sound.
+
+A picture shows the mouths: each sound alone, on the model of a character.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
 
 from lipsync_lang.authoring.sound_table import SoundTable
 from lipsync_lang.authoring.trial import doubts, try_out
+from lipsync_lang.errors import OutputError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.reports.text_table import columns
+from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.yaml.faults import Fault
+    from lipsync_lang.performing.performer import Performer
 
 FAILED_TEST = "P221"
 
@@ -26,12 +35,15 @@ MUTE, REST = "(mute)", "at rest"
 MOST_SOUNDS, MOST_WORDS = 8, 3
 """Maximum numbers of sounds and of words in a row."""
 
+HELD_SOUND_SECONDS = 0.5
+"""Duration of each sound, and of the silence around it."""
+
 
 @dataclass(frozen=True)
 class LanguageCheck:
     """Faults of a language pack, and its sounds if it can be read."""
 
-    faults: "tuple[Fault, ...]"
+    faults: tuple[Fault, ...]
     sounds: Mapping[str, Any] | None
     """The table of sounds (`SoundTable.told`); None if a fault keeps the pack from being read."""
     mouths: Mapping[str, str] = field(default_factory=dict)
@@ -111,19 +123,11 @@ def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str,
     return {mouth: sorted(own, key=lambda row: not row["words"]) for mouth, own in mouths.items()}
 
 
-def check_language(library: "Library", path: Path, character: str | None = None) -> LanguageCheck:
+def check_language(library: Library, path: Path, character: str | None = None) -> LanguageCheck:
     """Check a language pack.
 
-    Parameters
-    ----------
-    library : packs, with the folder of the language among its folders
-    path : file of the language pack
-    character : a character or pose set that shows the mouths; None for no mouths
-
-    Raises
-    ------
-    PackError
-        The character is unknown or unsound.
+    Raises PackError if the character is unknown or unsound. The folder of the language is among
+    those of the library. Without a character or pose set, no mouths are shown.
     """
     faults = validate(library, [path])
     if any(fault.severity == "fault" and fault.code != FAILED_TEST for fault in faults):
@@ -141,7 +145,7 @@ def check_language(library: "Library", path: Path, character: str | None = None)
     )
 
 
-def mouths_of(library: "Library", language: str, character: str) -> dict[str, str]:
+def mouths_of(library: Library, language: str, character: str) -> dict[str, str]:
     """Describe the target of each common phoneme: its poses with their weights, largest first."""
     from lipsync_lang.resolver.layers import PairPacks
 
@@ -152,3 +156,28 @@ def mouths_of(library: "Library", language: str, character: str) -> dict[str, st
         seen = sorted((-weight, pose) for weight, pose in weights if weight >= FAINTEST_WEIGHT)
         told[phoneme] = ", ".join(f"{pose} {-weight:.2f}" for weight, pose in seen) or REST
     return told
+
+
+def draw_mouths(performer: "Performer", sounds: Mapping[str, Any], out: BinaryIO) -> None:
+    """Draw a still of each mouth, with the first sound that has it and a word.
+
+    Sounds that pass through several mouths are left out, because each of these has a still. Raises
+    OutputError if Pillow is missing, the character has no model, or the language has no sounds. The
+    performer has the language on the character; `sounds` is the table `SoundTable.told`, and the
+    output is a PNG.
+    """
+    from lipsync_lang.render.sheet import moments
+
+    shown = [own[0] for mouth, own in mouths_in(sounds).items() if len(mouth) == 1]
+    if not shown:
+        raise OutputError("the language maps no sounds; there is no mouth to draw")
+    labels = [SILENCE, *chain.from_iterable((row["label"], SILENCE) for row in shown)]
+    times = np.arange(len(labels) + 1, dtype=np.float64) * HELD_SOUND_SECONDS
+    words = tuple(
+        Word(next(iter(row["words"]), row["label"]), 2 * n + 1, 2 * n + 2)
+        for n, row in enumerate(shown)
+    )
+    schedule = Schedule(tuple(labels), times, words, notation=shown[0]["notation"])
+    animation = performer.rigged(performer.perform(schedule))
+    middles = (times[1:-1:2] + times[2::2]) / 2
+    moments(animation, middles.tolist(), out, close=True)

@@ -3,21 +3,19 @@
 Output is nested dicts and lists for JSON and for the table of `authoring.printing`.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lipsync_lang.authoring.trial import Trial, try_out
+from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.resolver.nearest_phonemes import among, disagreements, reason_for
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack
 
-
-def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any]:
+def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
     """Return the description of a language for `languages show --json`."""
     model = pack.model
     near = among(library, pack)
@@ -70,7 +68,7 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
     }
 
 
-def _reads(model: "models.Language") -> str:
+def _reads(model: models.Language) -> str:
     g2p = model.g2p
     if g2p is None:
         return ""
@@ -86,7 +84,7 @@ def _reads(model: "models.Language") -> str:
     return ", ".join(filter(None, parts))
 
 
-def _untested(trial: Trial, common: "models.Phonemes") -> dict[str, list[str]]:
+def _untested(trial: Trial, common: models.Phonemes) -> dict[str, list[str]]:
     """Return the untested phonemes, common phonemes and rules; rules appear by spelling."""
     model = trial.pack.model
     reached = trial.reached

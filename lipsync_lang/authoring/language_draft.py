@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.inventories import Inventory, read_inventory
 from lipsync_lang.authoring.new_pack import (
@@ -23,14 +22,12 @@ from lipsync_lang.authoring.new_pack import (
 )
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, IPA
+from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.g2p import Settings, engine
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.phonology.nearest import Nearest
 from lipsync_lang.resolver.nearest_phonemes import among_all
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.phonology.nearest import Nearest
 
 NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 100, 1000, 1000000))
 """Sample texts for any voice: number words, which cover most sounds of a language."""
@@ -93,20 +90,8 @@ class LanguageDraft(PackDraft):
         )
 
 
-def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> LanguageDraft:
-    """Draft a language pack.
-
-    Parameters
-    ----------
-    library : source of the common phonemes and of the IPA
-    wanted : request with the sources of the draft
-    folder : project folder; the output is under `languages`
-
-    Raises
-    ------
-    LipsyncError
-        The request has no source, the name is invalid or in use, or a source is invalid.
-    """
+def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> LanguageDraft:
+    """Draft a language pack, under `languages` of the project folder, or raise a LipsyncError."""
     path = folder / FOLDERS["language"] / f"{wanted.name}.yaml"
     check_name(wanted.name, path)
     _refuse(wanted)
@@ -155,7 +140,7 @@ def _refuse(wanted: LanguageWish) -> None:
         raise LipsyncError("--epitran and --lexicon both read text; give only one of them")
 
 
-def _doubtful(near: "Nearest") -> bool:
+def _doubtful(near: Nearest) -> bool:
     return near.distance > 0 or not near.value or bool(near.unknown)
 
 
@@ -193,9 +178,7 @@ def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str
     yield ""
 
 
-def _body(
-    sounds: FoundSounds, found: Mapping[str, "Nearest"], order: Sequence[str]
-) -> Iterator[str]:
+def _body(sounds: FoundSounds, found: Mapping[str, Nearest], order: Sequence[str]) -> Iterator[str]:
     """Yield the lines of the map and of the examples, doubtful labels first."""
     seen = [label for label, near in found.items() if near.value]
     doubtful = sorted(
@@ -224,7 +207,7 @@ def _body(
         yield from (f"  {_scalar(label)}: {_scalar(examples[label])}" for label in shown)
 
 
-def _entry(label: str, near: "Nearest") -> str:
+def _entry(label: str, near: Nearest) -> str:
     names = [name for name, _ in near.value]
     shares = {round(share, 3) for _, share in near.value}
     if len(names) == 1:
@@ -240,7 +223,7 @@ def _entry(label: str, near: "Nearest") -> str:
     return f"{entry:<19} # {'; '.join(told)}" if told else entry
 
 
-def _inventory(inventory: Inventory | None, found: Mapping[str, "Nearest"]) -> Iterator[str]:
+def _inventory(inventory: Inventory | None, found: Mapping[str, Nearest]) -> Iterator[str]:
     if inventory is None:
         return
     listed = ", ".join(map(_scalar, inventory.segments))

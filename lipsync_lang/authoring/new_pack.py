@@ -17,6 +17,7 @@ from typing import BinaryIO
 
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.files import write_all
+from lipsync_lang.files.reach import refuse_outside
 
 WRAP_CHARS = 100
 """Maximum line width in characters for wrapped lists."""
@@ -50,13 +51,7 @@ class PackDraft:
     outputs: NewFiles
 
     def write(self) -> None:
-        """Write the pack and its files.
-
-        Raises
-        ------
-        OutputError
-            A file is not writable; no file is changed.
-        """
+        """Write the pack and its files, or none of them."""
         write_new(self.outputs)
 
 
@@ -71,18 +66,14 @@ def write_new(files: NewFiles) -> None:
             copyfileobj(source, stream)
 
     for path in files:
+        if path.absolute().is_relative_to(Path.cwd()):
+            refuse_outside(path, Path.cwd())
         path.parent.mkdir(parents=True, exist_ok=True)
     write_all({path: partial(fill, content) for path, content in files.items()}, durable=True)
 
 
 def check_name(name: str, existing: Path | None = None) -> None:
-    """Check the name of a new pack, and that its file does not exist.
-
-    Raises
-    ------
-    LipsyncError
-        The name has other characters than a pack's name, or `existing` is a file.
-    """
+    """Refuse a name that no pack can have, and a file that exists."""
     if not _PACK_NAME.fullmatch(name):
         raise LipsyncError(f"'{name}' cannot be a pack's name; write letters, digits, - and _")
     if existing is not None and existing.exists():
@@ -122,15 +113,8 @@ def pack_bytes(lines: Iterable[str]) -> bytes:
 def place_model(model: Path, pack: Path) -> tuple[str, NewFiles]:
     """Return the reference of a pack to a model, and the copy that it requires, if any.
 
-    Parameters
-    ----------
-    model : path of the model file
-    pack : path of the pack file; its references must stay within the parent of its folder
-
-    Raises
-    ------
-    LipsyncError
-        A required copy is impossible: the model is not GLB, or a different file has its name.
+    The references of a pack file must stay within the parent of its folder. Raises LipsyncError if
+    a required copy is impossible: the model is not GLB, or a different file has its name.
     """
     there = pack.parent.resolve()
     if model.resolve().is_relative_to(there.parent):

@@ -6,43 +6,25 @@ A copy takes precedence over its original, and its animations are identical, bit
 from collections.abc import Iterator
 from os.path import normpath, relpath
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.new_pack import write_new
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.finding import FOLDERS, POSESET, beside, yaml_files
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import spliced
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import read_yaml
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
 
 MAX_COPY_BYTES = 256 * 2**20
 """Maximum size of a copy in bytes; a larger folder has other files than a pose set."""
 
 
-def copy_poseset(library: "Library", name: str, folder: Path) -> list[Path]:
+def copy_poseset(library: Library, name: str, folder: Path) -> list[Path]:
     """Copy a pose set into a project, completely or not at all; no file is overwritten.
 
-    Banks and rigs of the project for this pose set are kept, and keep their precedence.
-
-    Parameters
-    ----------
-    library : packs that have the pose set
-    name : name of the pose set
-    folder : folder of the project
-
-    Returns
-    -------
-    the files written
-
-    Raises
-    ------
-    PackError
-        The project has the pose set, would not use its copy, or has other files of its names.
-    OutputError
-        A file is not writable; nothing is copied.
+    Banks and rigs of the project for this pose set are kept, and keep their precedence. Raises
+    PackError if the project has the pose set, would not use its copy, or has other files of its
+    names, and OutputError if a file is not writable; nothing is copied. Returns the files written.
     """
     source = library.find("poseset", name)
     home = folder.absolute() / FOLDERS["poseset"] / source.parent.name
@@ -76,7 +58,7 @@ def copy_poseset(library: "Library", name: str, folder: Path) -> list[Path]:
     return list(outputs)
 
 
-def _whole(library: "Library", source: Path) -> Iterator[Path]:
+def _whole(library: Library, source: Path) -> Iterator[Path]:
     """Yield the files of a pose set: all in its folder, and a model beside the folder."""
     home = source.parent
     files = [path for path in sorted(home.rglob("*")) if path.is_file()]

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lipsync_lang.authoring.new_pack import (
     NewFiles,
@@ -22,26 +22,14 @@ from lipsync_lang.authoring.new_pack import (
 )
 from lipsync_lang.authoring.poseset_text import poseset_lines
 from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.packs import models
 from lipsync_lang.packs.finding import FOLDERS, POSESET
-from lipsync_lang.packs.models import (
-    AtMost,
-    Constraints,
-    ContactRule,
-    MotionFields,
-    PhonemeTarget,
-    Pose,
-    PoseSet,
-    Threshold,
-)
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.rigs.driver import bare
 from lipsync_lang.rigs.model import read_model
 from lipsync_lang.rigs.shape_matching import places
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.models import Phonemes
 
 STRONG = 0.8
 """Weight of a guessed pose at the sounds assigned to it."""
@@ -56,7 +44,6 @@ RESERVED_TARGET_KEYS = frozenset({"dominance", "status", "weights"})
 """Reserved keys of a target, excluded as pose names."""
 
 MAX_POSE_NAME_CHARS = 120
-"""Maximum length of a pose name, in characters."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +54,7 @@ class PoseSetWish(PackWish):
     model: Path | None = None
     """Path of a model; its shapes are the poses if no names are given."""
     like: str | None = None
-    """Pose set for the targets; its poses are used if neither names nor shapes are given."""
+    """models.Pose set for the targets; its poses are used if neither names nor shapes are given."""
     guess: bool = False
     """Assign sounds to unknown poses instead of targets at rest."""
 
@@ -84,25 +71,13 @@ class PoseSetDraft(PackDraft):
         return (
             f"wrote {self.path}: {self.summary}\n{copied}"
             f"next: look at its targets, then\n"
-            f'  lipsync-lang run "Hello" -l LANGUAGE -c {name} --plot {name}.png\n'
+            f'  lipsync-lang run "Hello" -l LANGUAGE -c {name} -o {name}.html\n'
             f"  lipsync-lang validate {self.path}"
         )
 
 
-def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> PoseSetDraft:
-    """Draft a pose set.
-
-    Parameters
-    ----------
-    library : source of the common phonemes and of known pose sets
-    wanted : request with the sources of the draft
-    folder : project folder; the output is under `posesets`
-
-    Raises
-    ------
-    LipsyncError
-        The request has no source, the name is invalid or in use, or a source is invalid.
-    """
+def draft(library: Library, wanted: PoseSetWish, folder: Path = Path()) -> PoseSetDraft:
+    """Draft a pose set, under `posesets` of the project folder, or raise a LipsyncError."""
     path = folder / FOLDERS["poseset"] / wanted.name / POSESET
     check_name(wanted.name, path)
     if not wanted.poses and wanted.model is None and wanted.like is None:
@@ -132,7 +107,7 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
     return PoseSetDraft(path, outputs, "; ".join(said))
 
 
-def _sets(library: "Library", like: str | None) -> list[PoseSet]:
+def _sets(library: Library, like: str | None) -> list[models.PoseSet]:
     """Return the candidate pose sets for known targets."""
     if like is not None:
         return [library.poseset(like).model]
@@ -146,8 +121,8 @@ def _sets(library: "Library", like: str | None) -> list[PoseSet]:
 
 
 def _made(
-    names: Sequence[str], sets: Sequence[PoseSet], common: "Phonemes", *, guess: bool
-) -> tuple[PoseSet, dict[str, str], str]:
+    names: Sequence[str], sets: Sequence[models.PoseSet], common: models.Phonemes, *, guess: bool
+) -> tuple[models.PoseSet, dict[str, str], str]:
     """Return a pose set with targets, its comments by pose, and the origin of the targets."""
     known, called = max(((s, _called(names, s)) for s in sets), key=lambda pair: len(pair[1]))
     if called:
@@ -172,7 +147,7 @@ def _made(
     return made, why, "with guessed targets"
 
 
-def _called(names: Sequence[str], known: PoseSet) -> dict[str, str]:
+def _called(names: Sequence[str], known: models.PoseSet) -> dict[str, str]:
     """Map names to matching poses of a known set; poses without positive weights are excluded."""
     steps = [target for targets in known.targets.values() for target in targets]
     moved = {pose for step in steps for pose, weight in step.weights.items() if weight > 0}
@@ -184,19 +159,14 @@ def _called(names: Sequence[str], known: PoseSet) -> dict[str, str]:
     return {name: called[name] for name in names if name in called}
 
 
-def _bare(poses: Mapping[str, Pose]) -> PoseSet:
-    return PoseSet.model_construct(kind="poseset", format=1, name="", poses=dict(poses))
+def _bare(poses: Mapping[str, models.Pose]) -> models.PoseSet:
+    return models.PoseSet.model_construct(kind="poseset", format=1, name="", poses=dict(poses))
 
 
-def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> PoseSet:
-    """Return the part of a pose set for some of its poses, under new names.
-
-    Parameters
-    ----------
-    known : source pose set
-    called : new pose name -> pose name in the source
-    common : common phonemes, each of which requires a target
-    """
+def taken(
+    known: models.PoseSet, called: Mapping[str, str], common: models.Phonemes
+) -> models.PoseSet:
+    """Return a pose set with some poses of another; `called` maps new names to old ones."""
     new: dict[str, list[str]] = {}
     for name, pose in called.items():
         new.setdefault(pose, []).append(name)
@@ -205,7 +175,7 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
         return {name: value for pose, value in values.items() for name in new.get(pose, ())}
 
     contacts = {
-        name: ContactRule(
+        name: models.ContactRule(
             phonemes=contact.phonemes,
             floor=renamed(contact.floor),
             ceiling=renamed(contact.ceiling),
@@ -222,7 +192,7 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
         for label, steps in known.targets.items()
     }
     measures = {name: renamed(gains) for name, gains in known.measures.items()}
-    rest = (PhonemeTarget(),)
+    rest = (models.PhonemeTarget(),)
     # The motion states what differs from the default preset, and always the speed limit.
     usual = {**asdict(PRESETS["default"]), "speed_limit": None}
     motion: dict[str, Any] = {"speed_limit": PRESETS["default"].speed_limit}
@@ -230,13 +200,13 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
     unusual = {name: value for name, value in motion.items() if value != usual.get(name)}
     # The spellings of a pose in models go, because they are specific to its old name.
     old = {name: known.poses[pose] for name, pose in called.items()}
-    poses = {name: Pose(title=pose.title, region=pose.region) for name, pose in old.items()}
+    poses = {name: models.Pose(title=pose.title, region=pose.region) for name, pose in old.items()}
     return _bare(poses).model_copy(
         update={
             "constraints": _constraints(known.constraints, new),
             "priority": tuple(name for pose in known.priority for name in new.get(pose, ())),
             "contacts": {name: c for name, c in contacts.items() if c.floor or c.ceiling},
-            "motion": MotionFields(**unusual),
+            "motion": models.MotionFields(**unusual),
             "targets": {
                 label: steps if any(step.weights for step in steps) else steps[:1]
                 for label, steps in {**dict.fromkeys(common.base, rest), **targets}.items()
@@ -246,35 +216,34 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
     )
 
 
-def _constraints(known: Constraints, new: Mapping[str, Sequence[str]]) -> Constraints:
-    pairs: list[Threshold | AtMost] = []
+def _constraints(known: models.Constraints, new: Mapping[str, Sequence[str]]) -> models.Constraints:
+    pairs: list[models.Threshold | models.AtMost] = []
     for pair in known.pairs:
-        if isinstance(pair, Threshold):
+        if isinstance(pair, models.Threshold):
             one, other = (new.get(pose, ()) for pose in pair.between)
             between = product(one, other)
-            pairs += [Threshold(between=both, threshold=pair.threshold) for both in between]
+            pairs += [models.Threshold(between=both, threshold=pair.threshold) for both in between]
         else:
             one, other = new.get(pair.pose, ()), new.get(pair.at_most, ())
-            pairs += [AtMost(pose=a, at_most=b) for a, b in product(one, other)]
-    return Constraints(default=known.default, pairs=tuple(pairs))
+            pairs += [models.AtMost(pose=a, at_most=b) for a, b in product(one, other)]
+    return models.Constraints(default=known.default, pairs=tuple(pairs))
 
 
-def at_rest(poses: Sequence[str], common: "Phonemes") -> PoseSet:
+def at_rest(poses: Sequence[str], common: models.Phonemes) -> models.PoseSet:
     """Return a pose set with all targets at rest."""
-    made = _bare(dict.fromkeys(poses, Pose()))
-    targets = {label: (PhonemeTarget(weights={}),) for label in common.base}
-    motion = MotionFields(speed_limit=PRESETS["default"].speed_limit)
+    made = _bare(dict.fromkeys(poses, models.Pose()))
+    targets = {label: (models.PhonemeTarget(weights={}),) for label in common.base}
+    motion = models.MotionFields(speed_limit=PRESETS["default"].speed_limit)
     return made.model_copy(update={"contacts": {}, "motion": motion, "targets": targets})
 
 
-def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -> PoseSet:
+def guessed(
+    poses: Sequence[str], shutting: Sequence[str], common: models.Phonemes
+) -> models.PoseSet:
     """Return a heuristic pose set for unknown poses, with one class of sounds per pose.
 
-    Parameters
-    ----------
-    poses : pose names; the first gets the largest class of sounds
-    shutting : closure sounds, with weight 0 and a ceiling for the first pose
-    common : common phonemes with their classes
+    The first pose gets the largest class of sounds. Closure sounds (`shutting`) have weight 0 and a
+    ceiling for the first pose.
     """
     first = poses[0]
     kinds: dict[str | None, list[str]] = {}
@@ -295,18 +264,18 @@ def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -
     for label in common.base:
         weights = {dealt[label]: STRONG} if label in dealt else {first: WEAK_WEIGHT}
         shut = {first: 0.0} if label in shutting else {}
-        targets[label] = (PhonemeTarget(weights={**weights, **shut}),)
-    contacts = {"closure": ContactRule(phonemes=tuple(shutting), ceiling={first: SHUT})}
-    return _bare(dict.fromkeys(poses, Pose())).model_copy(
+        targets[label] = (models.PhonemeTarget(weights={**weights, **shut}),)
+    contacts = {"closure": models.ContactRule(phonemes=tuple(shutting), ceiling={first: SHUT})}
+    return _bare(dict.fromkeys(poses, models.Pose())).model_copy(
         update={
             "contacts": contacts if shutting else {},
-            "motion": MotionFields(speed_limit=PRESETS["default"].speed_limit),
+            "motion": models.MotionFields(speed_limit=PRESETS["default"].speed_limit),
             "targets": targets,
         }
     )
 
 
-def _shutting(sets: Iterable[PoseSet], common: "Phonemes") -> list[str]:
+def _shutting(sets: Iterable[models.PoseSet], common: models.Phonemes) -> list[str]:
     """Return the sounds with a contact ceiling in every pose set that has ceilings."""
     shut = [
         {

@@ -23,11 +23,8 @@ def poseset_lines(
 ) -> list[str]:
     """Format a pose set as YAML in the most spacious layout within the line limit.
 
-    Parameters
-    ----------
-    common : common phonemes, for the titles of sounds
-    why : comments by pose; the key "" holds the general comment
-    left : unused names, listed in a comment
+    `common` are common phonemes, for the titles of sounds; `why` are comments by pose, with the
+    general one under ""; `left` are unused names, listed in a comment.
     """
     lines: list[str] = []
     for packed, dense in ((False, False), (True, False), (True, True)):
@@ -48,7 +45,7 @@ def _lines(
 ) -> Iterator[str]:
     name = model.name
     yield f"# {model.title}: a draft. It runs as it is:"
-    yield f'#   lipsync-lang run "Hello" -l LANGUAGE -c {name} --plot {name}.png'
+    yield f'#   lipsync-lang run "Hello" -l LANGUAGE -c {name} -o {name}.html'
     yield from (f"# {line}" for line in wrap(why[""], WRAP_CHARS - 2))
     model_file = scalar(model.model) if model.model is not None else None
     yield from head("poseset", name, title=flow(model.title, _SPACED), model=model_file)

@@ -5,17 +5,14 @@ Gains are in channel units per pose weight: shape weight, or degrees for the rot
 
 from collections.abc import Iterator, Mapping
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.new_pack import WRAP_CHARS, flow, head, scalar
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.braces import expanded
 from lipsync_lang.packs.models.rig_channels import channels_of
+from lipsync_lang.rigs.model import Model
+from lipsync_lang.rigs.recognise import Match
 from lipsync_lang.rigs.shape_matching import folded
-
-if TYPE_CHECKING:
-    from lipsync_lang.rigs.model import Model
-    from lipsync_lang.rigs.recognise import Match
 
 ABSENT_SHAPE = "the model has no shape for it"
 """Reason for a lost pose without a shape in the model."""
@@ -26,16 +23,8 @@ TURN = 15
 _SIDES = (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"), ("L", "R"), ("l", "r"))
 
 
-def drafted(
-    name: str, title: str, match: "Match", poseset: PoseSet, rig: RigPack | None
-) -> RigPack:
-    """Draft a rig of the matched channels of a model.
-
-    Parameters
-    ----------
-    match : match of the model to pose names or to the channels of a rig
-    rig : the matched rig; None for a match to pose names
-    """
+def drafted(name: str, title: str, match: Match, poseset: PoseSet, rig: RigPack | None) -> RigPack:
+    """Draft a rig of the channels that match a model; without a rig, of the poses themselves."""
     own = {pose: RigChannel(gains={pose: 1}) for pose in poseset.poses}
     channels = own if rig is None else channels_of(rig)
     found = dict(_channels(match, channels))
@@ -53,9 +42,7 @@ def drafted(
     )
 
 
-def _channels(
-    match: "Match", channels: Mapping[str, RigChannel]
-) -> Iterator[tuple[str, RigChannel]]:
+def _channels(match: Match, channels: Mapping[str, RigChannel]) -> Iterator[tuple[str, RigChannel]]:
     """Yield a channel for every driven shape, and for each bone under the name of its channel."""
     found = match.found.places
     places = {n: (n,) if channels[n].node is not None else own for n, own in found.items()}
@@ -93,7 +80,7 @@ def _paired(channels: Mapping[str, RigChannel]) -> dict[str, RigChannel]:
     return made
 
 
-def rig_lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:
+def rig_lines(rig: RigPack, model: Model, match: Match, poseset: PoseSet) -> Iterator[str]:
     """Format a drafted rig as YAML, with the manual tasks in comments."""
     yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
     yield "# A gain is shape weight per pose weight; a shape may have several, also negative ones."

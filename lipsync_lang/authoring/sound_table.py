@@ -7,12 +7,14 @@ contradict, mappings that lose much of the sound, and the rest.
 from collections.abc import Iterator, MutableMapping
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lipsync_lang.authoring.trial import Trial, try_out
 from lipsync_lang.errors import PackError
+from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.language_checks import notation_of, written
 from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.phonology.g2p import SpokenWord
 from lipsync_lang.phonology.labels import Notation, looser, normalise
 from lipsync_lang.phonology.manner import Manner
@@ -27,15 +29,10 @@ from lipsync_lang.resolver.nearest_phonemes import (
 )
 from lipsync_lang.speech.speaking.speaker import Speaker
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack
-
 NEEDS = ("unmapped", "doubtful", "automatic", "loses", "")
 """Reasons to check a row, the most urgent first."""
 
 MAX_EXAMPLE_WORDS = 3
-"""Maximum number of example words in a row."""
 
 
 @dataclass
@@ -64,8 +61,8 @@ class SoundTable:
     spoken : further (label, word) of the engine's notation, such as those of a line
     """
 
-    library: "Library"
-    pack: "Pack[models.Language]"
+    library: Library
+    pack: Pack[models.Language]
     memory: SoundMemory = field(default_factory=SoundMemory)
     spoken: tuple[tuple[str, str], ...] = ()
 
@@ -97,7 +94,7 @@ class SoundTable:
 
     def trial(self) -> Trial:
         """Run the tests of the pack, and those of the packs that it extends."""
-        tests: list[models.Test] = []
+        tests = list(self.pack.model.tests)
         for source in self.pack.sources:
             taken = source.data["name"] == self.pack.model.name
             if not taken and (source.path.is_file() or source.path in self.library.unsaved):
@@ -107,13 +104,7 @@ class SoundTable:
         return try_out(self.library, whole, self._read(self._manner()))
 
     def transcribed(self, text: str) -> dict[str, Any]:
-        """Transcribe a text: words with their labels, and the common phonemes of each.
-
-        Raises
-        ------
-        SpeechError
-            The language reads no text, or its engine failed.
-        """
+        """Transcribe a text: words with labels, and common phonemes of each; or a SpeechError."""
         manner = self._manner()
         near = self._near() if self.pack.model.automatic else None
         notations = notations_of(self.library, self.pack)
@@ -129,8 +120,6 @@ class SoundTable:
         when = file.stat().st_mtime_ns if file is not None and file.is_file() else 0
         key = (manner.engine, manner.settings, frozenset(manner.words), when)
         return self.memory.read.setdefault(key, {})
-
-    # Rows
 
     def rows(self, trial: Trial) -> list[dict[str, Any]]:
         """Return a row for each label of each notation, the most urgent first."""
@@ -306,7 +295,7 @@ class SoundTable:
         return rows
 
 
-def _described(name: str, stated: "models.SoundFields", like: str) -> dict[str, Any]:
+def _described(name: str, stated: models.SoundFields, like: str) -> dict[str, Any]:
     """Return the description of a common phoneme or a shade."""
     return {
         "name": name,

@@ -157,7 +157,7 @@ def _with_losses(library: "Library", options: Namespace, told: "Description") ->
     """Add the channel losses of each rig of a pose set, or of a character's rig."""
     from lipsync_lang.packs.describe import Description
     from lipsync_lang.resolver.rigging import load_rig
-    from lipsync_lang.rigs.loss import loss_table, losses
+    from lipsync_lang.rigs.recognise import loss_table, losses
 
     if options.kind == "poseset":
         rigs = library.rigs(options.name)
@@ -219,7 +219,7 @@ def _new_character(library: "Library", options: Namespace) -> "PackDraft":
 def _check_language(library: "Library", options: Namespace) -> int:
     """Print the faults, the mouths and the tests of a language pack."""
     from lipsync_lang.authoring.language_check import check_language
-    from lipsync_lang.authoring.mouth_sheet import draw_mouths
+    from lipsync_lang.authoring.language_check import draw_mouths
     from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import located
     from lipsync_lang.packs.library import Library

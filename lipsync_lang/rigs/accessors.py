@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.extras import install_line
 from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.compression import (
     DRACO,
@@ -25,7 +26,6 @@ from lipsync_lang.rigs.compression import (
     draco_mesh,
     meshopt_rows,
     meshopt_size,
-    way_to_read,
 )
 from lipsync_lang.rigs.container import binary_of, fail
 from lipsync_lang.rigs.model import Model, is_index
@@ -49,23 +49,10 @@ MAX_ACCESSOR_VALUES = 2**26
 
 
 class Accessors:
-    """Arrays in a model's first buffer.
+    """Arrays in a model's first buffer, by number: ``Accessors(model)[0]``.
 
-    Parameters
-    ----------
-    model : the model
-    path : its name in messages; None for its own path
-
-    Raises
-    ------
-    ModelError
-        Binary data is missing or external to the file.
-
-    Examples
-    --------
-    >>> points = Accessors(model)[0]  # doctest: +SKIP
-    >>> points.shape  # doctest: +SKIP
-    (5023, 3)
+    Raises ModelError if binary data is missing or external to the file. Messages call the model
+    `path`, by default its own path.
     """
 
     def __init__(self, model: Model, path: Path | None = None) -> None:
@@ -79,13 +66,7 @@ class Accessors:
         self._unpacked: dict[int, Array] = {}
 
     def __getitem__(self, number: object) -> Array:
-        """Read an accessor as (count, width) values; normalised integers become fractions.
-
-        Raises
-        ------
-        ModelError
-            The accessor is absent, of an unknown type, or exceeds the data.
-        """
+        """Read an accessor as (count, width) values; integers may become fractions."""
         row, what = self._row(number), f"accessor {_shown(number)}"
         if "bufferView" in row:
             self._span(what, row["bufferView"])  # what is decoded counts as stored
@@ -120,12 +101,8 @@ class Accessors:
     def unpack(self, primitive: Json) -> None:
         """Decode the Draco data of a primitive, so that its accessors can be read.
 
-        If a primitive also has plain data, the plain data is used.
-
-        Raises
-        ------
-        ModelError
-            The data are damaged, or there is no decoder.
+        If a primitive also has plain data, the plain data is used. Raises ModelError if the data
+        are damaged, or there is no decoder.
         """
         packed = _extensions(primitive).get(DRACO)
         places = {"indices": primitive.get("indices"), **primitive["attributes"]}
@@ -162,7 +139,8 @@ class Accessors:
         try:
             yield
         except MissingDecoderError:
-            fail(self.path, f"is compressed ({extension})", way_to_read())
+            mend = f"to read it: {install_line('models')}; or export it without compression"
+            fail(self.path, f"is compressed ({extension})", mend)
         except (ValueError, MemoryError) as error:
             self._fail(what, str(error)[:120] or "needs too much memory")
 

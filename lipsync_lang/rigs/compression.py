@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.extras import install_line
 from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.container import LARGEST
 from lipsync_lang.rigs.model import is_index
@@ -36,11 +35,6 @@ EDGEBREAKER = 1
 """Draco's encoding method with another byte before the counts; the other method is sequential."""
 
 
-def way_to_read() -> str:
-    """Return the hint for a model that needs a library to be read."""
-    return f"to read it: {install_line('models')}; or export it without compression"
-
-
 class MissingDecoderError(Exception):
     """The library for a compression is not installed."""
 
@@ -48,15 +42,8 @@ class MissingDecoderError(Exception):
 def meshopt_size(row: Json, compressed: int) -> int:
     """Return the decoded size in bytes of a buffer view.
 
-    Parameters
-    ----------
-    row : the extension of the view
-    compressed : size of its data in bytes
-
-    Raises
-    ------
-    ValueError
-        The counts are absent, or larger than the data can hold.
+    `row` is the extension of the view, and `compressed` the size of its data in bytes. Raises
+    ValueError if the counts are absent, or larger than the data can hold.
     """
     counts: list[Any] = [row.get("count"), row.get("byteStride")]
     for value in counts:
@@ -71,12 +58,8 @@ def meshopt_size(row: Json, compressed: int) -> int:
 def meshopt_rows(data: bytes, row: Json) -> memoryview:
     """Decode a buffer view of `meshopt_size` bytes, with its filter undone.
 
-    Raises
-    ------
-    MissingDecoderError
-        The library is not installed.
-    ValueError
-        The data are damaged, or of an unknown mode or filter.
+    Raises MissingDecoderError if the library is not installed, and ValueError if the data are
+    damaged, or of an unknown mode or filter.
     """
     library = _library("meshopt")
     mode, kind = row.get("mode"), row.get("filter", "NONE")
@@ -91,20 +74,10 @@ def draco_mesh(
 ) -> tuple[npt.NDArray[np.uint32], dict[int, npt.NDArray[Any]]]:
     """Decode a Draco mesh of N points.
 
-    Parameters
-    ----------
-    corners, points : the counts that the document states; the data may not hold more
-
-    Returns
-    -------
-    (F * 3,) point numbers; number of an attribute in the data -> (N, n) values
-
-    Raises
-    ------
-    MissingDecoderError
-        The library is not installed.
-    ValueError
-        The data are damaged, or have other counts than stated.
+    The data may hold no more corners and points than the document states. Returns (F * 3,) point
+    numbers, and the (N, n) values of each attribute by its number in the data. Raises
+    MissingDecoderError if the library is not installed, and ValueError if the data are damaged, or
+    have other counts than stated.
     """
     library = _library("DracoPy")
     signature, size = DRACO_START

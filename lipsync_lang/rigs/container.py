@@ -66,13 +66,7 @@ def fail(path: Path, what: str, mend: str = f"it is damaged; {EXPORT} again") ->
 
 
 def open_model(path: Path) -> tuple[bytes, tuple[Chunk, ...]]:
-    """Read the JSON of a model and locate the other chunks of its file.
-
-    Raises
-    ------
-    ModelError
-        The file is missing, too large, truncated, or neither GLB nor JSON.
-    """
+    """Read the JSON of a model and locate the other chunks of its file, or raise a ModelError."""
     try:
         size = path.stat().st_size
         if size > LARGEST:
@@ -134,13 +128,7 @@ def _seems(head: bytes) -> str:
 
 
 def binary_of(path: Path, document: Json, chunks: Sequence[Chunk]) -> bytes:
-    """Read the data of a document's first buffer.
-
-    Raises
-    ------
-    ModelError
-        Data is missing, or lies in other files.
-    """
+    """Read a document's first buffer; a ModelError if data is missing, or lies in other files."""
     first, *others = document.get("buffers") or [{}]
     for row in (first, *others, *document.get("images", ())):
         uri = row.get("uri")
@@ -181,13 +169,7 @@ def read_chunk(path: Path, chunk: Chunk) -> bytes:
 
 
 def write_parts(out: BinaryIO, parts: Iterable[tuple[int, Sequence[bytes]]]) -> None:
-    """Write the chunks of a GLB: a kind for each, with pieces that add up to full 32-bit words.
-
-    Raises
-    ------
-    OutputError
-        The total exceeds the maximum size of a GLB.
-    """
+    """Write the chunks of a GLB: a kind for each, with pieces that add up to full 32-bit words."""
     known = [(kind, pieces, sum(map(len, pieces))) for kind, pieces in parts]
     total = 12 + sum(8 + length for _, _, length in known)
     if total > LARGEST_WRITTEN:

@@ -28,13 +28,7 @@ class Driver:
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any], poses: Sequence[str], floors: Floats) -> Self:
-        """Build a driver from a rig in the form of `resolver.rigging`.
-
-        Parameters
-        ----------
-        poses : P names, in the order of the curves
-        floors : (P,) maximum floor of any contact
-        """
+        """Build a driver from a rig in the form of `resolver.rigging`; floors are (P,)."""
         stated = data["channels"]
         gains = np.array([[one["gains"].get(pose, 0.0) for pose in poses] for one in stated], float)
         ranges = np.array([one["range"] or (UNLIMITED if one["node"] else MORPH) for one in stated])

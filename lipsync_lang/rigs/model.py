@@ -27,7 +27,6 @@ SETTLED_SECONDS = 2.0
 """Minimum age of a file whose times show its next change reliably."""
 
 MAX_NAMED_SHAPES = 12
-"""Maximum number of names in a message."""
 
 
 @dataclass(frozen=True)
@@ -78,13 +77,7 @@ class Model:
 
     @cached_property
     def texts(self) -> dict[str, str]:
-        """The values of the document as JSON, by name.
-
-        Raises
-        ------
-        ModelError
-            The document is nested too deep.
-        """
+        """The values of the document as JSON, by name; a ModelError if it is nested too deep."""
         return {name: self.text(value) for name, value in self.document.items()}
 
     def text(self, value: object) -> str:
@@ -98,15 +91,8 @@ class Model:
 def read_model(path: Path, *, bones: bool = False) -> Model:
     """Read the metadata of a model.
 
-    Parameters
-    ----------
-    path : a .glb or .gltf file
-    bones : true to accept a model without morph targets
-
-    Raises
-    ------
-    ModelError
-        The file is missing, damaged, not glTF 2.0, or lacks required morph targets.
+    Raises ModelError if the file is missing, damaged, not glTF 2.0, or lacks required morph
+    targets. The file is .glb or .gltf; with `bones`, the model may lack morph targets.
     """
     text, chunks = open_model(path)
     document = _document(path, text)
@@ -152,9 +138,6 @@ def _known(path: Path, bones: bool, _state: tuple[int, ...]) -> Model:  # noqa: 
 def some(names: Iterable[str]) -> str:
     """Format a few names for a message."""
     return shortlist(names, MAX_NAMED_SHAPES)
-
-
-# The document
 
 
 def _document(path: Path, text: bytes) -> Json:
@@ -209,9 +192,6 @@ def numbers(path: Path, what: str, values: object, count: int) -> tuple[float, .
     ):
         fail(path, f"{what}: not a list of {count} numbers")
     return tuple(map(float, rows))
-
-
-# Meshes
 
 
 def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:

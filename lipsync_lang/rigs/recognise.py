@@ -1,31 +1,105 @@
-"""Model recognition: pose sets and rigs with channels among the model's shapes and bones."""
+"""Model recognition: pose sets and rigs with channels among the model's shapes and bones.
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, cast
+A rig may lose poses: they have no effect, a weak one, or that of another pose. Each pose is
+examined alone, at full weight. The effect on a channel is the distance from rest divided by the
+channel's span, so that degrees and weights are comparable. Negative gains from rest have no visible
+effect. Limits between channels are ignored. Of two poses that look alike, the one with the larger
+effect counts as shown and the other as lost.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, cast
 
 import numpy as np
 
 from lipsync_lang.errors import PackError
+from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.rig_checks import check_rig
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models.rig_channels import channels_of, plain_channels, pose_names
+from lipsync_lang.reports.text_table import columns
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.driver import Driver, bare
-from lipsync_lang.rigs.loss import Loss, losses
+from lipsync_lang.rigs.model import Model
 from lipsync_lang.rigs.shape_matching import on_mesh
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+ALIKE = 0.97
+"""Minimum cosine between the channels of two poses for the same look."""
 
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack
-    from lipsync_lang.rigs.channel import Channel
-    from lipsync_lang.rigs.model import Model
+MAX_CELL_CHARS = 120
+"""Width of the table's columns, which holds the name of any pose."""
+
+WEAK_SHARE = 0.5
+"""Fraction of the range that the largest channel of a pose should reach."""
 
 MAX_SHOWN_MATCHES = 3
 """Number of lost poses that outweigh one shown pose."""
 
 MIN_SHOWN_SHARE = 0.25
 """Smallest share of shown poses for the automatic choice of a pose set."""
+
+
+@dataclass(frozen=True)
+class Loss:
+    """A pose that a rig loses wholly or in part; `str` gives a message."""
+
+    pose: str
+    shown: float
+    """Fraction of the range reached by the largest channel; 0 for no effect."""
+    like: str | None
+    """The pose with the same look, if any."""
+    why: str
+    """Reason given by the rig; empty if none."""
+
+    @property
+    def what(self) -> str:
+        """Description of the loss; empty if only the rig's reason applies."""
+        if not self.shown:
+            return "not shown"
+        found = [f"looks like {self.like}"] if self.like else []
+        return ", ".join([*found, *["weak"] * (self.shown < WEAK_SHARE)])
+
+    def __str__(self) -> str:
+        told = self.what or f"shown at {self.shown:.2f}"
+        return f"{self.pose}: {told}" + (f" ({self.why})" if self.why else "")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Convert to plain data for JSON."""
+        return {**asdict(self), "what": self.what}
+
+
+def losses(library: Library, rig: Pack[models.RigPack]) -> tuple[Loss, ...]:
+    """List the losses of a rig in the order of its pose set, by effects on channels, (C, P)."""
+    poses = tuple(library.poseset(rig.model.poseset).model.poses)
+    data = {"channels": plain_channels(rig.model, None)}
+    driver = Driver.from_plain(data, poses, np.zeros(len(poses)))
+    made = driver.rig
+    low, high, span = made.low[:, None], made.high[:, None], made.span[:, None]
+    moves = np.clip(made.gains, low, high) - np.clip(0.0, low, high)
+    moves /= np.where(span > 0, span, 1)
+    shown = np.minimum(np.abs(moves).max(axis=0), 1)
+    lengths = np.linalg.norm(moves, axis=0)
+    unit = moves / np.where(lengths > 0, lengths, 1)
+    # Of two alike poses, the first or stronger one is kept.
+    rank = np.argsort(np.argsort(-shown, kind="stable"))
+    alike = np.where(rank[:, None] > rank, unit.T @ unit, 0)
+    lost, found = rig.model.lost, []
+    for pose, share, others in zip(poses, shown.tolist(), alike, strict=True):
+        nearest = int(others.argmax())
+        like = poses[nearest] if others[nearest] > ALIKE else None
+        if share < WEAK_SHARE or like or pose in lost:
+            found.append(Loss(pose, share, like, lost.get(pose, "")))
+    return tuple(found)
+
+
+def loss_table(found: Sequence[Loss]) -> str:
+    """Format the losses of a rig as a table, a pose per line."""
+    if not found:
+        return "every pose is shown as itself"
+    rows = [("pose", "shown", "lost", "why")]
+    rows += [(loss.pose, f"{loss.shown:.2f}", loss.what or "-", loss.why) for loss in found]
+    return "\n".join(columns(rows, widest=MAX_CELL_CHARS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +181,7 @@ class Match:
         }
 
 
-def recognise(library: "Library", model: "Model") -> tuple[Match, ...]:
+def recognise(library: Library, model: Model) -> tuple[Match, ...]:
     """Match every pose set and every rig against a model.
 
     The number of poses shown as themselves decides the order, but three lost poses outweigh a
@@ -123,7 +197,7 @@ def recognise(library: "Library", model: "Model") -> tuple[Match, ...]:
     return tuple(sorted(found, key=lambda match: match.rank))
 
 
-def find(channels: "Sequence[Channel]", model: "Model") -> ChannelPlaces:
+def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     """Find channels among the shapes of all meshes and among the bones."""
     places: dict[str, dict[str, None]] = {}
     shared: dict[str, tuple[str, ...]] = {}
@@ -141,7 +215,7 @@ def find(channels: "Sequence[Channel]", model: "Model") -> ChannelPlaces:
     return ChannelPlaces({name: (*own,) for name, own in places.items()}, shared, (*doubts,))
 
 
-def reduced(rig: "models.RigPack", found: ChannelPlaces) -> "models.RigPack":
+def reduced(rig: models.RigPack, found: ChannelPlaces) -> models.RigPack:
     """Restrict a rig to the channels found on a model."""
     kept = {name: one for name, one in channels_of(rig).items() if name in found.places}
     plain = {
@@ -151,7 +225,7 @@ def reduced(rig: "models.RigPack", found: ChannelPlaces) -> "models.RigPack":
     return rig.model_copy(update={"channels": plain})
 
 
-def _matches(library: "Library", poseset: "models.PoseSet", model: "Model") -> Iterator[Match]:
+def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
     poses = tuple(poseset.poses)
     found = find(bare(poses, pose_names(poseset)), model)
@@ -178,7 +252,7 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: "Model") -> I
             yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost)
 
 
-def _left(model: "Model", found: ChannelPlaces) -> tuple[str, ...]:
+def _left(model: Model, found: ChannelPlaces) -> tuple[str, ...]:
     """List the shapes without a channel."""
     driven = {shape for shapes in found.places.values() for shape in shapes}
     return tuple(shape for shape in model.shape_names if shape not in driven)

@@ -69,13 +69,7 @@ def places(channels: Sequence[Channel], shapes: Sequence[str]) -> dict[int, list
 
 
 def placed(channels: Sequence[Channel], shapes: Sequence[str]) -> Placement:
-    """Assign channels to the shapes of one mesh and describe ambiguities.
-
-    Parameters
-    ----------
-    channels : bone channels have no place among shapes and are skipped
-    shapes : unique names
-    """
+    """Assign channels to the shapes of one mesh, bones left out, and describe ambiguities."""
     known = _Index(shapes)
     wanted: dict[Grade, list[tuple[int, str]]] = defaultdict(list)
     for number, channel in enumerate(channels):

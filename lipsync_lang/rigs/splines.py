@@ -35,13 +35,7 @@ def hermite(u: Floats) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def sample(times: Floats, spline: Spline, at: Floats) -> Floats:
-    """Return the values of a spline: (n, C).
-
-    Parameters
-    ----------
-    times : (K,) seconds of the keys, rising
-    at : (n,) seconds; outside the keys, the nearest key's value is held
-    """
+    """Return the values of a spline, (n, C); outside the keys, the nearest value is held."""
     if len(times) == 1:
         return np.repeat(spline.values, len(at), axis=0)
     at = np.clip(at, times[0], times[-1])
@@ -49,10 +43,9 @@ def sample(times: Floats, spline: Spline, at: Floats) -> Floats:
     length = times[key + 1] - times[key]
     p, m, q, n = (part[:, None] for part in hermite((at - times[key]) / length))
     seconds = length[:, None]
-    found: Floats = (
+    return (
         p * spline.values[key]
         + m * seconds * spline.leaving[key]
         + q * spline.values[key + 1]
         + n * seconds * spline.arriving[key + 1]
     )
-    return found

@@ -46,18 +46,7 @@ class Drive(NamedTuple):
 def drives(
     model: Model, accessors: Accessors, take: Json, paths: Collection[str] = PATHS
 ) -> Iterator[Drive]:
-    """Yield the tracks of an animation.
-
-    Parameters
-    ----------
-    take : an animation of the model's document
-    paths : properties to read; others are skipped
-
-    Raises
-    ------
-    ModelError
-        The animation is damaged.
-    """
+    """Yield the tracks of an animation of the model's document; other `paths` are skipped."""
     where, nodes = accessors.path, model.document.get("nodes", [])
     samplers = check_list(where, "samplers of its animation", take.get("samplers", []))
     for channel in check_list(where, "channels of its animation", take.get("channels", [])):

@@ -50,5 +50,4 @@ def quaternion(axes: Floats) -> Floats:
         [x[2] + z[0], y[2] + z[1], z[2] - x[0] - y[1], x[1] - y[0]],
         [y[2] - z[1], z[0] - x[2], x[1] - y[0], x[0] + y[1] + z[2]],
     ]
-    found: Floats = np.linalg.eigh(np.array(table)).eigenvectors[:, -1]
-    return found
+    return np.linalg.eigh(np.array(table)).eigenvectors[:, -1]

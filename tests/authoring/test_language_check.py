@@ -16,10 +16,10 @@ from lipsync_lang.authoring.language_check import (
     FAINTEST_WEIGHT,
     MOST_SOUNDS,
     check_language,
+    draw_mouths,
     mouths_in,
     mouths_of,
 )
-from lipsync_lang.authoring.mouth_sheet import draw_mouths
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.performing.resolving import resolve
 

@@ -21,7 +21,7 @@ from lipsync_lang.packs.models.rig_channels import channels_of
 from lipsync_lang.pipeline.drive import Rig, drive, sides
 from lipsync_lang.pipeline.limit import lower_envelope, ramps, rest_at_ends
 from lipsync_lang.pipeline.prepare import GIVEN
-from lipsync_lang.rigs.loss import loss_table, losses
+from lipsync_lang.rigs.recognise import loss_table, losses
 
 EXACT = 1e-9
 
