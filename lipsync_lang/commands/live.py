@@ -16,7 +16,7 @@ from lipsync_lang.files.signals import Terminated
 if TYPE_CHECKING:
     from lipsync_lang.live.live_player import LivePlayer
     from lipsync_lang.live.outlets import Outlet
-    from lipsync_lang.live.text_speaker import TextSpeaker
+    from lipsync_lang.live.live_player import TextSpeaker
 
 MAX_LINE_BYTES = 64 * 1024
 """Maximum number of bytes of a line of standard input; a longer line is split."""
@@ -57,7 +57,7 @@ def live(options: Namespace) -> int:
     from lipsync_lang.commands.performing import levels, performer_for
     from lipsync_lang.live.live_player import LivePlayer
     from lipsync_lang.live.outlets import STANDARD_OUTPUT, outlet, parse_address, refuse_unknown
-    from lipsync_lang.live.text_speaker import TextSpeaker
+    from lipsync_lang.live.live_player import TextSpeaker
     from lipsync_lang.live.web_socket import Session
 
     addresses = [parse_address(one) for one in dict.fromkeys(options.to or [STANDARD_OUTPUT])]

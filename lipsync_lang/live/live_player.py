@@ -1,24 +1,27 @@
-"""Live player: performs utterances as frames in real time.
+"""Live player: performs utterances as frames in real time, and speaks the texts that arrive.
 
 Times are seconds. Utterances follow each other. Frames are sent when they are due, and late ones
 at once. An utterance that arrives before the frames of the previous one run out continues the
-same stream; otherwise the mouth comes to rest in between.
+same stream; otherwise the mouth comes to rest in between. A thread speaks texts sentence by
+sentence, in the order of their arrival.
 """
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from queue import Empty, SimpleQueue
+from threading import Lock, Thread
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.live.outlets import LiveFrame
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.live.outlets import LiveFrame, Outlet
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
-    from lipsync_lang.live.outlets import Outlet
-    from lipsync_lang.performing.performer import Performer
     from lipsync_lang.performing.stream import Stream
-    from lipsync_lang.schedules.schedule import Schedule
 
 IDLE_SECONDS = 0.5
 """Interval at which a mouth at rest is sent again, so that an engine keeps the connection."""
@@ -32,21 +35,22 @@ AHEAD_SECONDS = 1.0
 AHEAD_FRAMES = 2
 """Final frames that must lie ahead of the clock; with fewer, the stream ends."""
 
+SENTENCE_END = re.compile(r"(?<=[.!?…।؟])\s+|(?<=[。！？])")
+"""Ends of sentences: the first sentence plays while the next ones are synthesised."""
+
+MAX_WAITING_TEXTS = 100
+
+MAX_SPOKEN_CHARS = 20_000
+
 
 class LivePlayer:
-    """Performs schedules in the order of their arrival.
-
-    Parameters
-    ----------
-    how : arguments of `Performer.stream`
-    clock, wait : replaced by tests, which need no real time
-    """
+    """Performs schedules in the order of their arrival; tests replace `clock` and `wait`."""
 
     def __init__(  # noqa: PLR0913 the performer, the receivers and the clock
         self,
-        performer: "Performer",
+        performer: Performer,
         fps: float,
-        outlets: "Sequence[Outlet]",
+        outlets: Sequence[Outlet],
         how: Mapping[str, Any] | None = None,
         *,
         clock: Callable[[], float] = monotonic,
@@ -66,19 +70,14 @@ class LivePlayer:
         """True while no utterance is performed or waits."""
         return self.stream is None and self.waiting.empty()
 
-    def say(self, schedule: "Schedule") -> int:
+    def say(self, schedule: Schedule) -> int:
         """Queue an utterance; return the number of those before it. Any thread may call this."""
         before = self.waiting.qsize() + (self.stream is not None)
         self.waiting.put(schedule)
         return before
 
     def run(self, more: Callable[[], bool]) -> None:
-        """Perform until the queue is empty and no more utterances can come.
-
-        Parameters
-        ----------
-        more : returns True while utterances can still come
-        """
+        """Perform until the queue is empty, and `more` denies that utterances can still come."""
         self._send(self.last._replace(seconds=self._now()))
         tick = 0
         while more() or not self.resting:
@@ -138,7 +137,7 @@ class LivePlayer:
         self.stream = stream
         self._tell(schedule, self.zero)
 
-    def _tell(self, schedule: "Schedule", start: float) -> None:
+    def _tell(self, schedule: Schedule, start: float) -> None:
         text = " ".join(word.text for word in schedule.words)
         for outlet in self.outlets:
             outlet.tell({"said": text, "start": round(start + schedule.start, 4)})
@@ -147,3 +146,55 @@ class LivePlayer:
         self.last = frame
         for outlet in self.outlets:
             outlet.send(frame)
+
+
+class TextSpeaker:
+    """Turns texts into schedules, which `say` takes; `complain` takes messages about others."""
+
+    def __init__(
+        self,
+        speak: Callable[[str], Schedule],
+        say: Callable[[Schedule], object],
+        complain: Callable[[str], None],
+    ) -> None:
+        self.speak, self.perform, self.complain = speak, say, complain
+        self.texts: SimpleQueue[str] = SimpleQueue()
+        self.lock, self.pending = Lock(), 0
+        Thread(target=self._work, daemon=True).start()
+
+    @property
+    def busy(self) -> bool:
+        """True while a text waits or is being spoken."""
+        with self.lock:
+            return self.pending > 0
+
+    def say(self, text: str) -> int:
+        """Queue a text from any thread; return the number of those before it, or refuse it."""
+        if not text.strip():
+            raise LipsyncError("the text is empty; write at least one word")
+        if len(text) > MAX_SPOKEN_CHARS:
+            raise LipsyncError(
+                f"the text has {len(text)} characters, more than {MAX_SPOKEN_CHARS}; "
+                "send it in parts"
+            )
+        with self.lock:
+            if self.pending >= MAX_WAITING_TEXTS:
+                raise LipsyncError(f"{MAX_WAITING_TEXTS} texts wait already; send this text later")
+            self.pending += 1
+            before = self.pending - 1
+        self.texts.put(text)
+        return before
+
+    def _work(self) -> None:
+        while True:
+            text = self.texts.get()
+            try:
+                for sentence in SENTENCE_END.split(text):
+                    try:
+                        if sentence.strip():
+                            self.perform(self.speak(sentence))
+                    except LipsyncError as error:
+                        self.complain(str(error))
+            finally:
+                with self.lock:
+                    self.pending -= 1

@@ -18,12 +18,8 @@ FRAME_DECIMALS = 5
 """Decimal places of times and weights in text."""
 
 STANDARD_OUTPUT = "-"
-
 USUAL_PORTS = {"livelink": 11111, "vmc": 39539, "ws": 8765}
-"""Default port by kind."""
-
 LOCAL = "127.0.0.1"
-
 MAX_PORT = 65535
 
 
@@ -120,10 +116,7 @@ class LineOutlet:
 
 
 class PacketOutlet:
-    """Sends frames as packets over UDP.
-
-    An unknown host is a `LipsyncError`.
-    """
+    """Sends frames as packets over UDP; an unknown host is a LipsyncError."""
 
     def __init__(self, address: LiveAddress, pack: Callable[[LiveFrame], bytes]) -> None:
         self.address, self.pack = address, pack
@@ -165,14 +158,7 @@ def outlet(  # noqa: PLR0913 the frames, and the names that a receiver knows
     subject: str,
     renamed: Mapping[str, str],
 ) -> Outlet:
-    """Open an outlet.
-
-    Parameters
-    ----------
-    session : answers the clients of a WebSocket
-    subject : name of the subject in Live Link
-    renamed : other names of poses, for VMC
-    """
+    """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session."""
     if address.kind == STANDARD_OUTPUT:
         return LineOutlet(sys.stdout)
     if address.kind == "ws":
@@ -180,13 +166,13 @@ def outlet(  # noqa: PLR0913 the frames, and the names that a receiver knows
 
         return WebSocketOutlet(address, session)
     if address.kind == "livelink":
-        from lipsync_lang.live.live_link_packet import LiveLinkPacket
+        from lipsync_lang.live.packets import LiveLinkPacket
 
         now = localtime()
         start = round(((now.tm_hour * 60 + now.tm_min) * 60 + now.tm_sec) * fps)
         packet = LiveLinkPacket(performer.channels, fps, subject, start)
         return PacketOutlet(address, packet)
-    from lipsync_lang.live.vmc_messages import vmc_messages
+    from lipsync_lang.live.packets import vmc_messages
 
     return PacketOutlet(address, vmc_messages(performer.poses, renamed))
 

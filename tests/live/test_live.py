@@ -19,12 +19,15 @@ from lipsync_lang import Schedule
 from lipsync_lang.cli import main
 from lipsync_lang.commands.live import lines
 from lipsync_lang.errors import LipsyncError, OutputError
-from lipsync_lang.live.client_messages import MAX_PHONEME_ROWS, Client
-from lipsync_lang.live.live_link_packet import LiveLinkPacket
-from lipsync_lang.live.live_player import LivePlayer
+from lipsync_lang.live.live_player import (
+    MAX_SPOKEN_CHARS,
+    MAX_WAITING_TEXTS,
+    LivePlayer,
+    TextSpeaker,
+)
 from lipsync_lang.live.outlets import LiveAddress, LiveFrame, PacketOutlet, parse_address
-from lipsync_lang.live.text_speaker import MAX_SPOKEN_CHARS, MAX_WAITING_TEXTS, TextSpeaker
-from lipsync_lang.live.vmc_messages import vmc_messages
+from lipsync_lang.live.packets import LiveLinkPacket, vmc_messages
+from lipsync_lang.live.web_socket import MAX_PHONEME_ROWS, Client
 from lipsync_lang.rigs.channel import Channel
 
 PAIR = ("-l", "english", "-c", "arkit")

@@ -1,0 +1,104 @@
+"""Packets of frames over UDP, for Unreal Engine (Live Link Face) and for receivers of VMC.
+
+Live Link Face is the face capture app for Unreal Engine (version 6). One packet a frame, numbers
+big-endian: the version in a byte, the device and the subject as text after their length in bytes,
+the frame's number, the share of a frame past it, numerator and denominator of the rate, the count
+of values in a byte, and the values as floats: 52 ARKit shapes, then the rotations of head and eyes,
+which speech leaves at 0. Left shapes always come before right ones; the recordings of the app have
+two pairs in the opposite order.
+
+The VMC protocol (Virtual Motion Capture) has bundles of OSC. One bundle a frame: a
+`/VMC/Ext/Blend/Val` with name and weight for each pose, then `/VMC/Ext/Blend/Apply`, which shows
+them. `/VMC/Ext/OK` before them announces the sender.
+"""
+
+import struct
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING
+from uuid import NAMESPACE_DNS, uuid5
+
+from lipsync_lang.animations.fixed import names, shapes_held
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
+from lipsync_lang.live.outlets import LiveFrame
+from lipsync_lang.rigs.channel import Channel
+
+if TYPE_CHECKING:
+    from pythonosc.osc_message import OscMessage
+
+VERSION = 6
+PACKET_SHAPES = "live-link-packet.txt"
+LIVE_LINK_PROGRAM = "Live Link Face"
+MAX_DENOMINATOR = 1001
+MAX_SUBJECT_BYTES = 128
+WRAP = 2**31
+"""Number of frames after which the frame number restarts at 0."""
+
+VALUE, APPLY, READY = "/VMC/Ext/Blend/Val", "/VMC/Ext/Blend/Apply", "/VMC/Ext/OK"
+
+LOADED = 1
+"""Value of `/VMC/Ext/OK`: a model is loaded."""
+
+
+class LiveLinkPacket:
+    """Packs frames for Unreal Engine; `start` is the number of the frame at time zero."""
+
+    def __init__(
+        self, columns: Sequence[Channel], fps: float, subject: str, start: int = 0
+    ) -> None:
+        held = names(PACKET_SHAPES)
+        numbers = {shape: number for number, shape in enumerate(held.shapes)}
+        found = shapes_held(columns, held, LIVE_LINK_PROGRAM)
+        self.places = [
+            (column, numbers[shape]) for column, shapes in found.items() for shape in shapes
+        ]
+        rate = Fraction(fps).limit_denominator(MAX_DENOMINATOR)
+        self.fps, self.start, self.count = fps, start, len(held.shapes) + len(held.turns)
+        device = str(uuid5(NAMESPACE_DNS, subject)).upper().encode()
+        name = subject.encode()[:MAX_SUBJECT_BYTES]
+        self.head = struct.pack(f">BI{len(device)}sI{len(name)}s",
+                                VERSION, len(device), device, len(name), name)  # fmt: skip
+        self.rate = (rate.numerator, rate.denominator)
+
+    def __call__(self, frame: LiveFrame) -> bytes:
+        """Pack a frame."""
+        values = [0.0] * self.count
+        weights = frame.weights.tolist()
+        for column, number in self.places:
+            values[number] = max(values[number], min(max(weights[column], 0.0), 1.0))
+        at = self.start + max(frame.seconds, 0.0) * self.fps
+        whole = int(at + 1e-6)
+        rest = struct.pack(
+            f">ifIIB{self.count}f",
+            whole % WRAP, max(at - whole, 0.0), *self.rate, self.count, *values,
+        )  # fmt: skip
+        return self.head + rest
+
+
+def vmc_messages(poses: Sequence[str], renamed: Mapping[str, str]) -> Callable[[LiveFrame], bytes]:
+    """Return a function that packs frames, with other names of poses in the receiver's model."""
+    try:
+        from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
+        from pythonosc.osc_message_builder import OscMessageBuilder
+    except ImportError:
+        raise LipsyncError(f"VMC needs the package python-osc: {install_line('live')}") from None
+
+    def message(address: str, *values: tuple[str, str | float | int]) -> "OscMessage":
+        made = OscMessageBuilder(address)
+        for kind, value in values:
+            made.add_arg(value, kind)
+        return made.build()
+
+    names = [renamed.get(pose, pose) for pose in poses]
+    ready, apply = message(READY, ("i", LOADED)), message(APPLY)
+
+    def pack(frame: LiveFrame) -> bytes:
+        bundle = OscBundleBuilder(IMMEDIATELY)
+        bundle.add_content(ready)
+        for name, weight in zip(names, frame.weights.tolist(), strict=True):
+            bundle.add_content(message(VALUE, ("s", name), ("f", weight)))
+        bundle.add_content(apply)
+        return bundle.build().dgram
+
+    return pack
