@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, Literal, Protocol, Self, get_args
@@ -37,6 +38,8 @@ class AnimationSource(Protocol):
 class ExportSettings:
     """Settings of output files, for all formats that can follow them.
 
+    Raises LipsyncError if `key_error` is out of range.
+
     Parameters
     ----------
     offset : start of the sound on the timeline of the file, in seconds
@@ -45,11 +48,6 @@ class ExportSettings:
     key_lines : True for straight lines within `key_error`, False for cubic curves in formats that
         have tangents
     against : other animations of the line by name, for formats that compare
-
-    Raises
-    ------
-    LipsyncError
-        `key_error` is out of range.
     """
 
     offset: float = 0.0
@@ -184,9 +182,12 @@ class Animation:
         >>> frame._repr_html_().startswith("<iframe")
         True
         """
-        from lipsync_lang.animations.notebook import page_frame
+        from lipsync_lang.animations.animation_writers import WRITERS
+        from lipsync_lang.animations.notebook import PageFrame
 
-        return page_frame(self, height)
+        page = BytesIO()
+        WRITERS["html"].write(self, page)
+        return PageFrame(page.getvalue().decode("utf-8"), height)
 
     def __len__(self) -> int:
         """Return the number of frames."""

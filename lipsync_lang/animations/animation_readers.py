@@ -15,7 +15,6 @@ from lipsync_lang.files import read_input
 from lipsync_lang.schedules.schedule import Schedule
 
 MAX_ANIMATION_BYTES = 2**30
-"""Maximum file size in bytes."""
 
 LONGEST_SECONDS = 86_400.0
 """Maximum time in seconds; larger values indicate a different unit."""
@@ -112,13 +111,7 @@ def reader(
 
 
 def read_animation(path: str | Path) -> Recording:
-    """ReadAnimation the curves of an animation file; its suffix selects the format.
-
-    Raises
-    ------
-    AnimationError
-        The file is missing, too large, in an unknown format, or without curves.
-    """
+    """Read the curves of an animation file; its suffix selects the format."""
     path = Path(path)
     chosen = sorted(ANIMATION_READERS.ending(path), key=lambda one: one.fits is None)
     if not chosen:

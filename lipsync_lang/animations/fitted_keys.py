@@ -24,18 +24,10 @@ NEGATIVE_TOLERANCE = 1e-3
 def fit(times: Floats, values: Floats, error: float, floors: Floats | None = None) -> Spline:
     """Fit cubic curves that miss no frame by more than an error.
 
-    A run of equal values is kept exactly, as closed lips and rest are.
-
-    Parameters
-    ----------
-    times : (T,) seconds, rising
-    values : (T, C)
-    error : the largest distance between a frame and the curve, above 0
-    floors : (C,) levels that a contact holds; frames above stay above, within 0.001
-
-    Returns
-    -------
-    A spline whose columns share their keys
+    A run of equal values is kept exactly, as closed lips and rest are. Of rising `times`, (T,)
+    seconds, and `values`, (T, C), the `error` is the largest distance between a frame and the
+    curve. The `floors`, (C,), are levels that a contact holds: frames above stay above, within
+    0.001.
     """
     count = len(times)
     if count == 1:

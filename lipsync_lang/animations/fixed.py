@@ -38,12 +38,8 @@ def names(file: str) -> FormatNames:
 def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
     """Arrange the weights in the fixed order of a format: (T, N), clipped to 0 to 1.
 
-    Shapes without a column are 0. If two columns match one shape, the larger weight is used.
-
-    Raises
-    ------
-    OutputError
-        No column matches a shape of the format.
+    Shapes without a column are 0. If two columns match one shape, the larger weight is used. Raises
+    OutputError if no column matches a shape of the format.
     """
     table = np.zeros((len(animation.times), len(held.shapes) + len(held.turns)))
     found = shapes_held(animation.columns, held, program)
@@ -57,13 +53,7 @@ def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
 def shapes_held(
     columns: Sequence[Channel], held: FormatNames, program: str
 ) -> dict[int, list[str]]:
-    """Return the shapes of a format that each column moves, by the column's number.
-
-    Raises
-    ------
-    OutputError
-        No column matches a shape of the format.
-    """
+    """Return the shapes that each column moves, by its number; an OutputError if there are none."""
     found = places(columns, held.shapes)
     if not found:
         raise OutputError(
@@ -82,13 +72,7 @@ def doubts(animation: Animation, file: str, program: str) -> Iterator[str]:
 
 
 def shape_columns(animation: Animation) -> list[int]:
-    """Return the indices of columns that are shapes, not bones.
-
-    Raises
-    ------
-    OutputError
-        All columns are bones.
-    """
+    """Return the indices of columns that are shapes; an OutputError if all are bones."""
     found = [n for n, channel in enumerate(animation.columns) if channel.node is None]
     if not found:
         raise OutputError("only bones move, and this format has only shapes; write a .glb")

@@ -39,11 +39,7 @@ def held(animation: Animation, rest: str) -> list[HeldShape]:
     """Return the sequence of shapes from 0 to the end of the sound.
 
     The spans have no gaps, and neighbours differ. Movement before time 0 and after the end of the
-    sound is cut.
-
-    Parameters
-    ----------
-    rest : name of the neutral shape, if the animation does not define one
+    sound is cut. `rest` names the neutral shape, if the animation does not.
     """
     end = animation.offset + sound(animation)
     if end <= 0:
@@ -72,15 +68,8 @@ def sound(animation: Animation) -> float:
 def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
     """Return the index of the shown pose at each frame; P is the neutral face.
 
-    Parameters
-    ----------
-    weights : (T, P)
-    contacts : columns that must stay visible
-    frames : minimum number of frames per pose
-
-    Returns
-    -------
-    (T,) indices; each run has at least `frames` frames, unless T is smaller
+    Each run has at least `frames` frames, unless there are fewer in the weights, (T, P). `contacts`
+    are columns that must stay visible.
     """
     count, poses = weights.shape
     least = min(frames, count)
@@ -118,8 +107,7 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
 
 def _changes(values: Ints) -> list[int]:
     """Return the indices of values that differ from the one before."""
-    changes: list[int] = (np.flatnonzero(np.diff(values)) + 1).tolist()
-    return changes
+    return (np.flatnonzero(np.diff(values)) + 1).tolist()
 
 
 def _frames(animation: Animation, end: float) -> tuple[float, Floats]:

@@ -48,13 +48,7 @@ class KeyedCurve(NamedTuple):
 
 
 def keyframes(times: Floats, values: Floats, error: float) -> Ints:
-    """Return the indices of keyframes.
-
-    Parameters
-    ----------
-    times, values : (T,) increasing seconds, and values of one curve
-    error : maximum distance between a frame and the line; 0 drops only frames on a straight line
-    """
+    """Return the indices of keyframes of rising times, (T,), within a distance from the lines."""
     count = len(times)
     error = max(error - DECIMAL_ROUNDING, 0.0)
     if count <= 2:  # noqa: PLR2004 both ends
@@ -101,18 +95,9 @@ def curves(
 ) -> list[KeyedCurve]:
     """Return the keyframes of every channel of an animation.
 
-    Parameters
-    ----------
-    names : C channel names
-    times : (T,) seconds
-    weights : (T, C)
-    error : the maximum distance between a frame and the curve; of cubic curves, in (0, 0.5]
-    floors : levels that contacts hold, by name, for cubic curves; None for straight lines
-
-    Raises
-    ------
-    LipsyncError
-        The error of cubic curves is out of range.
+    Raises LipsyncError if the error of cubic curves is out of range. Weights are (T, C). The
+    maximum distance between a frame and the curve is `error`, for cubic curves in (0, 0.5].
+    `floors` are levels that contacts hold, by name, for cubic curves; None is for straight lines.
     """
     found = []
     for number, name in enumerate(names):
@@ -131,13 +116,7 @@ def curves(
 
 
 def checked(error: float, *, lines: bool = False) -> float:
-    """Return the error of keys if it is in range: (0, 0.5], and 0 for straight lines as well.
-
-    Raises
-    ------
-    LipsyncError
-        The error is out of range.
-    """
+    """Return the error of keys if it is in range: (0, 0.5], and 0 for straight lines as well."""
     if lines and error == 0:
         return error
     if not 0 < error <= LARGEST_ERROR:
@@ -155,12 +134,7 @@ def margin(error: float) -> float:
 
 
 def parse_keys(text: str) -> tuple[float, bool]:
-    """Parse an argument for keys: ``0.01``, or ``lines:0.01`` for straight lines.
-
-    Returns
-    -------
-    The error, and True for straight lines
-    """
+    """Parse an error of keys, ``0.01`` or ``lines:0.01``; True is returned for straight lines."""
     lines = text.startswith(LINES)
     try:
         error = float(text.removeprefix(LINES))

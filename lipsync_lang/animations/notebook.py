@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from html import escape
-from io import BytesIO
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,15 +38,6 @@ class PageFrame:
             f'<iframe sandbox="allow-scripts" width="100%" height="{self.height:d}" '
             f'style="border: 0" srcdoc="{escape(self.page)}"></iframe>'
         )
-
-
-def page_frame(animation: "Animation", height: int) -> PageFrame:
-    """Write the page of an animation into a frame."""
-    from lipsync_lang.animations.animation_writers import WRITERS
-
-    out = BytesIO()
-    WRITERS["html"].write(animation, out)
-    return PageFrame(out.getvalue().decode("utf-8"), height)
 
 
 def curves_html(animation: "Animation") -> str:

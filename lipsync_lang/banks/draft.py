@@ -55,15 +55,9 @@ class Target:
 def draft(first: list[Target], second: list[Target], *, exact: bool = False) -> Floats:
     """Draft bigrams.
 
-    Parameters
-    ----------
-    first, second : B targets each; bigram b passes from ``first[b]`` to ``second[b]``
-    exact : True for values without rounding, which follow small changes of a target
-
-    Returns
-    -------
-    (B, P, n) control values in [0, 1] at `TIMES`; the smooth curve approximates f, although its
-    control points may not
+    Bigram b passes from ``first[b]`` to ``second[b]``; there are B of each. With `exact`, values
+    are not rounded and follow small changes of a target. Returns (B, P, n) control values in [0, 1]
+    at `TIMES`; the smooth curve approximates f, although its control points may not.
     """
     at, solve, curves = _fit()
     each = list(dict.fromkeys([*first, *second]))  # few distinct targets in many pairs

@@ -65,14 +65,8 @@ def entry(key: str, stated: Mapping[str, str], curves: Mapping[str, CurvePoints]
 def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -> str:
     """Add drafts to a bank file; bigrams already in it stay unchanged.
 
-    Parameters
-    ----------
-    library : packs of the drafts; a bank that it has loaded is not read again
-    path : bank file; None for `common.yaml` of the pose set in the project
-
-    Returns
-    -------
-    A sentence on the changes
+    A bank that the library has loaded is not read again. By default, the file is `common.yaml` of
+    the pose set in the project. Returns a sentence on the changes.
     """
     if path is None and drafts.character:
         raise LipsyncError(

@@ -107,18 +107,7 @@ Sets: TypeAlias = dict[str, dict[DiphonePair, Diphone]]
 
 
 def read_smartbody(path: Path, remarks: ImportRemarks) -> Sets:
-    """Read a bank.
-
-    Parameters
-    ----------
-    path : path of a script or a text export
-    remarks : collection for unsupported content
-
-    Raises
-    ------
-    PackError
-        The file is unreadable, too large, or not text.
-    """
+    """Read a bank, a script or a text export; `remarks` collects unsupported content."""
     name = visible(str(path))
     text = _text(path, name)
     words = next((line.split() for line in text.split("\n") if line.strip()), [""])
@@ -164,9 +153,6 @@ def _text(path: Path, shown: str) -> str:
     if "\0" in text or len(content) > MAX_SCRIPT_BYTES:
         raise PackError(f"{shown}: is not a script or text of SmartBody: {why}")
     return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-# Scripts
 
 
 class _Statement(NamedTuple):
@@ -409,9 +395,6 @@ def _lines(text: str) -> Iterator[_LogicalLine]:
             if token.string == "=" or before in BINDERS:
                 names.add(token.string if before in BINDERS else before)
         before = token.string
-
-
-# Text exports
 
 
 class _Export:

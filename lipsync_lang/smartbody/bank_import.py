@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from lipsync_lang.banks.write import (
 )
 from lipsync_lang.errors import LipsyncError, OutputError, did_you_mean, shortlist
 from lipsync_lang.files import atomic
+from lipsync_lang.packs import models
+from lipsync_lang.packs.library import Library
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.smartbody.bank_files import (
@@ -39,11 +41,6 @@ from lipsync_lang.smartbody.bank_files import (
     visible,
 )
 from lipsync_lang.smartbody.conversion import BankNames, Conversion, ImportedCurves
-
-if TYPE_CHECKING:
-    from lipsync_lang.arrays import Floats
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library
 
 STATUS = "edited"
 """Status of imported bigrams, because SmartBody banks are drawn manually."""
@@ -105,7 +102,7 @@ class BankImport:
 
 
 def import_bank(  # noqa: PLR0913 the sources, the target and options
-    library: "Library",
+    library: Library,
     files: Sequence[Path],
     character: str,
     *,
@@ -116,19 +113,10 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
 ) -> BankImport:
     """Import SmartBody banks into a bank of a pose set.
 
-    Parameters
-    ----------
-    files : paths of scripts or text exports
-    character : name of a pose set or of a character
-    to : path of the bank; None for a path in the project, named after the first file
-    style : name of the set among several; for a single set, the new style name
-    interpolation : curve type of the bank
-    mapped : SmartBody label or shape -> phoneme or pose
-
-    Raises
-    ------
-    LipsyncError
-        No bigram in the files can be imported.
+    By default, `to` is a path in the project, named after the first file. `style` is the name of
+    the set among several; for a single set, it is the new style name. `mapped` gives the phoneme or
+    pose of a SmartBody label or shape. Raises LipsyncError if no bigram in the files can be
+    imported.
     """
     poseset = library.poseset(library.character(character).model.poseset).model
     names = _names(library.common().model, poseset, mapped or {})
@@ -168,13 +156,13 @@ def _reach(found: Mapping[str, ImportedCurves], interpolation: Interpolation) ->
     shares = []
     # ImportedCurves are grouped by number of keys, so that each group is one array.
     for lines in alike.values():
-        keys: Floats = np.array(lines)
+        keys = np.array(lines, dtype=np.float64)
         shares.append(bspline(keys, at).max(axis=1) / keys[..., 1].max(axis=1))
     return float(np.median(np.concatenate(shares)))
 
 
 def _names(
-    common: "models.Phonemes", poseset: "models.PoseSet", mapped: Mapping[str, str]
+    common: models.Phonemes, poseset: models.PoseSet, mapped: Mapping[str, str]
 ) -> BankNames:
     """Return the maps of labels and shapes to phonemes and poses; `mapped` has precedence."""
     sounds = {label.casefold(): common.silence for label in common.rests}
@@ -229,7 +217,7 @@ def _nothing(remarks: ImportRemarks) -> str:
     return f"no bigram can be imported from these files{''.join(why)}"
 
 
-def _write(library: "Library", path: Path, made: BankBigrams, header: str) -> list[str]:
+def _write(library: Library, path: Path, made: BankBigrams, header: str) -> list[str]:
     """Write a new bank or extend an existing one, and return the keys of new bigrams."""
     make_room(path)
     if path.exists():

@@ -18,7 +18,6 @@ MOST_KEYS = 200
 """Maximum number of keys of a curve. Longer curves are sampled by programs, not drawn."""
 
 FEWEST_KEYS = 2
-"""Minimum number of keys of a curve."""
 
 LONGEST, HINTS = 40, 100
 """Maximum length of a name in a remark, and maximum number of unknown names with a hint."""

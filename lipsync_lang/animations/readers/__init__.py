@@ -1,5 +1,4 @@
 """Readers of animation files from any program, for evaluation: one module per format."""
 
-from lipsync_lang.animations.animation_readers import Recording, read_animation
-
-__all__ = ["Recording", "read_animation"]
+from lipsync_lang.animations.animation_readers import Recording as Recording
+from lipsync_lang.animations.animation_readers import read_animation as read_animation

@@ -36,12 +36,7 @@ def read_csv(path: Path, content: bytes) -> Recording:
 def table_of(
     path: Path, content: bytes, *, gaps: bool = False
 ) -> tuple[Floats, tuple[str, ...], Floats]:
-    """Read the times in seconds (T,), the names of C columns, and their values (T, C).
-
-    Parameters
-    ----------
-    gaps : True to take blank cells for `nan`; by default they are errors
-    """
+    """Read times in seconds (T,), C names and values (T, C); `gaps` reads blank cells as `nan`."""
     text = text_of(path, content)
     first = text.partition("\n")[0]
     separator = max(SEPARATORS, key=first.count)

@@ -6,3 +6,7 @@ knows only `Animation`, and imports heavy libraries inside the function. The fir
 docstring appears in `formats` and in the documentation. Then run `docs/build_reference.py`; the
 tests sweep over all writers.
 """
+
+from lipsync_lang.animations.animation import Animation as Animation
+from lipsync_lang.animations.animation_writers import binary_writer as binary_writer
+from lipsync_lang.animations.animation_writers import writer as writer

@@ -9,9 +9,8 @@ import json
 from collections.abc import Iterator
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, first_frame, late, shape_columns
+from lipsync_lang.animations.writers import Animation, writer
 
 AUDIO2FACE = "Audio2Face"
 

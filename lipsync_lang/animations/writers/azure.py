@@ -10,9 +10,8 @@ import json
 from functools import partial
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import doubts, first_frame, laid_out, names
+from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import OutputError
 

@@ -15,11 +15,10 @@ from typing import TextIO
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, shape_columns
 from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.animations.moving_shapes import on_model
+from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.arrays import Floats
 
 TEMPLATE = Path(__file__).parent / "templates" / "blender.txt"

@@ -4,8 +4,7 @@ from typing import TextIO
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.writers import Animation, writer
 
 ROWS_AT_ONCE = 1000
 """Rows formatted at once; one at a time takes twice as long."""

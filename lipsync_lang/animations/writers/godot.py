@@ -17,10 +17,9 @@ from typing import TextIO
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
 from lipsync_lang.animations.moving_shapes import keys, shapes, unshown
+from lipsync_lang.animations.writers import Animation, writer
 
 GODOT = "Godot"
 

@@ -6,8 +6,7 @@ from typing import TextIO
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.writers import Animation, writer
 
 
 @writer("json", suffix=".json")

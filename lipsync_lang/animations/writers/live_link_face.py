@@ -8,10 +8,9 @@ clipped to 0 to 1. Timecode counts whole frames, so one timecode second at 23.97
 from functools import partial
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import doubts, laid_out, names
 from lipsync_lang.animations.rates import timecode
+from lipsync_lang.animations.writers import Animation, writer
 
 LIVE_LINK_FACE = "Live Link Face"
 LIVE_LINK_NAMES = "live-link-face.txt"
@@ -21,8 +20,8 @@ THOUSAND = 1000
 @writer(
     "live-link-face",
     suffix=".live-link.csv",
-    refuse=lambda one: laid_out(one, names(LIVE_LINK_NAMES), LIVE_LINK_FACE),
     remarks=partial(doubts, file=LIVE_LINK_NAMES, program=LIVE_LINK_FACE),
+    refuse=lambda one: laid_out(one, names(LIVE_LINK_NAMES), LIVE_LINK_FACE),
 )
 def write_live_link_face(animation: Animation, out: TextIO) -> None:
     """A take of Live Link Face: a timecode and 61 values per frame."""

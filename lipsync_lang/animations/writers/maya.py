@@ -16,11 +16,10 @@ from typing import TextIO
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
 from lipsync_lang.animations.moving_shapes import keys, shapes
+from lipsync_lang.animations.writers import Animation, writer
 
 MAYA = "Maya"
 

@@ -9,9 +9,8 @@ the exporters of Rhubarb Lip Sync (github.com/DanielSWolf/rhubarb-lip-sync) and 
 
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.held import held
+from lipsync_lang.animations.writers import Animation, writer
 
 MOHO_REST = "rest"
 """Default name of the neutral drawing."""

@@ -8,8 +8,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.writers.audacity import label_track_text
 from lipsync_lang.schedules.writers.csv import table_text

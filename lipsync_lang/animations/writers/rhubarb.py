@@ -11,9 +11,8 @@ from html import escape
 from pathlib import Path
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.held import HeldShape, held
+from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.errors import OutputError
 
 RHUBARB_NAMES = Path(__file__).parent / "names" / "rhubarb.txt"

@@ -12,10 +12,9 @@ from functools import partial
 from html import escape
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, shape_columns
 from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.writers import Animation, writer
 
 
 @writer("smartbody", suffix=".bml", remarks=partial(boneless, program="SmartBody"))

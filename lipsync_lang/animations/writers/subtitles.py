@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from html import escape
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.errors import OutputError
 
 ARROW = "-->"

@@ -13,10 +13,9 @@ from functools import partial
 from itertools import pairwise
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
 from lipsync_lang.animations.moving_shapes import keys, shapes, unshown
+from lipsync_lang.animations.writers import Animation, writer
 
 UNITY = "Unity"
 PERCENT_OF_WEIGHT = 100

@@ -12,8 +12,7 @@ import csv
 from collections import Counter
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.errors import OutputError
 
 

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.moving_shapes import shapes
+from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.animations.writers.glb import unplaced
 from lipsync_lang.errors import OutputError
 
@@ -26,7 +25,6 @@ USD_ESCAPES = str.maketrans({"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", 
 """Characters of a name that a string of USD cannot hold."""
 
 PRIM_NAME = "Speech"
-"""Name of the animation prim."""
 
 
 def doubts(animation: Animation) -> Iterator[str]:

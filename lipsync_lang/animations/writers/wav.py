@@ -6,8 +6,7 @@ from typing import BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import binary_writer
+from lipsync_lang.animations.writers import Animation, binary_writer
 from lipsync_lang.errors import OutputError
 
 
