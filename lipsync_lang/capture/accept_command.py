@@ -14,9 +14,8 @@ from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.reports.text_table import columns
 
 if TYPE_CHECKING:
-    from lipsync_lang.capture.accept_fit import Acceptance
+    from lipsync_lang.capture.accept_fit import Acceptance, ReviewedItem
     from lipsync_lang.capture.fit_file import FitProposal
-    from lipsync_lang.capture.fit_review import ReviewedItem
 
 MAX_SHOWN_ITEMS = 12
 """Maximum number of items of each kind to name after a change."""

@@ -13,16 +13,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from random import Random
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints
-from lipsync_lang.capture.captured_line import CapturedLine, resampled
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.capture.fit_lines import CapturedLine, resampled
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.schedules.schedule import Schedule
 
 CLOCK_FPS = 50.0
 """Frames per second of the comparison."""
@@ -112,11 +110,9 @@ class ComparedMotion:
     ) -> Floats:
         """Return the likeness of curves and motion with each clock, from -1 to 1: (L, K).
 
-        Parameters
-        ----------
-        offsets : (L,) delays of the motion in seconds
-        drifts : (L,) seconds that the clock loses from the first frame to the last; empty for none
-        speeds : (L,) speeds of the clock from its zero; empty for 1
+        `offsets` are delays of the motion in seconds, `drifts` the seconds that the clock loses
+        from the first frame to the last (empty for none), and `speeds` those of the clock from its
+        zero (empty for 1): (L,) each.
         """
         clocks = np.zeros((len(offsets), 3))
         clocks[:, 0] = offsets
@@ -169,7 +165,7 @@ class ComparedMotion:
 
 
 def compared(
-    performer: "Performer", line: CapturedLine, schedules: "Sequence[Schedule]"
+    performer: Performer, line: CapturedLine, schedules: Sequence[Schedule]
 ) -> ComparedMotion:
     """Combine the motion of a line with the curves of schedules with the same times."""
     start, end = spoken_span(performer, schedules[0])
@@ -188,21 +184,21 @@ def compared(
     return ComparedMotion(times, np.array(shown), line)
 
 
-def spoken_span(performer: "Performer", schedule: "Schedule") -> tuple[float, float]:
+def spoken_span(performer: Performer, schedule: Schedule) -> tuple[float, float]:
     """Return the start of the first sound and the end of the last."""
     ids, bounds, _ = performer.common_phonemes(schedule)
     sounds = np.flatnonzero(ids != performer.compiled.tables.silence)
     return float(bounds[sounds[0]]), float(bounds[sounds[-1] + 1])
 
 
-def sounds_of(performer: "Performer", schedule: "Schedule") -> Ints:
+def sounds_of(performer: Performer, schedule: Schedule) -> Ints:
     """Return the indices of the labels other than silence."""
     ids, _, source = performer.common_phonemes(schedule)
     found: Ints = np.unique(source[(ids != performer.compiled.tables.silence) & (source >= 0)])
     return found
 
 
-def read_clock(performer: "Performer", line: CapturedLine) -> tuple[ClockReading, ComparedMotion]:
+def read_clock(performer: Performer, line: CapturedLine) -> tuple[ClockReading, ComparedMotion]:
     """Compare the motion of a line with its phonemes."""
     motion = compared(performer, line, [line.schedule, *_shuffles(performer, line)])
     own = replace(motion, shown=motion.shown[:1])
@@ -233,7 +229,7 @@ def read_clock(performer: "Performer", line: CapturedLine) -> tuple[ClockReading
     return reading, own
 
 
-def _shuffles(performer: "Performer", line: CapturedLine) -> "list[Schedule]":
+def _shuffles(performer: Performer, line: CapturedLine) -> list[Schedule]:
     """Return copies of the schedule with its sounds shuffled, at the same times."""
     places = sounds_of(performer, line.schedule).tolist()
     out = []

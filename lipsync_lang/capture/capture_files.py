@@ -10,7 +10,6 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.animations.readers.json import ANIMATION_MARK
@@ -33,7 +32,6 @@ READ_OUT = "readout.yaml"
 """File name of a read-out for the captures in its folder and below."""
 
 MAX_CAPTURES = 20_000
-"""Maximum number of captures in a fit."""
 
 MAX_WILDCARDS = 4
 """Maximum number of `*` in a pattern, few so that matching is quick."""
@@ -62,28 +60,15 @@ class CaptureFiles:
     """The read-out of its folder."""
 
 
-class CaptureSearch(NamedTuple):
-    """Captures found, and captures that cannot be used."""
-
-    files: tuple[CaptureFiles, ...]
-    set_aside: tuple[SetAside, ...]
-
-
 def find_captures(
     paths: str | Path | Iterable[str | Path], *, speaker: str | None = None
-) -> CaptureSearch:
-    """Find the captures among files and below folders.
+) -> tuple[tuple[CaptureFiles, ...], list[SetAside]]:
+    """Find the captures among files and below folders, and those that cannot be used.
 
-    Parameters
-    ----------
-    paths : files and folders, one or several
-    speaker : pattern of names with the speaker, such as `{speaker}_*`, or of paths below the
-        folder, such as `*/{speaker}/*`. By default the first folder below the searched one
-
-    Raises
-    ------
-    LipsyncError
-        A path is missing, the pattern has no `{speaker}`, or there are no captures, or too many.
+    `speaker` is a pattern of names with the speaker, such as `{speaker}_*`, or of paths below the
+    folder, such as `*/{speaker}/*`; by default, the speaker is the first folder below the searched
+    one. Raises LipsyncError if a path is missing, the pattern has no `{speaker}`, or there are no
+    captures, or too many.
     """
     pattern = None if speaker is None else _pattern(speaker)
     found: dict[str, CaptureFiles] = {}
@@ -108,7 +93,7 @@ def find_captures(
         raise LipsyncError(
             f"no captures in {places}; known: {', '.join(ANIMATION_READERS.suffixes())}"
         )
-    return CaptureSearch(tuple(_uniquely_named(found.values(), pattern)), tuple(aside))
+    return tuple(_uniquely_named(found.values(), pattern)), aside
 
 
 def _pattern(text: str) -> re.Pattern[str]:

@@ -3,22 +3,21 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.capture.capture_files import CaptureFiles
 from lipsync_lang.errors import LipsyncError, ScheduleError
 from lipsync_lang.files import read_input
+from lipsync_lang.packs.models import ReadOut
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.quality.fitting import some_names
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
 from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
 from lipsync_lang.schedules.timing_readers import timings_of
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs.models import ReadOut
-    from lipsync_lang.performing.performer import Performer
+SILENT_SCHEDULE = Schedule((SILENCE,), np.array([0.0, 1.0]))
 
 LONG_LAST_SECONDS = 0.5
 """Maximum length of a last sound; a longer one includes silence."""
@@ -30,21 +29,20 @@ MAX_UNKNOWN_SHARE = 0.1
 """Maximum share of labels unknown to the language, which are read as silence."""
 
 MAX_TEXT_BYTES = 2**20
-"""Maximum size of the text of a capture."""
 
 
 @dataclass(frozen=True, eq=False)
 class CaptureTimings:
     """Timings of captures, in the language of a performer."""
 
-    performer: "Performer"
+    performer: Performer
     aligner: str | None
     notation: str | None
 
     def schedule(
         self,
         files: CaptureFiles,
-        readout: "ReadOut | None",
+        readout: ReadOut | None,
         spoken: "Schedule | LipsyncError | None",
     ) -> Schedule:
         """Return the phonemes of a capture: from its timings, alignment or own file."""
@@ -98,7 +96,7 @@ class CaptureTimings:
         return out
 
 
-def readable(performer: "Performer", schedule: Schedule) -> tuple[Schedule, tuple[str, ...]]:
+def readable(performer: Performer, schedule: Schedule) -> tuple[Schedule, tuple[str, ...]]:
     """Return a schedule with silence for unknown labels; raise an error if there are many.
 
     The audio is dropped, because a performance would follow its loudness. A last sound that
@@ -127,13 +125,10 @@ def readable(performer: "Performer", schedule: Schedule) -> tuple[Schedule, tupl
         audio=None,
     )
     values = reader.values(made)
-    silent = [value == reader.values(_SILENT_SCHEDULE)[0] for value in values]
+    silent = [value == reader.values(SILENT_SCHEDULE)[0] for value in values]
     if all(silent):
         raise ScheduleError(f"{schedule.source}: has only silence; check that it is the right file")
     return _cut_last(made, max(at for at, mute in enumerate(silent) if not mute)), told
-
-
-_SILENT_SCHEDULE = Schedule((SILENCE,), np.array([0.0, 1.0]))
 
 
 def _cut_last(schedule: Schedule, last: int) -> Schedule:

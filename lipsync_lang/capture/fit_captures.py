@@ -1,9 +1,13 @@
-"""Fits of a pair to captures: targets, motion and bigrams, tested on held-out lines."""
+"""Fits of a pair to captures: targets, motion and bigrams, tested on held-out lines.
 
+The poses of a pose set rest at 0. Captured shapes often rest higher, because the tracker has
+another neutral face; the weights of a capture during silence are subtracted before a fit.
+"""
+
+from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,19 +21,27 @@ from lipsync_lang.capture.fit_file import (
 )
 from lipsync_lang.capture.fit_folds import FitShares, FitTask, Fold, choose, errors, folds, run_fits
 from lipsync_lang.capture.fit_items import fit_items
-from lipsync_lang.capture.fit_lines import fit_rate, lay_lines
+from lipsync_lang.capture.fit_lines import CapturedLine, fit_rate, lay_lines
 from lipsync_lang.capture.fit_steps import MotionGroups
 from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.capture.judging import outlying_lines
-from lipsync_lang.capture.rest_levels import without_rest
 from lipsync_lang.capture.shown_lines import ShownLine, shown_lines
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.resolver.retouch import OpenPair
 
-if TYPE_CHECKING:
-    from lipsync_lang.capture.captured_line import CapturedLine
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.resolver.retouch import OpenPair
+AWAY_SECONDS = 0.15
+"""Seconds around sounds that do not count as rest."""
+
+ENOUGH_SECONDS = 0.5
+"""Minimum seconds of rest for its level; otherwise the lowest weights of speech determine it."""
+
+LOWEST_SHARE = 0.05
+"""Quantile of the weights of speech that is the rest level if there are no pauses."""
+
+LEAST_LEVEL, MOST_LEVEL = 0.02, 0.4
+"""Range of subtracted levels; lower levels are noise, and higher ones are expressions."""
 
 WHOLE_CHANGE = FitShares(1.0, 0.0)
 """Shares of a refused fit in the report: the full change, without bigrams."""
@@ -37,6 +49,47 @@ WHOLE_CHANGE = FitShares(1.0, 0.0)
 ONE_SPEAKER = "all lines are of one speaker, so the fit was not tested on another speaker"
 
 Progress = Callable[[str], None]
+
+
+def without_rest(performer: Performer, captured: Sequence[CapturedLine]) -> list[CapturedLine]:
+    """Return lines with rest levels subtracted, and remarks on them.
+
+    All lines of a speaker have the same levels. Signals without a scale are unchanged.
+    """
+    resting, speaking = defaultdict(list), defaultdict(list)
+    read = performer.labels.read([line.schedule for line in captured]) if captured else []
+    for line, sounds in zip(captured, read, strict=True):
+        spoken = sounds.ids != performer.compiled.tables.silence
+        starts, ends = sounds.times[:-1][spoken], sounds.times[1:][spoken]
+        at = line.times[:, None]
+        rest = ~((at > starts - AWAY_SECONDS) & (at < ends + AWAY_SECONDS)).any(axis=1)
+        for name, values in zip(line.signals, line.values.T, strict=True):
+            known = np.isfinite(values)
+            resting[line.speaker, name].append(values[known & rest])
+            speaking[line.speaker, name].append(values[known & ~rest])
+    fps = max(((len(one.times) - 1) / np.ptp(one.times) for one in captured), default=1.0)
+    levels = {}
+    for key, parts in resting.items():
+        at_rest, speech = np.concatenate(parts), np.concatenate(speaking[key])
+        level = 0.0
+        if len(at_rest) >= ENOUGH_SECONDS * float(fps):
+            level = float(np.median(at_rest))
+        elif len(speech):
+            level = float(np.quantile(speech, LOWEST_SHARE))
+        levels[key] = level if LEAST_LEVEL <= level <= MOST_LEVEL else 0.0
+    return [line if line.free else _lowered(line, levels) for line in captured]
+
+
+def _lowered(line: CapturedLine, levels: dict[tuple[str, str], float]) -> CapturedLine:
+    own = np.array([levels[line.speaker, name] for name in line.signals])
+    if not own.any():
+        return line
+    named = ", ".join(
+        f"{name} {level:.2f}" for name, level in zip(line.signals, own, strict=True) if level
+    )
+    who = f" of {line.speaker}" if line.speaker else ""
+    told = f"weights at rest{who} that were subtracted: {named}"
+    return replace(line, values=line.values - own, remarks=(*line.remarks, told))
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +104,9 @@ class CaptureFit:
 
 
 def fit_captures(  # noqa: PLR0913 the pair, its captures and options
-    pair: "OpenPair",
-    performer: "Performer",
-    captured: "Sequence[CapturedLine]",
+    pair: OpenPair,
+    performer: Performer,
+    captured: Sequence[CapturedLine],
     *,
     workers: int = 1,
     progress: Progress = lambda _: None,
@@ -61,19 +114,10 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
 ) -> CaptureFit:
     """Fit the targets, motion and bigrams of a pair to captured lines.
 
-    Parameters
-    ----------
-    pair : the language and character, with their packs
-    performer : a performer of the same pair
-    captured : lines, with their signals
-    workers : number of processes; more than one requires `if __name__ == "__main__":` in a script
-    progress : called with a phrase for each step
-    set_aside : lines that were left out before, with reasons
-
-    Raises
-    ------
-    LipsyncError
-        There are no lines, no signal of them shows a pose, or scipy is missing.
+    The performer is of the same pair. In a script, more than one worker process requires
+    `if __name__ == "__main__":`. `progress` is called with a phrase for each step;
+    `set_aside` are lines that were left out before. Raises LipsyncError if there are no lines, no
+    signal of them shows a pose, or scipy is missing.
     """
     if find_spec("scipy") is None:
         raise LipsyncError(f"a fit needs scipy: {install_line('capture')}")
@@ -100,7 +144,7 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
 
 
 def _proposal(
-    pair: "OpenPair",
+    pair: OpenPair,
     task: FitTask,
     verdict: FitVerdict,
     items: tuple[FitItem, ...],
@@ -127,9 +171,9 @@ def _proposal(
 
 
 def _without_strays(
-    pair: "OpenPair",
-    performer: "Performer",
-    captured: "Sequence[CapturedLine]",
+    pair: OpenPair,
+    performer: Performer,
+    captured: Sequence[CapturedLine],
     set_aside: Sequence[SetAside],
 ) -> tuple[FitTask, FitValues, tuple[SetAside, ...]]:
     """Fit all lines, and then again without the outliers."""
@@ -153,7 +197,7 @@ def _without_strays(
     return task, task.fit(range(len(kept))), strays
 
 
-def motion_groups(pair: "OpenPair") -> MotionGroups:
+def motion_groups(pair: OpenPair) -> MotionGroups:
     """Return by region the poses with a common softness, and the poses with anticipation."""
     soft: dict[str, list[int]] = {}
     ahead: dict[str, list[int]] = {}

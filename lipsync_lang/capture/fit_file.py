@@ -56,10 +56,7 @@ MAX_LISTED_FAULTS = 12
 """Maximum number of faults in an error message; faults of generated files often repeat."""
 
 VALUE_DECIMALS = 4
-"""Decimals of written values."""
-
 FIT_FORM = '{"kind": "fit", "format": 1, "poseset": ..., "items": [{"item": "targets.a", ...}]}'
-
 ItemCount = Annotated[int, Field(ge=0)]
 
 
@@ -233,13 +230,8 @@ class FitProposal(Strict):
 def read_fit(path: Path) -> FitProposal:
     """Read and check a proposal; ``-`` is standard input.
 
-    Raises
-    ------
-    PackFaults
-        The file is not a valid proposal; the error lists faults with their places, the first
-        `MAX_LISTED_FAULTS`.
-    PackError
-        The file is unreadable or is not a proposal.
+    Raises PackError if the file is unreadable or is not a proposal, and PackFaults, with the first
+    `MAX_LISTED_FAULTS` and their places, if the proposal is invalid.
     """
     content = read_input(path, MAX_PACK_BYTES, error=PackError, mend="split the proposal")
     try:

@@ -10,7 +10,7 @@ A confidence of 1 is a change in every part of the lines; 0.5 is a change as lar
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,9 +19,7 @@ from lipsync_lang.banks.draft import TIMES
 from lipsync_lang.capture.fit_file import VALUE_DECIMALS, FitItem
 from lipsync_lang.capture.fit_folds import FitTask
 from lipsync_lang.capture.fit_values import FitFace, FitValues
-
-if TYPE_CHECKING:
-    from lipsync_lang.resolver.retouch import OpenPair
+from lipsync_lang.resolver.retouch import OpenPair
 
 ITEM_DECIMALS = 3
 """Decimals of fitted values in a proposal."""
@@ -67,15 +65,9 @@ class _Evidence:
 
 
 def fit_items(
-    pair: "OpenPair", task: FitTask, values: FitValues, others: Sequence[FitValues]
+    pair: OpenPair, task: FitTask, values: FitValues, others: Sequence[FitValues]
 ) -> Iterator[FitItem]:
-    """Yield an item for each value that a fit changed.
-
-    Parameters
-    ----------
-    values : values of the items
-    others : values of the fits without a part of the lines
-    """
+    """Yield an item for each changed value; `others` are of fits without a part of the lines."""
     face, lines = task.face, task.lines
     errors = [
         [line.errors(w) for line, w in zip(lines, face.shown(one, lines), strict=True)]
@@ -99,7 +91,7 @@ def confidence(start: Floats, value: Floats, others: Sequence[Floats]) -> float:
 
 
 def _target_items(
-    pair: "OpenPair", evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
+    pair: OpenPair, evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
 ) -> Iterator[FitItem]:
     face, start = evidence.task.face, evidence.task.face.start
     shelf = pair.shelf
@@ -132,9 +124,7 @@ def _target_items(
         )
 
 
-def _target(
-    pair: "OpenPair", face: FitFace, number: int, values: FitValues
-) -> list[dict[str, Any]]:
+def _target(pair: OpenPair, face: FitFace, number: int, values: FitValues) -> list[dict[str, Any]]:
     """Return a target in the form of a pack: poses by step, and unusual dominances."""
     poses, shelf = pair.shelf.poses, pair.shelf
     weights = values.weights[number][: face.steps[number]]
@@ -181,7 +171,7 @@ def _frames(task: FitTask, meant: Sequence[set[int]]) -> tuple[list[Bools], int]
 
 
 def _motion_items(
-    pair: "OpenPair", evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
+    pair: OpenPair, evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
 ) -> Iterator[FitItem]:
     task, start, poses = evidence.task, evidence.task.face.start, pair.shelf.poses
     changed: dict[str, tuple[float, float, list[float], float]] = {}
@@ -217,7 +207,7 @@ def _motion_items(
 
 
 def _bigram_items(
-    pair: "OpenPair", evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
+    pair: OpenPair, evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
 ) -> Iterator[FitItem]:
     task, face = evidence.task, evidence.task.face
     if not values.bigrams:

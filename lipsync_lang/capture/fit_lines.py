@@ -1,6 +1,8 @@
-"""Captured lines, prepared for a fit: recorded values at the frames of a performance.
+"""Captured lines: recorded motion of a face with its phonemes, prepared for a fit.
 
-Conventions: T frames, S signals, P poses; times are seconds.
+A fit compares recorded values at the frames of a performance.
+
+Conventions: T samples or frames, S signals, P poses; times are seconds on the schedule's clock.
 """
 
 from collections.abc import Iterable, Sequence
@@ -10,12 +12,12 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
-from lipsync_lang.capture.captured_line import CapturedLine, resampled
 from lipsync_lang.performing.batch import LineDelivery
 from lipsync_lang.pipeline.drive import Rig, drive
 from lipsync_lang.pipeline.perform import Frames, Performance, lay_frames
 from lipsync_lang.pipeline.prepare import channel_kernel, prepare
 from lipsync_lang.rigs.driver import Driver
+from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.pipeline.track import Track
+
+GAP_SHARE = 1e-6
+"""Minimum share of a lost value between two samples; a smaller one is rounding."""
 
 MOST_FIT_FPS = 60.0
 """Frames per second of a fit of a few minutes; faster captures are resampled."""
@@ -45,6 +50,48 @@ FREE_SPREAD = 0.2
 
 PLAIN_OPTIONS = {"styles": None, "dials": None, "intensity": 0.0}
 """Options of a performance without styles and dials."""
+
+
+@dataclass(frozen=True, eq=False)
+class CapturedLine:
+    """Recorded motion of one spoken line, as signals that are sums of poses."""
+
+    name: str
+    """The file's name without its suffix, unique among the lines of a fit."""
+    schedule: Schedule
+    """The spoken phonemes with their times."""
+    times: Floats
+    """(T,) seconds, rising evenly."""
+    signals: tuple[str, ...]
+    """Names of the S recorded signals: poses, rig channels, or measures of the pose set."""
+    values: Floats
+    """(T, S) recorded values; NaN for a lost sensor."""
+    gains: Floats
+    """(S, P) gains; a signal is the sum of gains times weights of poses."""
+    free: bool = False
+    """True if the signals have an unknown scale and offset, as positions in millimetres have."""
+    rigged: bool = False
+    """True if the signals are channels of the character's rig, which also limits them."""
+    speaker: str = ""
+    """The speaker's name; empty if unknown."""
+    remarks: tuple[str, ...] = ()
+    """Doubtful points of the file, as sentences."""
+
+
+def resampled(times: Floats, old: Floats, values: Floats) -> Floats:
+    """Return signals at other times, (T, S); NaN within a gap.
+
+    Beyond the ends, the first and the last known values are held. `times` are (T,) seconds of the
+    result, and `old` (N,) rising seconds of the values, (N, S), which are NaN for a lost sensor.
+    """
+    out = np.full((len(times), values.shape[1]), np.nan)
+    for number, signal in enumerate(values.T):
+        known = np.isfinite(signal)
+        if known.any():
+            lost = np.interp(times, old, (~known).astype(float)) > GAP_SHARE
+            filled = np.interp(times, old[known], signal[known])
+            out[:, number] = np.where(lost, np.nan, filled)
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,8 +148,7 @@ class FitLine:
     @property
     def seen(self) -> Bools:
         """(T, S) True for recorded values."""
-        found: Bools = np.isfinite(self.wanted)
-        return found
+        return np.isfinite(self.wanted)
 
 
 def fit_rate(lines: Iterable[CapturedLine]) -> float:

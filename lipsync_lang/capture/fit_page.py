@@ -7,16 +7,14 @@ available width, with the phonemes as text above them.
 import json
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats
+from lipsync_lang.capture.fit_file import FitProposal
 from lipsync_lang.capture.shown_lines import ShownLine, SignalFigures
 from lipsync_lang.reports.pages import PageEnvironment
-
-if TYPE_CHECKING:
-    from lipsync_lang.capture.fit_file import FitProposal
 
 MAX_DRAWN_LINES = 200
 """Maximum number of lines with a drawing; the table lists all lines."""
@@ -34,7 +32,6 @@ MAX_VALUE_CHARS = 120
 """Maximum length of a value in a row, in characters."""
 
 MAX_DRAWN_LABELS = 400
-"""Maximum number of phonemes above a drawing."""
 
 LABEL_REM = 1.3
 """Width of a phoneme above a drawing, in rem, on a narrow screen."""
@@ -49,14 +46,8 @@ OPEN_LINES = 3
 """Number of drawings that are initially open."""
 
 
-def fit_page(lines: Sequence[ShownLine], proposal: "FitProposal | None" = None) -> str:
-    """Return a fit as one self-contained HTML page.
-
-    Parameters
-    ----------
-    lines : captured lines with their curves; at most `MAX_DRAWN_LINES` are drawn, the worst first
-    proposal : the result of the fit, with its verdict; None for a page of lines only
-    """
+def fit_page(lines: Sequence[ShownLine], proposal: FitProposal | None = None) -> str:
+    """Return a fit as one self-contained HTML page; None is for a page of lines only."""
     environment = PageEnvironment(__package__, "page_templates")
     environment.filters["number"] = lambda value: "–" if value is None else f"{value:.3f}"
     environment.filters["value"] = _value

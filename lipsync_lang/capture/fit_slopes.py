@@ -1,4 +1,12 @@
-"""Slopes of curves: the change of each recorded value with each fitted value.
+"""Robust least squares through the pipeline, and slopes of curves: changes with each fitted value.
+
+A fit has a prior at the values before it, and lowers::
+
+    sum_o 2 s^2 (sqrt(1 + (e_o / s)^2) - 1)  +  |Q (x - x0)|^2
+
+over recorded values o and parameters x. Errors e above s, which is `SCALE`, have a linear cost
+instead of a quadratic one, so that unrelated movement of the face has little influence. The prior Q
+keeps the values of rare phonemes near those before the fit.
 
 Conventions: F frames of all lines in sequence, with rests between them; P poses, R drafted rows of
 n control values, K parameters. Matrices are sparse.
@@ -10,8 +18,8 @@ the slope is 0, because the value carries no information about a target. The err
 the full pipeline; slopes only direct the search.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +27,23 @@ from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.banks.draft import TIMES, Target, shape
 from lipsync_lang.capture.fit_lines import FitLine
 from lipsync_lang.capture.fit_values import FitFace, FitValues
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.pipeline.warp import locate, positions
 
-if TYPE_CHECKING:
-    from lipsync_lang.pipeline.motion import Motion
-    from lipsync_lang.pipeline.tables import Tables
+SCALE = 0.1
+"""Minimum error of an outlier, in weight of a pose."""
+
+MAX_LINEARISATIONS = 8
+
+ENOUGH_DECREASE = 1e-3
+"""Minimum relative decrease of the cost per step; a smaller one ends the fit."""
+
+EXACT = 1e-5
+"""Tolerance of the linear least squares within a step."""
+
+DAMPINGS = (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0)
+"""Damping factors of a step, in the order of trial until the cost decreases."""
 
 Sparse = Any
 """A matrix of scipy.sparse."""
@@ -38,6 +58,53 @@ PASSED = 1e-3
 """Maximum change of a value by stages that leave the curve unchanged."""
 
 
+def robust_cost(errors: Floats) -> float:
+    """Return the cost of some errors."""
+    return float(2 * SCALE**2 * (np.sqrt(1 + (errors / SCALE) ** 2) - 1).sum())
+
+
+def solve(
+    start: Floats,
+    prior: Any,
+    bounds: tuple[Floats, Floats],
+    errors: Callable[[Floats], Floats],
+    slopes: Callable[[Floats], Any],
+) -> Floats:
+    """Return the fitted parameters: (K,).
+
+    Each step linearises the errors (Gauss-Newton) and is damped until the cost of the full pipeline
+    decreases. The (K,) values before the fit, `start`, are the centre of the prior, whose matrix Q
+    is sparse, (L, K). They may be outside the bounds, the minimum and maximum of each value. Of
+    values, `errors` returns the (O,) errors of the full pipeline, and `slopes` the sparse (O, K)
+    matrix of slopes.
+    """
+    from scipy import sparse
+    from scipy.sparse.linalg import lsmr
+
+    low, high = np.minimum(bounds[0], start), np.maximum(bounds[1], start)
+    now, found = start.copy(), errors(start)
+    cost = robust_cost(found)
+    for _ in range(MAX_LINEARISATIONS):
+        before = cost
+        share = (1 + (found / SCALE) ** 2) ** -0.25  # the root of each error's weight
+        rows = sparse.vstack((sparse.diags(share) @ slopes(now), prior), format="csr")
+        wanted = -np.concatenate((share * found, prior @ (now - start)))
+        size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=0)).ravel())
+        size[size == 0] = 1
+        even = rows @ sparse.diags(1 / size)
+        for damping in DAMPINGS:
+            step = lsmr(even, wanted, damp=damping**0.5, atol=EXACT, btol=EXACT)[0] / size
+            tried = np.clip(now + step, low, high)
+            after = errors(tried)
+            total = robust_cost(after) + float(((prior @ (tried - start)) ** 2).sum())
+            if total < cost:
+                now, found, cost = tried, after, total
+                break
+        if before - cost < ENOUGH_DECREASE * cost:
+            break
+    return now
+
+
 def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -> Sparse:
     """Return slopes against control values at the current values: (O, R P n).
 
@@ -50,7 +117,7 @@ def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -
     return sparse.vstack(parts, format="csr")
 
 
-def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLine) -> Sparse:
+def _line_slopes(face: FitFace, tables: Tables, motion: Motion, line: FitLine) -> Sparse:
     from scipy import sparse
 
     made = line.perform(tables, motion)
@@ -80,9 +147,7 @@ def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLin
     return sparse.csr_matrix(observed @ out)
 
 
-def _raw_slopes(
-    face: FitFace, tables: "Tables", line: FitLine, track: Any, level: Floats
-) -> Sparse:
+def _raw_slopes(face: FitFace, tables: Tables, line: FitLine, track: Any, level: Floats) -> Sparse:
     """Return slopes of stitched curves against control values: (T P, R P n)."""
     from scipy import sparse
 

@@ -16,8 +16,7 @@ import numpy as np
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.banks.draft import TIMES
 from lipsync_lang.capture.fit_lines import FitLine, occurrences
-from lipsync_lang.capture.fit_slopes import control_slopes, draft_slopes
-from lipsync_lang.capture.fit_solver import robust_cost, solve
+from lipsync_lang.capture.fit_slopes import control_slopes, draft_slopes, robust_cost, solve
 from lipsync_lang.capture.fit_values import MOST_DOMINANCE, PASSIVE_LOG, FitFace, FitValues
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
@@ -118,12 +117,7 @@ class TargetParameters:
 
 
 def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> FitValues:
-    """Fit the targets of a face to lines.
-
-    Parameters
-    ----------
-    base : values of motion and bigrams, and of poses added to targets
-    """
+    """Fit the targets of a face; `base` has motion, bigrams, and poses added to targets."""
     from scipy import sparse
 
     parameters = TargetParameters.of(face, base, seen_poses(lines))
@@ -205,8 +199,7 @@ def _changed(values: FitValues, name: str, poses: Ints, value: float) -> FitValu
         return replace(values, speed=value)
     changed: Floats = getattr(values, name).copy()
     changed[poses] = value
-    found: FitValues = replace(values, **{name: changed})  # type: ignore[arg-type]  # a field by name
-    return found
+    return replace(values, **{name: changed})  # type: ignore[arg-type]  # a field by name
 
 
 def fit_bigrams(

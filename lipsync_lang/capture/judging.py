@@ -14,10 +14,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from hashlib import sha256
 from statistics import median
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lipsync_lang.arrays import Bools
 from lipsync_lang.capture.capture_clock import (
     NEAR_SECONDS,
     ClockReading,
@@ -29,13 +29,10 @@ from lipsync_lang.capture.capture_clock import (
 )
 from lipsync_lang.capture.capture_reading import Captures
 from lipsync_lang.capture.fit_file import SetAside
+from lipsync_lang.capture.fit_lines import CapturedLine
 from lipsync_lang.errors import AnimationError, LipsyncError
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.quality.fitting import some_names
-
-if TYPE_CHECKING:
-    from lipsync_lang.arrays import Bools
-    from lipsync_lang.capture.captured_line import CapturedLine
-    from lipsync_lang.performing.performer import Performer
 
 LEAST_CAPTURE_FPS = 24.0
 """Minimum frame rate; slower captures miss closures of the lips."""
@@ -101,21 +98,15 @@ LEAST_DEVIATION = 0.25
 
 
 def judge_captures(
-    performer: "Performer",
+    performer: Performer,
     captures: Captures,
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> Captures:
     """Set unsound captures aside, and correct the offsets of the others.
 
-    Parameters
-    ----------
-    captures : captures read for this performer
-    progress : called with the numbers of judged lines and of all lines
-
-    Returns
-    -------
-    The sound lines, with remarks on what was corrected or left out, and all captures set aside
+    Returns the sound lines, with remarks on what was corrected or left out, and all captures set
+    aside. `progress` is called with the numbers of judged lines and of all lines.
     """
     kept: list[tuple[CapturedLine, ClockReading | None]] = []
     aside = list(captures.set_aside)
@@ -139,7 +130,7 @@ def judge_captures(
     return Captures(tuple(lines), (*aside, *strays))
 
 
-def _unlike_the_others(kept: "list[tuple[CapturedLine, ClockReading | None]]") -> list[SetAside]:
+def _unlike_the_others(kept: list[tuple[CapturedLine, ClockReading | None]]) -> list[SetAside]:
     """Return lines that follow their timings far less than the others, and hardly beyond chance.
 
     The test of chance alone accepts a few of many lines with the timings of another.
@@ -160,9 +151,7 @@ def _unlike_the_others(kept: "list[tuple[CapturedLine, ClockReading | None]]") -
     ]
 
 
-def _judged(
-    performer: "Performer", line: "CapturedLine"
-) -> "tuple[CapturedLine, ClockReading | None]":
+def _judged(performer: Performer, line: CapturedLine) -> tuple[CapturedLine, ClockReading | None]:
     """Return a corrected line with its clock; raise an error for an unsound line."""
     fps = 1 / float(np.median(np.diff(line.times)))
     if fps < LEAST_CAPTURE_FPS * 0.99:
@@ -195,18 +184,18 @@ def _judged(
     return line, reading
 
 
-def _remarked(line: "CapturedLine", told: str) -> "CapturedLine":
+def _remarked(line: CapturedLine, told: str) -> CapturedLine:
     return replace(line, remarks=(*line.remarks, f"{line.name}: {told}"))
 
 
-def _speech(performer: "Performer", line: "CapturedLine") -> "Bools":
+def _speech(performer: Performer, line: CapturedLine) -> Bools:
     """Return True for the samples within sounds: (T,)."""
     places = sounds_of(performer, line.schedule)
     at = np.searchsorted(line.schedule.times, line.times, side="right") - 1
     return np.isin(at, places)
 
 
-def _without_stuck(performer: "Performer", line: "CapturedLine") -> "CapturedLine":
+def _without_stuck(performer: Performer, line: CapturedLine) -> CapturedLine:
     """Mark samples as lost if all signals stand still during speech."""
     speech = _speech(performer, line)
     same = np.append(False, (np.diff(line.values, axis=0) == 0).all(axis=1)) & speech
@@ -228,7 +217,7 @@ def _without_stuck(performer: "Performer", line: "CapturedLine") -> "CapturedLin
     return _remarked(replace(line, values=values), told)
 
 
-def _moving(performer: "Performer", line: "CapturedLine") -> "CapturedLine":
+def _moving(performer: Performer, line: CapturedLine) -> CapturedLine:
     """Leave out signals that are lost, and still signals whose curves move."""
     speech = _speech(performer, line)
     spoken = line.values[speech]
@@ -251,12 +240,12 @@ def _moving(performer: "Performer", line: "CapturedLine") -> "CapturedLine":
     return _selected(line, ~(lost | frozen))
 
 
-def _selected(line: "CapturedLine", kept: "Bools") -> "CapturedLine":
+def _selected(line: CapturedLine, kept: Bools) -> CapturedLine:
     signals = tuple(np.array(line.signals)[kept].tolist())
     return replace(line, signals=signals, values=line.values[:, kept], gains=line.gains[kept])
 
 
-def _named(line: "CapturedLine", which: "Bools", what: str) -> "CapturedLine":
+def _named(line: CapturedLine, which: Bools, what: str) -> CapturedLine:
     """Return a line with a remark on signals that will be left out."""
     if not which.any():
         return line
@@ -289,7 +278,7 @@ def _check_words(reading: ClockReading, motion: ComparedMotion, chances: float) 
     )
 
 
-def _in_time(line: "CapturedLine", reading: ClockReading) -> "CapturedLine":
+def _in_time(line: CapturedLine, reading: ClockReading) -> CapturedLine:
     """Correct the offset of a line; raise an error for a drift or an uncertain offset."""
     if abs(reading.drift) >= LEAST_DRIFT_SECONDS and reading.drifting > reading.near + LEAST_GAIN:
         how = "loses" if reading.drift > 0 else "gains"
@@ -314,12 +303,7 @@ def _in_time(line: "CapturedLine", reading: ClockReading) -> "CapturedLine":
 
 
 def outlying_lines(residuals: Mapping[str, float]) -> tuple[SetAside, ...]:
-    """Return the lines with outlying residuals, which are misaligned or spoken differently.
-
-    Parameters
-    ----------
-    residuals : RMS difference after a fit, by line
-    """
+    """Return misaligned or otherwise spoken lines, by their RMS differences after a fit."""
     if len(residuals) < LEAST_COMPARED:
         return ()
     middle = median(residuals.values())

@@ -5,14 +5,12 @@ Conventions: T frames, S signals; times are seconds.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats
-
-if TYPE_CHECKING:
-    from lipsync_lang.capture.fit_lines import FitLine
+from lipsync_lang.capture.fit_lines import FitLine
 
 LEAST_FRAMES = 3
 """Minimum number of frames for r."""
@@ -114,7 +112,7 @@ def _r(wanted: Floats, shown: Floats) -> float | None:
 
 
 def shown_lines(
-    lines: "Sequence[FitLine]", before: Sequence[Floats], after: Sequence[Floats]
+    lines: Sequence[FitLine], before: Sequence[Floats], after: Sequence[Floats]
 ) -> tuple[ShownLine, ...]:
     """Return lines of a fit for its page, with the curves before and after it, (T, S) each."""
     out = []

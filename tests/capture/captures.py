@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 import lipsync_lang as ll
-from lipsync_lang.capture.captured_line import CapturedLine
-from lipsync_lang.capture.fit_lines import lay_lines
+from lipsync_lang.capture.fit_lines import CapturedLine, lay_lines
 from lipsync_lang.capture.fit_values import FitFace
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.performer import Performer

@@ -13,16 +13,14 @@ from shipped import POSESETS
 
 from lipsync_lang.capture.accept_fit import accept_fit
 from lipsync_lang.capture.capture_reading import read_captures
-from lipsync_lang.capture.fit_captures import fit_captures
+from lipsync_lang.capture.fit_captures import fit_captures, without_rest
 from lipsync_lang.capture.fit_file import read_fit, write_fit
 from lipsync_lang.capture.fit_folds import folds
 from lipsync_lang.capture.fit_items import confidence
 from lipsync_lang.capture.fit_lines import fit_rate, lay_lines
-from lipsync_lang.capture.fit_slopes import control_slopes, draft_slopes
-from lipsync_lang.capture.fit_solver import solve
+from lipsync_lang.capture.fit_slopes import control_slopes, draft_slopes, solve
 from lipsync_lang.capture.fit_steps import TargetParameters, seen_poses
 from lipsync_lang.capture.fit_values import FitFace
-from lipsync_lang.capture.rest_levels import without_rest
 from lipsync_lang.cli import main
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.library import Library

@@ -6,8 +6,7 @@ import pytest
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.capture.capture_files import find_captures
-from lipsync_lang.capture.capture_reading import read_captures
-from lipsync_lang.capture.sensors import load_readout
+from lipsync_lang.capture.capture_reading import load_readout, read_captures
 from lipsync_lang.packs.yaml.faults import PackFaults
 
 assert ANIMATION_READERS, "a sweep over nothing passes"

@@ -10,8 +10,8 @@ from lanes import full
 import lipsync_lang as ll
 from lipsync_lang.capture.capture_clock import CLOCK_FPS, ClockReading, compared
 from lipsync_lang.capture.capture_reading import Captures, read_captures
-from lipsync_lang.capture.captured_line import CapturedLine
 from lipsync_lang.capture.fit_file import SetAside
+from lipsync_lang.capture.fit_lines import CapturedLine
 from lipsync_lang.capture.judging import _unlike_the_others, judge_captures, outlying_lines
 from lipsync_lang.quality.baselines import dominance
 

@@ -22,8 +22,8 @@ from lipsync_lang.animations.writers.glb import write_glb
 from lipsync_lang.authoring.inventories import read_inventory
 from lipsync_lang.build.script import read_script
 from lipsync_lang.capture.capture_files import find_captures
+from lipsync_lang.capture.capture_reading import read_sensors
 from lipsync_lang.capture.fit_file import read_fit
-from lipsync_lang.capture.sensors import read_sensors
 from lipsync_lang.coverage.changes import read_document
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.lines.line_readers import LINE_READERS as LINES
@@ -43,9 +43,8 @@ from lipsync_lang.smartbody.bank_files import ImportRemarks, read_smartbody
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
-from lipsync_lang.study.answer_texts import texts_of
 from lipsync_lang.study.preference_page import report_page
-from lipsync_lang.study.study_file import Submission, parsed, read_study
+from lipsync_lang.study.study_file import Submission, parsed, read_study, texts_of
 from lipsync_lang.study.study_report import report_answers
 from lipsync_lang.study.study_text import report_text
 
@@ -211,7 +210,7 @@ READ_OUT = ReadOut(
 
 
 def _listed(path: Path) -> None:
-    for one in find_captures(path).files:
+    for one in find_captures(path)[0]:
         assert one.capture.resolve().is_relative_to(path.parent.resolve())
 
 
