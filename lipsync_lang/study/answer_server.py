@@ -47,10 +47,7 @@ from lipsync_lang.study.study_maker import PAGE
 from lipsync_lang.study.study_page import UNPOSTED, origin_of
 
 ANSWERS = "answers.jsonl"
-"""Name of the file of answers."""
-
 POST_PATH = "/answers"
-"""Path to which pages post answers."""
 
 REQUEST_SECONDS = 30.0
 """Time limit for the arrival of a request."""
@@ -65,7 +62,6 @@ SHUTDOWN_SECONDS = 1
 """Time for open requests when the server stops."""
 
 MAX_CONNECTIONS = 64
-"""Maximum number of simultaneous connections."""
 
 MAX_PER_MINUTE = 60
 """Maximum number of submissions per minute and address; a laboratory shares one address."""
@@ -170,14 +166,7 @@ class AnswerConnection(H11Protocol):
 
 
 class StudySite:
-    """The two addresses of a study: its page, and the place to which the page posts answers.
-
-    Parameters
-    ----------
-    page : content of the page, which posts to this server
-    log : the file of answers
-    origins : further addresses of the page that may send answers
-    """
+    """The addresses of a study: its page, and the place to which pages of `origins` may post."""
 
     def __init__(self, page: bytes, log: AnswerLog, origins: frozenset[str]) -> None:
         self._page, self._log, self._origins = page, log, origins
@@ -265,19 +254,32 @@ def _json(content: dict[str, Any], status: int) -> Response:
 
 
 class AnswerServer:
-    """A server of one study; `with` closes its port.
+    """A server of the study in a folder; `with` closes its port.
 
-    Parameters
-    ----------
-    site : the addresses of the study
-    listener : socket of the server
-    answers : the file of answers
+    Port 0 is a free port. `origins` are further addresses of the page, such as
+    ``https://example.org``; ``null`` is for pages that are opened from files. Raises LipsyncError
+    if the folder has no study, or the address cannot be used.
     """
 
-    def __init__(self, site: StudySite, listener: socket.socket, answers: Path) -> None:
-        self.answers = answers
-        self.port: int = listener.getsockname()[1]
-        self._listener = listener
+    def __init__(self, folder: Path, host: str, port: int, origins: Collection[str] = ()) -> None:
+        study = read_study(folder / STUDY_NAME)
+        allowed = frozenset(one if one == "null" else origin_of(one) for one in origins)
+        log = AnswerLog(folder / ANSWERS, study)
+        if not 0 <= port <= MAX_PORT:
+            raise LipsyncError(
+                f"port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free port"
+            )
+        site = StudySite(_page(folder / PAGE, study), log, allowed)
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        try:
+            self._listener = socket.create_server((host, port), family=family, backlog=MAX_WAITING)
+        except OSError as error:
+            raise LipsyncError(
+                f"{host}, port {port}: cannot be used: {error}; "
+                "choose another port, or 0 for a free port"
+            ) from None
+        self.answers = log.path
+        self.port: int = self._listener.getsockname()[1]
         config = uvicorn.Config(
             site.app(), http=AnswerConnection, ws="none", lifespan="off", backlog=MAX_WAITING,
             headers=[*RESPONSE_HEADERS.items()], server_header=False, proxy_headers=False,
@@ -300,39 +302,6 @@ class AnswerServer:
     def stop(self) -> None:
         """End `run`, which is in another thread."""
         self._server.should_exit = True
-
-
-def answer_server(
-    folder: Path, host: str, port: int, origins: Collection[str] = ()
-) -> AnswerServer:
-    """Return a server of the study in a folder; its `run` serves.
-
-    Parameters
-    ----------
-    host, port : address of the server; port 0 for a free port
-    origins : further addresses of the page, such as ``https://example.org``; ``null`` for pages
-        that are opened from files
-
-    Raises
-    ------
-    LipsyncError
-        The folder has no study, or the address cannot be used.
-    """
-    study = read_study(folder / STUDY_NAME)
-    allowed = frozenset(one if one == "null" else origin_of(one) for one in origins)
-    log = AnswerLog(folder / ANSWERS, study)
-    if not 0 <= port <= MAX_PORT:
-        raise LipsyncError(f"port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free port")
-    site = StudySite(_page(folder / PAGE, study), log, allowed)
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    try:
-        listener = socket.create_server((host, port), family=family, backlog=MAX_WAITING)
-    except OSError as error:
-        raise LipsyncError(
-            f"{host}, port {port}: cannot be used: {error}; "
-            "choose another port, or 0 for a free port"
-        ) from None
-    return AnswerServer(site, listener, log.path)
 
 
 def _page(path: Path, study: Study) -> bytes:

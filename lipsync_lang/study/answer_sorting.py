@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from lipsync_lang.errors import LipsyncError, shortlist
-from lipsync_lang.study.answer_texts import parse_document, texts_of
 from lipsync_lang.study.comparisons import Choice
-from lipsync_lang.study.study_file import MAX_PAIRS, PairAnswer, Study
+from lipsync_lang.study.study_file import MAX_PAIRS, PairAnswer, Study, parse_document, texts_of
 
 MIN_COPIED_ANSWERS = 5
 """Minimum number of answers for a copy of another rater's, seconds included."""
@@ -125,14 +124,7 @@ class _Rater:
 def sort_answers(
     paths: Iterable[Path], study: Study, rules: SortingRules | None = None
 ) -> SortedAnswers:
-    """Read and sort all answers.
-
-    Parameters
-    ----------
-    paths : files of answers, one submission each or JSON lines, in any mix
-    study : the study that was answered
-    rules : rules of setting aside [the defaults]
-    """
+    """Read and sort all answers: one submission a file, or JSON lines, in any mix."""
     told = SortedAnswers()
     sorting = _Sorting(study, rules or SortingRules(), told)
     raters: dict[str, list[_Rater]] = defaultdict(list)

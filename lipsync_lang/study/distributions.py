@@ -96,11 +96,9 @@ def even_odds(successes: int, trials: int) -> float:
 def sign_flips(differences: Sequence[int]) -> float:
     """Return the exact probability that random signs give a total at least as far from 0.
 
-    The distribution of all 2^R totals is built rater by rater, as the sums of subsets.
-
-    Parameters
-    ----------
-    differences : whole numbers; of each rater, choices for one method less those for the other
+    The distribution of all 2^R totals is built rater by rater, as the sums of subsets. The
+    differences are whole numbers: of each rater, the choices for one method less those for the
+    other.
     """
     sizes = [abs(one) for one in differences]
     whole = sum(sizes)

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from lipsync_lang.study.study_page import PageTexts
 
 MAX_CONSENT_BYTES = 100_000
-"""Size limit in bytes of a consent text."""
 
 MAX_PAGE_BYTES = 60 * 10**6
 """Size of a page in bytes above which a phone may refuse it."""
@@ -310,13 +309,13 @@ def serve(options: Namespace) -> int:
     from contextlib import suppress
 
     try:
-        from lipsync_lang.study.answer_server import answer_server
+        from lipsync_lang.study.answer_server import AnswerServer
     except ImportError:
         raise LipsyncError(
             f"the server needs Starlette and uvicorn: {install_line('studio')}"
         ) from None
 
-    with answer_server(options.folder, options.host, options.port, options.origin) as server:
+    with AnswerServer(options.folder, options.host, options.port, options.origin) as server:
         host = f"[{options.host}]" if ":" in options.host else options.host
         print(f"the study is at http://{host}:{server.port}/", flush=True)
         print(f"answers are appended to {server.answers}; close with Ctrl-C", file=sys.stderr)

@@ -6,19 +6,17 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.quality.baselines import BASELINES
 from lipsync_lang.quality.fitting import on_model, read_for
+from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.study.study_lines import files_by_stem, only_file
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.schedules.schedule import Schedule
 
 OURS = "ours"
 """Method of the performer itself."""
@@ -33,13 +31,11 @@ MAX_APART_SECONDS = 0.5
 """Maximum difference between the ends of a line and of its curve file."""
 
 MAX_METHOD_CHARS = 100
-"""Maximum length of a method's name."""
 
 REST_FRAMES = 2
 """Minimum number of frames in which a mouth opens from rest at the start of a clip."""
 
 MAX_BANK_BYTES = 64 * 2**20
-"""Size limit in bytes of a bank."""
 
 CHECK_SHIFT_SECONDS = 0.4
 """Delay of the mouth in the wrong clip of an attention check."""
@@ -63,10 +59,7 @@ def parse_method(text: str) -> Method:
     >>> parse_method("angry=motion:paper")
     Method(name='angry', how='motion', what='paper', manner='keyframes')
 
-    Raises
-    ------
-    LipsyncError
-        The source is unknown, or its folder is missing.
+    Raises LipsyncError if the source is unknown, or its folder is missing.
     """
     built_in = (OURS, *BASELINES)
     name, equals, source = text.partition("=")
@@ -88,13 +81,7 @@ def parse_method(text: str) -> Method:
 
 
 def parse_methods(texts: list[str]) -> tuple[Method, ...]:
-    """Parse two or more methods with different names.
-
-    Raises
-    ------
-    LipsyncError
-        There are fewer than two, a name occurs twice, or a method cannot be parsed.
-    """
+    """Parse two or more methods with different names, or raise a LipsyncError."""
     methods = tuple(map(parse_method, texts))
     names = [method.name for method in methods]
     twice = next((name for name in names if names.count(name) > 1), None)
@@ -112,11 +99,11 @@ def parse_methods(texts: list[str]) -> tuple[Method, ...]:
 class StudyCharacter:
     """A character that the methods animate."""
 
-    performer: "Performer"
+    performer: Performer
     """Performer of the character; all methods share its face and its frames."""
     model: Path
     """Model to draw."""
-    other: Callable[[Method], "Performer"]
+    other: Callable[[Method], Performer]
     """Resolves the performer of a method with its own performer."""
     fps: float = 30
 
@@ -125,22 +112,15 @@ class StudyCharacter:
         """Name of the character."""
         return self.performer.character
 
-    def frames(self, schedule: "Schedule") -> Animation:
+    def frames(self, schedule: Schedule) -> Animation:
         """Return the character's own performance, whose face and frames all methods share."""
         return self.shown(self.performer.perform(schedule, self.fps))
 
     def animate(self, method: Method, line: str, own: Animation) -> Animation:
         """Animate a line by a method, over the frames of the character's own performance.
 
-        Parameters
-        ----------
-        line : name of the line, by which files are found
-        own : result of `frames`
-
-        Raises
-        ------
-        LipsyncError
-            The method has no curves for the line, or its curves are for another line or face.
+        Raises LipsyncError if the method has no curves for the line, or its curves are for another
+        line or face. Files are found by the name of the line; `own` is the result of `frames`.
         """
         if method.how == OURS:
             return own
@@ -168,7 +148,7 @@ class StudyCharacter:
         """Return an animation on the model to draw."""
         return replace(on_model(animation, self.performer), model=self.model, source=None)
 
-    def _read(self, method: Method, path: Path, schedule: "Schedule") -> Animation:
+    def _read(self, method: Method, path: Path, schedule: Schedule) -> Animation:
         """Read an animation, or timings that a plain method animates."""
         from lipsync_lang.animations.animation_readers import ANIMATION_READERS
         from lipsync_lang.schedules.timed_words import TimedWords
@@ -196,20 +176,9 @@ class StudyCharacter:
 
 
 def with_bank(
-    performer: "Performer", name: str, bank: Path, resolved: "Callable[[Path], Performer]"
-) -> "Performer":
-    """Return the performer of a character with another bank, which precedes its own banks.
-
-    Parameters
-    ----------
-    name : name of the character
-    resolved : resolves the file of a character
-
-    Raises
-    ------
-    LipsyncError
-        The bank is missing or invalid, or it is for another pose set.
-    """
+    performer: Performer, name: str, bank: Path, resolved: Callable[[Path], Performer]
+) -> Performer:
+    """Return the performer of a character with another bank, which precedes its own banks."""
     from lipsync_lang.files import read_input
     from lipsync_lang.packs.library import Library
 
@@ -241,7 +210,7 @@ def lacks(method: Method, line: str) -> bool:
     return method.how == "files" and line not in _listed(Path(method.what))
 
 
-def _refuse_apart(path: Path, end: float, schedule: "Schedule") -> None:
+def _refuse_apart(path: Path, end: float, schedule: Schedule) -> None:
     """Refuse curves that end long before or after the line."""
     if abs(end - schedule.end) > MAX_APART_SECONDS + 0.1 * schedule.end:
         raise LipsyncError(

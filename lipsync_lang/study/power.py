@@ -77,13 +77,7 @@ class PowerPlan:
 
 
 def plan_study(question: PowerQuestion) -> PowerPlan:
-    """Plan a study of two methods.
-
-    Raises
-    ------
-    LipsyncError
-        A number is out of range, or no number of pairs is enough for these raters.
-    """
+    """Plan a study of two methods; refuse numbers out of range, or that can never be enough."""
     _check(question)
     raters, pairs, correlation = question.raters, question.pairs, question.correlation
     needed = choices_needed(question.share, question.power, question.alpha)
@@ -137,13 +131,7 @@ def raters_for(choices: int, pairs: int, correlation: float) -> int:
 
 
 def pairs_for(choices: int, raters: int, correlation: float) -> int:
-    """Return the minimum number of pairs for each rater for a number of independent choices.
-
-    Raises
-    ------
-    LipsyncError
-        No number of pairs is enough.
-    """
+    """Return the fewest pairs for each rater that give some independent choices, if any do."""
     room = raters - choices * correlation
     if room <= 0:
         least = floor(choices * correlation) + 1

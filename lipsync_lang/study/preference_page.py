@@ -4,9 +4,8 @@ Plots are SVG stretched to the available width, each with a text name. The page 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 from lipsync_lang.reports.pages import PageEnvironment
 from lipsync_lang.reports.wording import NBSP
@@ -19,7 +18,6 @@ from lipsync_lang.study.study_report import StudyReport
 from lipsync_lang.study.study_text import EVERYBODY
 
 PLOT_WIDTH = 1000
-"""Width of a plot in units of the plot."""
 
 MAX_PAGE_NAMED = 200
 """Maximum number of single faults on the page."""
@@ -28,35 +26,11 @@ WEAKEST, STRONGEST = 1, 5
 """Ends of the scale of strength."""
 
 
-class Dot(NamedTuple):
-    """A value with its interval, in units of a plot's width."""
+Plotted = dict[str, Any]
+"""A plot for the template: title, caption, rows of label, words and dots, and ticks.
 
-    class_: str
-    at: float
-    interval: tuple[float, float] | None
-    """Start and length."""
-    height: int = 10
-    """Height of its middle, 0 to 20 from the top."""
-
-
-@dataclass(frozen=True)
-class PlotRow:
-    """A row of a plot: a name, values with intervals, and their text."""
-
-    label: str
-    words: str
-    dots: tuple[Dot, ...]
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A plot of rows over one scale."""
-
-    title: str
-    caption: str
-    rows: tuple[PlotRow, ...]
-    ticks: tuple[tuple[str, float], ...]
-    """Text and position of each mark, in percent of the width; the vertical line is at 50."""
+A tick is a text with its place in percent of the width; the vertical line is at 50.
+"""
 
 
 def report_page(report: StudyReport) -> str:
@@ -92,79 +66,82 @@ def _pairs(report: StudyReport) -> list[dict[str, Any]]:
     return views
 
 
-def _shares(rows: Sequence[Comparison]) -> Plot:
+def _shares(rows: Sequence[Comparison]) -> Plotted:
     """Plot the share of the first method, 0 to 100 %."""
     first, second = rows[0].first, rows[0].second
-    drawn = tuple(
-        PlotRow(
-            one.character or EVERYBODY,
-            _percents(one.share, one.clustering.interval or one.interval),
-            (_dot("first", one.share, one.clustering.interval or one.interval, 0, 1),),
-        )
-        for one in rows
-    )
-    return Plot(
-        f"Choices for {first}",
-        f"Values to the right of the line favour {first}, those to the left {second}. Bars are "
-        f"95{NBSP}% intervals by raters.",
-        drawn,
-        tuple((f"{part}{NBSP}%", float(part)) for part in (0, 25, 50, 75, 100)),
-    )
+    drawn = []
+    for one in rows:
+        around = one.clustering.interval or one.interval
+        dots = [_dot("first", one.share, around, 0, 1)]
+        drawn.append(_row(one.character, _percents(one.share, around), dots))
+    return {
+        "title": f"Choices for {first}",
+        "caption": f"Values to the right of the line favour {first}, those to the left {second}. "
+        f"Bars are 95{NBSP}% intervals by raters.",
+        "rows": drawn,
+        "ticks": [(f"{part}{NBSP}%", float(part)) for part in (0, 25, 50, 75, 100)],
+    }
 
 
-def _strengths(rows: Sequence[Comparison]) -> Plot:
+def _strengths(rows: Sequence[Comparison]) -> Plotted:
     """Plot the mean strengths of the preferences for both methods."""
-    first, second = rows[0].first, rows[0].second
-
-    def dots(one: Comparison) -> tuple[Dot, ...]:
+    drawn = []
+    for one in rows:
         both = (("first", one.strength_of_first, 6), ("second", one.strength_of_second, 14))
-        return tuple(
-            _dot(class_, mean.mean, mean.interval, WEAKEST, STRONGEST)._replace(height=height)
+        words = " / ".join(f"{mean.mean:.2f}" if mean else "–" for _, mean, _ in both)
+        dots = [
+            _dot(class_, mean.mean, mean.interval, WEAKEST, STRONGEST) | {"height": height}
             for class_, mean, height in both
             if mean
-        )
-
-    def words(one: Comparison) -> str:
-        both = (one.strength_of_first, one.strength_of_second)
-        return " / ".join(f"{mean.mean:.2f}" if mean else "–" for mean in both)
-
-    return Plot(
-        "Mean strength",
-        f"Strength of the preferences for {first} (filled) and for {second} (open), from 1 (weak) "
-        "to 5 (strong).",
-        tuple(PlotRow(one.character or EVERYBODY, words(one), dots(one)) for one in rows),
-        tuple((str(n), 100 * _part(n, WEAKEST, STRONGEST)) for n in range(WEAKEST, STRONGEST + 1)),
-    )
+        ]
+        drawn.append(_row(one.character, words, dots))
+    scale = range(WEAKEST, STRONGEST + 1)
+    return {
+        "title": "Mean strength",
+        "caption": f"Strength of the preferences for {rows[0].first} (filled) and for "
+        f"{rows[0].second} (open), from 1 (weak) to 5 (strong).",
+        "rows": drawn,
+        "ticks": [(str(n), 100 * _part(n, WEAKEST, STRONGEST)) for n in scale],
+    }
 
 
-def _strength_plot(ranking: Ranking) -> Plot | None:
+def _strength_plot(ranking: Ranking) -> Plotted | None:
     """Plot the strengths of several methods; None if there are none."""
     if not ranking.methods:
         return None
     ends = [one.interval or Interval(one.strength, one.strength) for one in ranking.methods]
     most = max(0.5, *(abs(end) for interval in ends for end in interval))
-    rows = tuple(
-        PlotRow(
+    rows = [
+        _row(
             one.method,
             f"{one.strength:+.2f}",
-            (_dot("first", one.strength, one.interval, -most, most),),
+            [_dot("first", one.strength, one.interval, -most, most)],
         )
         for one in ranking.methods
-    )
-    return Plot(
-        f"{ranking.question.capitalize()}, {ranking.character or EVERYBODY}",
-        "",
-        rows,
-        ((f"{-most:.2g}", 0.0), ("0", 50.0), (f"{most:+.2g}", 100.0)),
-    )
+    ]
+    return {
+        "title": f"{ranking.question.capitalize()}, {ranking.character or EVERYBODY}",
+        "caption": "",
+        "rows": rows,
+        "ticks": [(f"{-most:.2g}", 0.0), ("0", 50.0), (f"{most:+.2g}", 100.0)],
+    }
 
 
-def _dot(class_: str, at: float, interval: Interval | None, low: float, high: float) -> Dot:
+def _row(label: str, words: str, dots: list[Plotted]) -> Plotted:
+    return {"label": label or EVERYBODY, "words": words, "dots": dots}
+
+
+def _dot(class_: str, at: float, interval: Interval | None, low: float, high: float) -> Plotted:
+    """Return a value with its interval (start and length), in units of a plot's width.
+
+    The height of its middle is 0 to 20 from the top.
+    """
     ends = None
     if interval is not None:
         left, right = (min(max(_part(end, low, high), 0), 1) for end in interval)
         ends = (round(PLOT_WIDTH * left, 1), round(PLOT_WIDTH * (right - left), 1))
-    return Dot(class_, round(PLOT_WIDTH * _part(at, low, high), 1), ends)
+    place = round(PLOT_WIDTH * _part(at, low, high), 1)
+    return {"class_": class_, "at": place, "interval": ends, "height": 10}
 
 
 def _part(value: float, low: float, high: float) -> float:

@@ -12,14 +12,11 @@ from functools import cached_property
 from hashlib import blake2b
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files import atomic
 from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
-
-if TYPE_CHECKING:
-    from lipsync_lang.animations.animation import Animation
 
 CLIP_SIDE = 480
 """Side of a clip in pixels."""
@@ -31,7 +28,6 @@ CLIP_CODEC = (
 """H.264 baseline with AAC, which every phone plays."""
 
 CLIP_DIGEST_BYTES = 16
-"""Length of a clip's digest in bytes."""
 
 FREE_BOX_BYTES = 8
 """Length of the header of an MP4 box in bytes: its size and its kind."""
@@ -44,8 +40,8 @@ CLIP_FORM = "clip 1"
 class Clip:
     """A clip to render."""
 
-    animation: "Animation"
-    framing: "Animation"
+    animation: Animation
+    framing: Animation
     """Animation for camera and light; the same for both clips of a pair."""
 
     @cached_property
@@ -85,17 +81,9 @@ def render_clips(
 ) -> int:
     """Render the clips that are missing from a folder, and return their number.
 
-    Parameters
-    ----------
-    workers : number of processes; None for one per core
-    told : receives the number of rendered clips and the total
-
-    Raises
-    ------
-    OutputError
-        ffmpeg or a library is missing, a file cannot be written, or a process died.
-    ModelError
-        A model cannot be drawn.
+    By default, there is one worker process per core. `told` receives the number of rendered clips
+    and the total. Raises OutputError if ffmpeg or a library is missing, a file cannot be written,
+    or a process died, and ModelError if a model cannot be drawn.
     """
     folder.mkdir(parents=True, exist_ok=True)
     wanted = {clip.path(folder): clip for clip in clips}

@@ -6,9 +6,11 @@ submission each.
 """
 
 import json
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from hashlib import blake2b
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import Field, StringConstraints, ValidationError
 
@@ -20,13 +22,8 @@ STUDY_NAME = "study.json"
 """Name of the file with the key, which stays with the authors of a study."""
 
 MAX_STUDY_BYTES = 16 * 2**20
-"""Size limit in bytes of a study file."""
-
 MAX_ANSWERS_BYTES = 256 * 2**20
-"""Size limit in bytes of a file of answers."""
-
 MAX_PAIRS = 2_000
-"""Maximum number of pairs in a study."""
 
 MAX_SUBMISSION_BYTES = 2**20
 """Size limit in bytes of one rater's answers: `MAX_PAIRS` pairs, two questions each."""
@@ -47,6 +44,12 @@ Moment = Annotated[
 ]
 
 M = TypeVar("M", bound=Strict)
+
+REPORT_FORMAT = "lipsync-lang study report 1"
+"""Format of reports, which may be in the same folder as answers."""
+
+REPORT_HEAD_BYTES = 80
+"""Number of bytes at the start of a report that contain its format."""
 
 
 class StudyPair(Strict):
@@ -134,13 +137,7 @@ class Submission(Strict):
 
 
 def read_study(path: Path) -> Study:
-    """Read a study file.
-
-    Raises
-    ------
-    LipsyncError
-        The file cannot be read, or is not a study; the message names the place.
-    """
+    """Read a study file; a LipsyncError names the place if it is not a study."""
     content = read_input(path, MAX_STUDY_BYTES, mend="name the study.json of a study")
     study = parsed(Study, content, str(path))
     for field, names in (("methods", study.methods), ("questions", study.questions)):
@@ -176,13 +173,7 @@ def as_text(model: Study | Submission) -> str:
 
 
 def parsed(model: type[M], content: bytes, where: str) -> M:
-    """Parse a model from a JSON text.
-
-    Raises
-    ------
-    LipsyncError
-        The text is not this model; the message names its first fault.
-    """
+    """Parse a model from a JSON text; a LipsyncError has the first fault."""
     try:
         return model.model_validate_json(content)
     except ValidationError as error:
@@ -215,3 +206,63 @@ def faults_against(submission: Submission, study: Study) -> tuple[str, ...]:
     unknown = sorted(submission.asked.keys() - set(study.asked))
     faults += [f"asked.{key}: the study does not ask this question" for key in unknown]
     return tuple(faults)
+
+
+def answer_files(places: Iterable[Path]) -> list[Path]:
+    """Return the files of answers in files and folders, in order, each once.
+
+    Folders give their `.json` and `.jsonl` files, without the study itself and reports of it.
+    Raises LipsyncError if a folder cannot be read, or contains no such file.
+    """
+    found: dict[Path, None] = {}
+    for place in places:
+        if not place.is_dir():
+            found[place] = None
+            continue
+        inside = []
+        for path in sorted(place.iterdir()):
+            if path.suffix in {".json", ".jsonl"} and path.name != STUDY_NAME and path.is_file():
+                start = b""
+                with suppress(OSError), path.open("rb") as stream:
+                    start = stream.read(REPORT_HEAD_BYTES)
+                if not (start.startswith(b"{") and f'"{REPORT_FORMAT}"'.encode() in start):
+                    inside.append(path)
+        if not inside:
+            raise LipsyncError(
+                f"{place}: contains no .json or .jsonl file of answers; name another folder"
+            )
+        found |= dict.fromkeys(inside)
+    return list(found)
+
+
+def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]]:
+    """Yield the place and text of each submission, or the error of an unreadable file."""
+    for path in paths:
+        try:
+            content = read_input(path, MAX_ANSWERS_BYTES, mend="split the file")
+        except LipsyncError as error:
+            yield str(path), error
+            continue
+        content = content.strip()
+        lines = content.split(b"\n")
+        documents = (parse_document(line)[2] for line in lines)
+        # JSON lines have a whole document in some line; an indented document has none.
+        if len(lines) == 1 or not any(isinstance(one, dict) and "kind" in one for one in documents):
+            yield str(path), content
+            continue
+        for number, line in enumerate(lines, 1):
+            if line.strip():
+                yield f"{path}:{number}", line
+
+
+def parse_document(text: bytes | LipsyncError) -> tuple[str, str, Any]:
+    """Return the document after a reason and its words, which are empty if the text is JSON."""
+    if isinstance(text, LipsyncError):
+        return "unreadable", str(text), None
+    if len(text) > MAX_SUBMISSION_BYTES:
+        return "unreadable", "is larger than the answers of a rater can be", None
+    try:
+        return "", "", json.loads(text)
+    except (ValueError, RecursionError) as error:
+        words = "is empty" if not text else f"is not JSON or is cut off: {error}"
+        return "unreadable", words, None

@@ -4,10 +4,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import BinaryIO
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files import write_all
+from lipsync_lang.files.reach import refuse_links
 from lipsync_lang.study.methods import Method, StudyCharacter, lacks, spoilt
 from lipsync_lang.study.study_clips import Clip, render_clips
 from lipsync_lang.study.study_file import (
@@ -19,18 +21,19 @@ from lipsync_lang.study.study_file import (
     read_study,
     study_digest,
 )
-from lipsync_lang.study.study_lines import MAX_LISTED_LINES, StudyLine, timed
-from lipsync_lang.study.study_page import PageTexts, study_page
-from lipsync_lang.study.study_pairs import (
+from lipsync_lang.study.study_lines import (
+    MAX_LISTED_LINES,
     ClipPair,
-    checks_for,
+    StudyLine,
     in_balanced_order,
     laid_out,
     possible_pairs,
+    timed,
 )
+from lipsync_lang.study.study_page import PageTexts, study_page
 
-if TYPE_CHECKING:
-    from lipsync_lang.animations.animation import Animation
+PAIRS_PER_CHECK = 10
+"""Number of pairs per attention check, unless the number of checks is given."""
 
 PAGE, CLIPS = "page.html", "clips"
 """Names in the folder of a study, beside `STUDY_NAME`: page for raters, and rendered clips."""
@@ -83,17 +86,14 @@ def make_study(
 ) -> NewStudy:
     """Render the clips of a study, and write its key and its page.
 
-    After an interruption, a new run renders only the remaining clips.
-
-    Raises
-    ------
-    LipsyncError
-        There is no pair to show, the folder holds another study, or a clip cannot be made.
+    After an interruption, a new run renders only the remaining clips. Raises LipsyncError if there
+    is no pair to show, the folder holds another study, or a clip cannot be made.
     """
     plan.texts.refuse_faults()
     stage = _PairMaker(plan, told)
     chosen = stage.chosen()
-    pairs = laid_out(chosen, checks_for(len(chosen), plan.checks), plan.seed)
+    checks = max(1, round(len(chosen) / PAIRS_PER_CHECK)) if plan.checks is None else plan.checks
+    pairs = laid_out(chosen, checks, plan.seed)
     clips = dict(stage.clips(pairs))
     lengths = {name: max(clip.seconds for clip in two) for name, two in clips.items()}
     pairs = tuple(
@@ -161,7 +161,7 @@ class _PairMaker:
             raise LipsyncError("\n".join(("no pair can be shown", *self.remarks)))
         return pairs
 
-    def _animation(self, line: str, character: str, method: str) -> "Animation | LipsyncError":
+    def _animation(self, line: str, character: str, method: str) -> Animation | LipsyncError:
         key = (line, character, method)
         if key not in self._made:
             cast = self._characters[character]
@@ -214,7 +214,8 @@ def _study(plan: StudyPlan, pairs: tuple[StudyPair, ...], clips: dict[str, list[
 
 
 def _refuse_another(folder: Path, study: Study) -> None:
-    """Refuse a folder with another study, and a folder that cannot be made."""
+    """Refuse a folder with another study, a folder that cannot be made, and links out of it."""
+    refuse_links(folder)
     key = folder / STUDY_NAME
     if key.exists():
         there = read_study(key)

@@ -22,13 +22,11 @@ UNPOSTED = b'{"post":null,'
 """Start of the data of a page without an address for answers; a server adds its own."""
 
 MAX_CONSENT_CHARS = 20_000
-"""Maximum length of a consent text."""
 
 MAX_ASKED = 20
 """Maximum number of questions about the rater."""
 
 MAX_KEY_CHARS = 40
-"""Maximum length of a question's key."""
 
 DEFINITIONS = {
     "accuracy": {
@@ -51,7 +49,6 @@ CONSENT = (
     "records nothing else about you or your device. Answers stay in this browser until you send or "
     "save them."
 )
-"""Default consent text."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +67,7 @@ def parse_asked(text: str) -> AskedQuestion:
     >>> parse_asked("Age group: 18-30|31-50|51+")
     AskedQuestion(key='age_group', label='Age group', choices=('18-30', '31-50', '51+'))
 
-    Raises
-    ------
-    LipsyncError
-        The question has no text.
+    Raises LipsyncError if the question has no text.
     """
     label, _, rest = text.partition(":")
     key = "_".join("".join(c if c.isalnum() else " " for c in label.lower()).split())
@@ -93,14 +87,7 @@ class PageTexts:
     """Address for answers; None to save them as files."""
 
     def refuse_faults(self) -> None:
-        """Refuse an invalid consent text, question or address.
-
-        Raises
-        ------
-        LipsyncError
-            The text is empty or too long, a question occurs twice, or the address is not a web
-            address.
-        """
+        """Refuse a consent text, questions or an address that a page cannot have."""
         if not self.consent.strip() or len(self.consent) > MAX_CONSENT_CHARS:
             raise LipsyncError(
                 f"the consent text must have between 1 and {MAX_CONSENT_CHARS} characters"
@@ -113,13 +100,7 @@ class PageTexts:
 
 
 def origin_of(address: str) -> str:
-    """Return the origin of a web address, such as ``https://example.org``.
-
-    Raises
-    ------
-    LipsyncError
-        The address is not a web address.
-    """
+    """Return the origin of a web address, such as ``https://example.org``; refuse others."""
     try:
         parts = urlsplit(address)
         port = f":{parts.port}" if parts.port else ""
@@ -137,12 +118,7 @@ def origin_of(address: str) -> str:
 def study_page(
     study: Study, texts: PageTexts, clips: Callable[[str], Sequence[bytes]]
 ) -> Iterator[str]:
-    """Yield the parts of a page.
-
-    Parameters
-    ----------
-    clips : returns the MP4 files of a pair by its name, left and right
-    """
+    """Yield the parts of a page; `clips` gives the MP4 files of a pair, left and right."""
     texts.refuse_faults()
     script, style = _static("answering.js"), _static("answering.css")
     hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in (script, style)]

@@ -7,11 +7,10 @@ from typing import Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.study.answer_sorting import SortedAnswers, SortingRules, reasons, sort_answers
-from lipsync_lang.study.answer_texts import REPORT_FORMAT, answer_files
 from lipsync_lang.study.bradley_terry import Ranking, ranked
 from lipsync_lang.study.comparisons import Comparison, compared
 from lipsync_lang.study.distributions import CONFIDENCE_LEVEL
-from lipsync_lang.study.study_file import STUDY_NAME, Study, read_study
+from lipsync_lang.study.study_file import REPORT_FORMAT, STUDY_NAME, Study, answer_files, read_study
 
 SIGNIFICANCE_LEVEL = 0.05
 """Level of significance in notes."""
@@ -83,16 +82,9 @@ def report_study(
 ) -> StudyReport:
     """Report a study.
 
-    Parameters
-    ----------
-    study : folder of the study, or its `study.json`
-    answers : files of answers, or folders of them [those in the study's folder]
-    rules : rules by which raters and answers are set aside [the defaults]
-
-    Raises
-    ------
-    LipsyncError
-        The study cannot be read, or no answers are found.
+    `study` is the folder of the study, or its `study.json`; `answers` are files of answers, or
+    folders of them, and by default those in the study's folder. Raises LipsyncError if the study
+    cannot be read, or no answers are found.
     """
     file = study / STUDY_NAME if study.is_dir() else study
     known = read_study(file)
@@ -136,9 +128,9 @@ def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Compariso
     ]
     fewest = min(min(one.raters, one.lines) for one in comparisons)
     if 2.0 ** (1 - fewest) >= SIGNIFICANCE_LEVEL:
+        few = "1 rater or line" if fewest == 1 else f"{fewest} raters or lines"
         notes.append(
-            f"with {fewest} raters or lines, p cannot be below {2.0 ** (1 - fewest):.2g}; take "
-            "more raters and lines"
+            f"with {few}, p cannot be below {2.0 ** (1 - fewest):.2g}; take more raters and lines"
         )
     if len(comparisons) > 1:
         notes.append(
@@ -146,9 +138,9 @@ def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Compariso
             f"p below {SIGNIFICANCE_LEVEL / len(comparisons):.2g}"
         )
     if answers.unfinished:
-        notes.append(f"{answers.unfinished} raters who stopped early are counted")
+        notes.append(f"counted raters who stopped early: {answers.unfinished}")
     if answers.unchecked:
-        notes.append(f"{answers.unchecked} counted raters answered no attention check")
+        notes.append(f"counted raters without an attention check: {answers.unchecked}")
     if not any(pair.check for pair in study.pairs):
         notes.append("the study has no attention checks")
     return notes

@@ -14,7 +14,6 @@ MAX_LISTED_ASIDE = 20
 """Maximum number of listed submissions and answers that are set aside."""
 
 EVERYBODY = "all"
-"""Name for all characters together."""
 
 SMALLEST_P = 1e-4
 """Probability below which digits have no meaning."""
@@ -165,9 +164,6 @@ def plan_text(plan: PowerPlan) -> str:
         for one in plan.rows
     ]
     return "\n".join([*lines, *(f"  {line}" for line in columns(rows))]) + "\n"
-
-
-# Words for figures
 
 
 def percent(share: float) -> str:

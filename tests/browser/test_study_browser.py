@@ -12,7 +12,7 @@ from test_consumers import chromium, found, run
 
 import lipsync_lang as ll
 from lipsync_lang.study import study_clips
-from lipsync_lang.study.answer_server import answer_server
+from lipsync_lang.study.answer_server import AnswerServer
 from lipsync_lang.study.answer_sorting import SortingRules, sort_answers
 from lipsync_lang.study.methods import StudyCharacter, parse_methods
 from lipsync_lang.study.study_file import Submission, faults_against, parsed
@@ -96,7 +96,7 @@ def test_a_rater_answers_reloads_and_exports(study, tmp_path):
 
 
 def test_a_served_page_sends_its_answers(study, tmp_path):
-    with answer_server(study.folder, "127.0.0.1", 0) as server:
+    with AnswerServer(study.folder, "127.0.0.1", 0) as server:
         thread = threading.Thread(target=server.run)
         thread.start()
         try:

@@ -3,8 +3,7 @@
 import json
 import random
 
-from lipsync_lang.study.answer_texts import texts_of
-from lipsync_lang.study.study_file import Study, Submission, parsed
+from lipsync_lang.study.study_file import Study, Submission, parsed, texts_of
 
 STUDY = "0123456789abcdef"
 

@@ -8,16 +8,17 @@ from hypothesis import strategies as st
 from study_answers import submissions_in
 
 from lipsync_lang import LipsyncError
-from lipsync_lang.study.answer_texts import parse_document, texts_of
 from lipsync_lang.study.study_file import (
     MAX_SUBMISSION_BYTES,
     Study,
     Submission,
     as_text,
     faults_against,
+    parse_document,
     parsed,
     read_study,
     study_digest,
+    texts_of,
 )
 
 STUDY = {

@@ -22,10 +22,15 @@ from lipsync_lang.study import study_clips
 from lipsync_lang.study.methods import Method, StudyCharacter, parse_method, parse_methods, spoilt
 from lipsync_lang.study.study_clips import Clip, of_one_size, render_clips
 from lipsync_lang.study.study_file import read_study
-from lipsync_lang.study.study_lines import StudyLine, study_lines
+from lipsync_lang.study.study_lines import (
+    StudyLine,
+    in_balanced_order,
+    laid_out,
+    possible_pairs,
+    study_lines,
+)
 from lipsync_lang.study.study_maker import StudyPlan, make_study
 from lipsync_lang.study.study_page import PageTexts, origin_of, parse_asked, study_page
-from lipsync_lang.study.study_pairs import in_balanced_order, laid_out, possible_pairs
 
 BOTH = ["zebra=keyframes", "yak=dominance"]
 """Methods with names that occur nowhere else in a page."""

@@ -11,9 +11,9 @@ from study_answers import crowd, model, placed, study_of, submission
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.study.answer_sorting import SortingRules, reasons, sort_answers
-from lipsync_lang.study.answer_texts import answer_files
 from lipsync_lang.study.distributions import chi_square_tail
 from lipsync_lang.study.preference_page import report_page
+from lipsync_lang.study.study_file import answer_files
 from lipsync_lang.study.study_report import report_study
 from lipsync_lang.study.study_text import probability, report_text
 
@@ -499,6 +499,8 @@ def test_few_raters_are_told_what_they_can_never_show(tmp_path):
     placed(tmp_path, SOUND, [changed(SOUND, n) for n in range(5)])
     notes = " ".join(report_study(tmp_path).notes)
     assert "with 5 raters or lines, p cannot be below 0.062" in notes
+    placed(tmp_path, SOUND, [changed(SOUND, 0)])
+    assert "with 1 rater or line, p cannot be below 1;" in " ".join(report_study(tmp_path).notes)
     placed(tmp_path, SOUND, [changed(SOUND, n) for n in range(6)])
     assert "never below" not in " ".join(report_study(tmp_path).notes)
 

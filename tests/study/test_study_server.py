@@ -13,9 +13,8 @@ from test_study_files import ANSWER, ANSWERS, STUDY
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.study import answer_server as serving
-from lipsync_lang.study.answer_server import answer_server
-from lipsync_lang.study.answer_texts import parse_document, texts_of
-from lipsync_lang.study.study_file import MAX_SUBMISSION_BYTES
+from lipsync_lang.study.answer_server import AnswerServer
+from lipsync_lang.study.study_file import MAX_SUBMISSION_BYTES, parse_document, texts_of
 
 PAGE = f'<!DOCTYPE html><script type="application/json">{{"post":null,"study":"{STUDY["study"]}"'
 JSON = {"Content-Type": "application/json"}
@@ -31,7 +30,7 @@ def folder(tmp_path):
 
 @contextmanager
 def served(folder, *origins):
-    with answer_server(folder, "127.0.0.1", 0, origins) as server:
+    with AnswerServer(folder, "127.0.0.1", 0, origins) as server:
         thread = threading.Thread(target=server.run)
         thread.start()
         try:
@@ -283,7 +282,7 @@ def test_a_file_that_cannot_be_written_is_told(folder):
 def test_a_folder_without_a_whole_study_is_refused(folder, spoil, told):
     spoil(folder)
     with pytest.raises(LipsyncError, match=told):
-        answer_server(folder, "127.0.0.1", 0)
+        AnswerServer(folder, "127.0.0.1", 0)
 
 
 @pytest.mark.parametrize(("host", "port", "origins", "told"), [
@@ -293,7 +292,7 @@ def test_a_folder_without_a_whole_study_is_refused(folder, spoil, told):
 ])  # fmt: skip
 def test_an_address_that_cannot_be_served_is_refused(folder, host, port, origins, told):
     with pytest.raises(LipsyncError, match=told):
-        answer_server(folder, host, port, origins)
+        AnswerServer(folder, host, port, origins)
 
 
 def test_the_command_prints_the_address_and_refuses_a_folder_without_a_study(folder, cli):
