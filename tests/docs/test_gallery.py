@@ -49,6 +49,19 @@ def test_the_pictures_are_small_and_none_is_left_over():
     assert sum(path.stat().st_size for path in files) < MOST_BYTES
 
 
+def test_each_picture_has_a_small_film_with_sound():
+    films = sorted(DOCS.glob("images/*.mp4"))
+    assert {f"gallery-{name}" for name in NAMES} <= {path.stem for path in films}
+    for path in films:
+        content = path.read_bytes()
+        assert path.with_suffix(".webp").is_file()
+        assert b"soun" in content, "no track of sound"
+        assert b"avc1" in content
+        assert content.find(b"moov") < content.find(b"mdat"), "it starts before it is whole"
+    assert sum(path.stat().st_size for path in films) < MOST_BYTES
+    assert all(f"images/gallery-{name}.mp4" in SECTIONS[name] for name in NAMES)
+
+
 def test_every_pose_of_a_drawn_set_has_a_drawing():
     pytest.importorskip("PIL")
     pytest.importorskip("scipy")
