@@ -113,13 +113,21 @@ def loop() -> float:
     return time.perf_counter() - start
 
 
-def best(act: Callable[[], object], runs: int = 300) -> float:
-    """Return the least seconds of some runs, after one that is not counted."""
-    act()
+def best(
+    act: Callable[..., object], runs: int = 300, given: Callable[[], object] | None = None
+) -> float:
+    """Return the least seconds of some runs, after one that is not counted.
+
+    Parameters
+    ----------
+    given : makes the argument of each run, outside its time; None for no argument
+    """
+    act(*(() if given is None else (given(),)))
     least, begun, number = float("inf"), time.perf_counter(), 0
     while number < 3 or (number < runs and time.perf_counter() - begun < SECONDS):
+        arguments = () if given is None else (given(),)
         start = time.perf_counter()
-        act()
+        act(*arguments)
         least = min(least, time.perf_counter() - start)
         number += 1
     return least
@@ -137,13 +145,15 @@ def no_kernel() -> "Iterator[None]":
         kernel.compiled = compiled
 
 
-def both(act: Callable[[], object], runs: int = 300) -> tuple[float, float | None]:
-    """Time a call with the compiled kernel, where there is one, and without it."""
+def both(
+    act: Callable[..., object], runs: int = 300, given: Callable[[], object] | None = None
+) -> tuple[float, float | None]:
+    """Time a call with the compiled kernel, where there is one, and without it; see `best`."""
     from lipsync_lang.pipeline import kernel
 
     with no_kernel():
-        plain = best(act, runs)
-    return (plain, None) if kernel.compiled is None else (best(act, runs), plain)
+        plain = best(act, runs, given)
+    return (plain, None) if kernel.compiled is None else (best(act, runs, given), plain)
 
 
 def own_peak() -> float:
