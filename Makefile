@@ -13,7 +13,7 @@ DATA ?= data
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo test test-rest test-all test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel extras clean
+.PHONY: help demo test test-rest test-all test-windows sanitize test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel extras clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -64,6 +64,14 @@ test-rest: $(VENV)/ready
 	$(BIN)/python -m pytest -n auto --dist loadgroup -m "full or hypothesis" --hypothesis-profile=full
 
 test-all: test test-rest ## run all tests
+
+# Rooms that touch files, processes and pipes; other rooms are named by ROOMS.
+ROOMS ?= files lines cluster live banks study mfa
+test-windows: $(VENV)/ready ## run quick tests as Windows would: make test-windows ROOMS="files lines"
+	PYTHONPATH=tests $(BIN)/python -m pytest -p windows_lane -m "not full" $(addprefix tests/,$(ROOMS))
+
+sanitize: $(VENV)/ready ## run the compiled kernel and a fuzz of its arguments under ASan and UBSan
+	$(BIN)/python -m pytest tests/pipeline/test_sanitized_kernel.py
 
 # The lowest version of every direct dependency: what pyproject.toml promises, in a venv of its own.
 # Old releases call what newer releases of their own dependencies have deprecated: no fault of ours.

@@ -192,8 +192,8 @@ def heed(event, values):
             raise AssertionError("on Windows, signal 0 ends the process")
 
 
-def become_windows():
-    """Make this process behave like Windows until it ends."""
+def become_windows(*, pipes=True):
+    """Make this process behave like Windows until it ends; with `pipes`, its streams as well."""
     assert Path("/proc/self/fd").is_dir(), "it tells which files are open"
     multiprocessing.resource_tracker._HAVE_SIGMASK = False  # noqa: SLF001
     hide_modules()
@@ -210,7 +210,7 @@ def become_windows():
         rename(source, target, **options)
 
     os.rename = renamed
-    for stream in (sys.stdin, sys.stdout, sys.stderr):
+    for stream in (sys.stdin, sys.stdout, sys.stderr) if pipes else ():
         if not stream.isatty():
             stream.reconfigure(encoding="cp1252", newline="\r\n" if stream is not sys.stdin else "")
 

@@ -836,11 +836,20 @@ static void release_dials(Dial *dials, Size count)
     PyMem_Free(dials);
 }
 
+/* Return an item of a tuple, or NULL with an exception. */
+static PyObject *item(PyObject *tuple, Size at)
+{
+    if (PyTuple_Check(tuple))
+        return PyTuple_GetItem(tuple, at);
+    PyErr_SetString(PyExc_TypeError, "dials are a tuple of tuples");
+    return NULL;
+}
+
 /* Read a tuple of (poses, times, values); -1 with an exception where one is faulty. */
 static Size read_dials(PyObject *given, const Plan *plan, Dial **dials)
 {
     *dials = NULL;
-    const Size count = PyTuple_Size(given);
+    const Size count = PyTuple_Check(given) ? PyTuple_Size(given) : 1;
     if (count <= 0)
         return count;
     Dial *made = PyMem_Calloc((size_t)count, sizeof(Dial));
@@ -850,9 +859,9 @@ static Size read_dials(PyObject *given, const Plan *plan, Dial **dials)
     }
     for (Size d = 0; d < count; d++) {
         Dial *dial = made + d;
-        PyObject *parts = PyTuple_GetItem(given, d);
+        PyObject *parts = item(given, d);
         for (int i = 0; i < 3; i++) {
-            PyObject *part = parts ? PyTuple_GetItem(parts, i) : NULL;
+            PyObject *part = parts ? item(parts, i) : NULL;
             if (!part || PyObject_GetBuffer(part, &dial->view[i], PyBUF_SIMPLE) < 0) {
                 while (i--)
                     PyBuffer_Release(&dial->view[i]);
