@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lipsync_lang.build.archives import Member, members, rewrite, split_archive
 from lipsync_lang.build.digests import output_digest, output_file_digest
+from lipsync_lang.files.reach import is_reached
 
 
 class StandingOutputs:
@@ -43,8 +44,7 @@ class StandingOutputs:
         """Return True if an output is in the folder, since records may come from elsewhere."""
         parent = str(Path(path).parent)
         if parent not in self._within:
-            there = (self.folder / path).parent.resolve()
-            self._within[parent] = there.is_relative_to(self.folder.resolve())
+            self._within[parent] = is_reached(self.folder / parent, self.folder)
         return self._within[parent]
 
     def delete(self, paths: list[str]) -> None:

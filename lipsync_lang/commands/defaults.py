@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files.reach import name_folders
+from lipsync_lang.files.reach import name_folders, refuse_outside
 from lipsync_lang.packs.project import FILE, NARRATOR, find_project, load_project
 from lipsync_lang.packs.speaker_faces import OTHERS, stated_faces
 
 if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Project
 
 USUAL_FPS = 60.0
@@ -38,7 +39,7 @@ def fill(options: Namespace) -> None:
     path = find_project() if getattr(options, "in_project", False) else None
     if path is not None:
         _log.info("project %s", path)
-        _take(options, load_project(path).model, path.parent)
+        _take(options, load_project(path), path.parent)
     if getattr(options, "fps", 0) is None:
         options.fps = USUAL_FPS
     if getattr(options, "offset", "") is None:
@@ -52,11 +53,11 @@ def fill(options: Namespace) -> None:
             )
 
 
-def _take(options: Namespace, project: "Project", folder: Path) -> None:
-    own = [] if folder == Path.cwd() else [folder]
+def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
+    project, own = pack.model, [] if folder == Path.cwd() else [folder]
     options.path = [*options.path, *(folder / path for path in project.paths), *own]
     if hasattr(options, "cast"):
-        _take_script(options, project, folder)
+        _take_script(options, pack, folder)
     for name in ("language", "character"):
         stated, given = getattr(project, name), getattr(options, name, True)
         if stated is not None and not given:
@@ -88,9 +89,16 @@ def _take(options: Namespace, project: "Project", folder: Path) -> None:
         options.output = [_output(one, folder, named) for one in project.outputs]
 
 
-def _take_script(options: Namespace, project: "Project", folder: Path) -> None:
+def _take_script(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
     """Take the script of a project: its files, languages, columns and cast."""
+    project = pack.model
     if not options.language:
+        from lipsync_lang.packs.checking.project_checks import check_languages
+        from lipsync_lang.packs.finding import Finder
+        from lipsync_lang.packs.yaml.faults import PackFaults
+
+        if faults := [*check_languages(pack, Finder(options.path, folder))]:
+            raise PackFaults(faults)
         options.language = list(project.languages)
     options.words = dict(project.languages)
     if not options.column:
@@ -113,8 +121,7 @@ def _output(stated: str, folder: Path, named: dict[str, str]) -> str:
     if not (colon and name in WRITERS):
         name, colon, rest = "", "", stated
     path = folder / re.sub(r"\{(\w+)\}", lambda found: named.get(found[1], found[0]), rest)
-    if not path.resolve().is_relative_to(folder.resolve()):
-        raise LipsyncError(f"{FILE}: {stated} leads outside {folder}; name it with -o instead")
+    refuse_outside(path, folder)
     path.parent.mkdir(parents=True, exist_ok=True)
     return f"{name}{colon}{os.path.relpath(path)}"
 

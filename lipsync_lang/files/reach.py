@@ -5,35 +5,21 @@ names a folder with `--path`, once for each project, or in `LIPSYNC_LANG_PATH`.
 """
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import PackError
 
 PATH_VARIABLE = "LIPSYNC_LANG_PATH"
 """The environment variable that lists folders of packs; they are named for every project."""
 
 
-def refuse_outside(
-    path: Path,
-    folder: Path,
-    others: Iterable[Path] = (),
-    *,
-    error: type[LipsyncError] = LipsyncError,
-) -> None:
-    """Raise an error if a path leads outside a project, links followed.
-
-    Parameters
-    ----------
-    path : from the current folder; it need not exist
-    folder : the project's folder
-    others : folders that belong to it
-    error : class of the error
-    """
+def refuse_outside(path: Path, folder: Path, others: Sequence[Path] = ()) -> None:
+    """Raise an error if a path leads outside a project's folder and others that belong to it."""
     if not is_reached(path, folder, others):
-        raise error(
+        raise PackError(
             f"{path}: leads outside {folder} by a link; copy the file into the folder, or allow "
             "the folder of its target once: --path FOLDER"
         )
@@ -52,8 +38,8 @@ def refuse_links(folder: Path) -> None:
             refuse_outside(path, folder)
 
 
-def is_reached(path: Path, folder: Path, others: Iterable[Path] = ()) -> bool:
-    """Return True if a path is in a project's folder, or in one that the user named."""
+def is_reached(path: Path, folder: Path, others: Sequence[Path] = ()) -> bool:
+    """Return True if a path is in a project's folder, in others, or in one that the user named."""
     homes = [folder, *others]
     return _is_inside(path, homes) or _is_inside(path, [*homes, *_named(folder)])
 
@@ -61,16 +47,15 @@ def is_reached(path: Path, folder: Path, others: Iterable[Path] = ()) -> bool:
 def name_folders(folder: Path, named: Iterable[Path]) -> None:
     """Remember the folders that a user named for a project."""
     new = [path for path in named if path.is_dir() and not is_reached(path, folder)]
-    if new:
-        with suppress(OSError):  # without a place to remember them, they are named each time
-            memory = _memory(folder)
+    memory = _memory(folder)
+    with suppress(OSError):  # without a place to remember them, the variable names them
+        if new:
             memory.parent.mkdir(parents=True, exist_ok=True)
-            with memory.open("a", encoding="utf-8") as stream:
+            with memory.open("a", encoding="utf-8", newline="\n") as stream:
                 stream.writelines(f"{os.path.realpath(path)}\n" for path in new)
 
 
 def _named(folder: Path) -> list[Path]:
-    """Return the folders that a user named for a project."""
     found = [one for one in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if one]
     with suppress(OSError, ValueError):
         found += _memory(folder).read_text("utf-8").splitlines()
@@ -80,11 +65,11 @@ def _named(folder: Path) -> list[Path]:
 def _memory(folder: Path) -> Path:
     from platformdirs import user_state_path
 
-    name = sha256(os.path.realpath(folder).encode("utf-8", "surrogateescape")).hexdigest()[:16]
+    name = sha256(os.fsencode(os.path.realpath(folder))).hexdigest()[:16]
     return user_state_path("lipsync-lang") / "named" / f"{name}.txt"
 
 
-def _is_inside(path: Path, homes: Iterable[Path]) -> bool:
+def _is_inside(path: Path, homes: Sequence[Path]) -> bool:
     """Return True if a path is in one of some folders, as it is written and with links followed.
 
     A path that is outside as it is written is not looked up: on Windows, a look-up on the server

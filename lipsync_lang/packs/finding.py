@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
 from lipsync_lang.extensions import PACKS, distribution, installed
-from lipsync_lang.files.reach import PATH_VARIABLE, refuse_outside
+from lipsync_lang.files.reach import PATH_VARIABLE, is_reached, refuse_outside
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.phonology.language_names import folded_language
@@ -232,7 +232,7 @@ class Finder:
         root = max(holding, key=lambda root: len(root.path.parts), default=None)
         if root is not None and not root.origin.startswith(("built-in", "installed")):
             roots = [root.path, *(one.path for one in self.roots)]
-            refuse_outside(path, self.project or root.path, roots, error=PackError)
+            refuse_outside(path, self.project or root.path, roots)
 
     def _list(self, root: Path, kind: Kind) -> dict[str, Path]:
         """Map pack names to files for one folder, sorted by name; listed once and remembered."""
@@ -335,11 +335,8 @@ def beside(pack: Path, name: str, unsaved: Collection[Path] = ()) -> Path | None
     A file outside the folder above the pack's counts as missing: a pack may not read it.
     """
     path = pack.parent / name
-    try:
-        within = path.resolve().is_relative_to(pack.parent.parent.resolve())
-        return path if within and (path in unsaved or path.is_file()) else None
-    except (OSError, ValueError, RuntimeError):
-        return None  # too long a name, a null in it, or a circle of links
+    reached = is_reached(path, pack.parent.parent)
+    return path if reached and (path in unsaved or os.path.isfile(path)) else None  # noqa: PTH113 names of any length
 
 
 def built_in() -> Path:

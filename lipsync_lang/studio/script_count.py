@@ -21,6 +21,7 @@ from lipsync_lang.coverage.report import CoverageReport
 from lipsync_lang.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.coverage.scripts import scripts_of
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.reach import is_reached
 from lipsync_lang.lines import read_lines
 from lipsync_lang.lines.line_readers import by_suffix
 from lipsync_lang.packs.finding import FOLDERS
@@ -115,13 +116,11 @@ class ScriptCount:
         LipsyncError
             The file is outside the project, missing, or of an unknown format.
         """
-        project = workshop.project.resolve()
-        path = Path(os.path.realpath(project / name)) if "\0" not in name else project
-        if not path.is_relative_to(project) or path == project:
+        if not is_reached(workshop.project / name, workshop.project):
             raise LipsyncError(
                 f"'{name}' is outside the project's folder; drop the file onto this page"
             )
-        self._take(path, path.relative_to(project).as_posix(), column)
+        self._take(workshop.project / name, name, column)
 
     def receive(self, put: Callable[[Path], Path], column: str | None) -> None:
         """Use a sent file as the script.

@@ -138,7 +138,7 @@ def test_outputs_lie_in_the_project(cli, project, output):
     assert "is outside the project's folder" in ended.err
 
 
-@pytest.mark.parametrize("output", ["csv:csv:/tmp/a.csv", "csv:csv:takes/{id}.csv", "csv:a:b.csv"])
+@pytest.mark.parametrize("output", ["csv:csv:/tmp/a.csv", "csv:csv:takes/{id}.csv", "csv:ab:c.csv"])
 def test_an_output_names_its_format_once(cli, project, output):
     state(project, outputs=json.dumps(output))
     ended = cli("run", "--schedule", "hello.json")
