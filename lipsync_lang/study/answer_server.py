@@ -32,6 +32,7 @@ from starlette.routing import Route
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.reach import refuse_links
 from lipsync_lang.study.study_file import (
     MAX_ANSWERS_BYTES,
     MAX_SUBMISSION_BYTES,
@@ -262,6 +263,7 @@ class AnswerServer:
     """
 
     def __init__(self, folder: Path, host: str, port: int, origins: Collection[str] = ()) -> None:
+        refuse_links(folder)
         study = read_study(folder / STUDY_NAME)
         allowed = frozenset(one if one == "null" else origin_of(one) for one in origins)
         log = AnswerLog(folder / ANSWERS, study)

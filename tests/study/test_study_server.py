@@ -82,6 +82,14 @@ def test_answers_are_appended_and_read_back(folder):
         assert post(port, other)[0] == 200, "known after a restart"
 
 
+@pytest.mark.parametrize("name", ["answers.jsonl", "page.html", "clips"])
+def test_a_study_with_links_to_elsewhere_is_refused(folder, tmp_path_factory, name):
+    (folder / name).unlink(missing_ok=True)
+    (folder / name).symlink_to(tmp_path_factory.mktemp("elsewhere"))
+    with pytest.raises(LipsyncError, match=f"{name}: leads outside"):
+        AnswerServer(folder, "127.0.0.1", 0)
+
+
 def test_a_write_that_was_cut_off_spoils_no_answer_after_it(folder):
     (folder / "answers.jsonl").write_text('{"kind": "answers", "form')
     with served(folder) as port:
