@@ -243,7 +243,8 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
     for one in over:
         line = one.line
         worst = [f"{figure.name} {figure.value:.3g}" for figure in one.failed]
-        worst += [f"the recording may hold other words ({one.confidence:.0%})"] * one.unsure
+        if one.unsure:
+            worst.append(f"the recording may hold other words ({one.confidence:.0%})")
         yield f"{line.place}: {line.name}, {line.language} on {line.character}: {', '.join(worst)}"
     if figures["over_limits"]:
         yield f"{count(figures['over_limits'], 'line')} past a limit of the project"
