@@ -17,8 +17,9 @@ from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech.hearing import alignment
+from lipsync_lang.speech.hearing.align import pocketsphinx_aligner
 from lipsync_lang.speech.hearing.align.aligners import ALIGNERS, BatchAligner
-from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import WordReader
+from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import WordReader, unfit
 from lipsync_lang.speech.hearing.alignment import (
     AlignmentAttempt,
     NamedAligner,
@@ -312,6 +313,36 @@ def test_a_text_that_is_too_long_for_its_sound_is_told(english, count):
             ll.Audio(silence(count / SPEECH_RATE, SPEECH_RATE), SPEECH_RATE),
             " ".join(TEXTS),
         )
+
+
+def heard(fit):
+    """One phoneme that fits a sound of 30 s well or badly."""
+    return [HeardPhoneme(0, 1, 0, 3000, fit)]
+
+
+@pytest.mark.parametrize(
+    ("short", "long", "frames", "kept"),
+    [
+        (None, heard(-1), 3000, heard(-1)),
+        (heard(-9), heard(-1), 3000, heard(-1)),
+        (heard(-9), None, 3000, heard(-9)),
+        (heard(-9), heard(-1), 1600, heard(-9)),
+        (heard(-1), heard(-0.5), 3000, heard(-1)),
+    ],
+)
+def test_a_text_lost_in_short_windows_is_sought_in_longer_ones(
+    monkeypatch, short, long, frames, kept
+):
+    found = iter([short, long])
+    monkeypatch.setattr(pocketsphinx_aligner, "lay", lambda *_: next(found))
+    models = find_models("en-us")
+    assert pocketsphinx_aligner.laid(models, np.zeros((frames, 3, 13)), []) == kept
+
+
+def test_a_lost_text_is_not_said_to_be_too_long():
+    audio = ll.Audio(silence(29.19, SPEECH_RATE), SPEECH_RATE)
+    assert "327 phonemes, and the recording 29.19 s: the aligner lost" in unfit(audio, 327)
+    assert "1000 phonemes, and the recording 29.19 s: more than can be said" in unfit(audio, 1000)
 
 
 def test_a_text_without_words_is_told(english, spoken):

@@ -9,15 +9,23 @@ from functools import cached_property
 from itertools import repeat
 from typing import TYPE_CHECKING
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
-from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.speech.hearing.align.aligners import BatchAligner, aligner
-from lipsync_lang.speech.hearing.sphinx.features import features
+from lipsync_lang.speech.hearing.sphinx.acoustic_model import STATES
+from lipsync_lang.speech.hearing.sphinx.decoders import decoded_words
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, features
 from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
-from lipsync_lang.speech.hearing.sphinx.forced import lay
+from lipsync_lang.speech.hearing.sphinx.forced import (
+    LONG_WINDOW_FRAMES,
+    WINDOW_FRAMES,
+    HeardPhoneme,
+    lay,
+)
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
     Saying,
     confidence,
@@ -27,6 +35,7 @@ from lipsync_lang.speech.hearing.sphinx.scheduling import (
     timed_labels,
 )
 from lipsync_lang.speech.results import batches
+from lipsync_lang.speech.sound import SPEECH_RATE
 from lipsync_lang.speech.speaking.joining import stress_read
 from lipsync_lang.speech.speaking.speaker import BATCH_TEXTS
 
@@ -35,8 +44,15 @@ if TYPE_CHECKING:
 
     from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
     from lipsync_lang.phonology.labels import Value
+    from lipsync_lang.speech.hearing.sphinx.forced import Pronunciations
     from lipsync_lang.speech.speaking.speaker import Speaker
     from lipsync_lang.speech.speaking.transcripts import Transcript
+
+MAX_HEARD_SAMPLES = 15 * SPEECH_RATE
+"""Length of the part of a recording that is recognised to say what was heard."""
+
+MAX_QUOTED_CHARS = 60
+"""Maximum characters of a text in a message."""
 
 MIN_AGREEMENT = 0.12
 """Share of phonemes borne out by the sound that chance alone reaches."""
@@ -86,20 +102,23 @@ class PocketsphinxAligner(BatchAligner):
         models, speaker, text = reader.models, reader.speaker, transcript.text
         sayings = reader.sayings(transcript.words)
         if not sayings:
-            raise SpeechError(f"'{text[:60]}' has no words to align; give the spoken text")
-        heard = lay(models.model, features(prepared(audio)), [saying.ways for saying in sayings])
-        if heard is None:
-            phonemes = sum(len(word.labels) for word in transcript.words)
             raise SpeechError(
-                f"the text has {phonemes} phonemes, more than can be said in {audio.seconds:.2f} "
-                "s; check that the text is right and that the recording is complete"
+                f"'{text[:MAX_QUOTED_CHARS]}' has no words to align; give the spoken text"
             )
+        sound = prepared(audio)
+        heard = laid(models, features(sound), [saying.ways for saying in sayings])
+        if heard is None:
+            raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
         agreeing = confidence(models, heard)
         if agreeing < MIN_AGREEMENT:
+            told = decoded_words(models, sound[:MAX_HEARD_SAMPLES]) if reader.own else []
+            words = " ".join(word.text for word in told) or "no word"
+            heard_words = f", where '{words[:MAX_QUOTED_CHARS]}' was heard" if reader.own else ""
             raise SpeechError(
-                f"the text does not fit the recording ({agreeing:.0%} of its phonemes); check "
-                "the text, the language and the loudness of the voice, or try another aligner "
-                "(`aligner`)"
+                f"the text does not fit the recording{heard_words} ({agreeing:.0%} of its "
+                f"phonemes, confidence {line_confidence(heard):.2f}): "
+                f"'{text[:MAX_QUOTED_CHARS]}'; check the text, the language and the loudness of "
+                "the voice, or try another aligner (`aligner`)"
             )
         found = timed_labels(models, heard, sayings, audio.seconds)
         manner = speaker.manner
@@ -115,6 +134,29 @@ class PocketsphinxAligner(BatchAligner):
             remarks=tuple(doubts(heard, sayings)),
             confidence=line_confidence(heard),
         )
+
+
+def laid(
+    models: Models, sound: Floats, words: "Sequence[Pronunciations]"
+) -> list[HeardPhoneme] | None:
+    """Align words in short windows, and again in longer ones if these lose the text."""
+    heard = lay(models.model, sound, words)
+    sure = line_confidence(heard) if heard else 0.0
+    if sure >= DOUBTFUL or len(sound) <= WINDOW_FRAMES:
+        return heard
+    again = lay(models.model, sound, words, LONG_WINDOW_FRAMES)
+    return again if again and line_confidence(again) > sure else heard
+
+
+def unfit(audio: Audio, phonemes: int) -> str:
+    """Return the reason why words cannot be aligned, with a cure."""
+    told = f"the text has {phonemes} phonemes, and the recording {audio.seconds:.2f} s: "
+    if phonemes * STATES * FRAME_SECONDS > audio.seconds:
+        return f"{told}more than can be said in it; check that both are complete"
+    return (
+        f"{told}the aligner lost the text in it; check that the recording has all of the text, or "
+        "align shorter parts"
+    )
 
 
 class WordReader:

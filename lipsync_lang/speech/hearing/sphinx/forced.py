@@ -28,6 +28,9 @@ from lipsync_lang.speech.hearing.sphinx.trellis import SOUND_START, Run, likelie
 WINDOW_FRAMES = 1600
 """Window length in frames: 16 s."""
 
+LONG_WINDOW_FRAMES = 4000
+"""Window length where the usual one loses the text: a wrong turn costs more in 40 s."""
+
 OVERLAP_FRAMES = 300
 """Frames at the end of a window that are decoded again in the next."""
 
@@ -129,7 +132,10 @@ def _context(model: AcousticModel, node: Node, left: int, right: int) -> PhoneCo
 
 
 def lay(
-    model: AcousticModel, features: Floats, words: Sequence[Pronunciations]
+    model: AcousticModel,
+    features: Floats,
+    words: Sequence[Pronunciations],
+    window: int = WINDOW_FRAMES,
 ) -> list[HeardPhoneme] | None:
     """Align words to a sound.
 
@@ -138,13 +144,14 @@ def lay(
     model : acoustic model
     features : (T, 3, 13) of the sound
     words : pronunciations in spoken order
+    window : length of a window in frames; longer ones take more time for each frame
 
     Returns
     -------
     Phonemes from frame 0 to T, with every word included, as other sound where it is left out;
-    None if the sound is too short
+    None if the sound is too short, or if too many words are left for its last window
     """
-    heard = _lay(model, features, words)
+    heard = _lay(model, features, words, window)
     if heard is None:
         return None
     foreign = sum(one.stop - one.first for one in heard if one.phone == OUTSIDE)
@@ -161,18 +168,18 @@ def lay(
         return heard
     moved = features.copy()
     moved[:, 0] -= features[own, 0].mean(axis=0)
-    return _lay(model, moved, words)
+    return _lay(model, moved, words, window)
 
 
 def _lay(
-    model: AcousticModel, features: Floats, words: Sequence[Pronunciations]
+    model: AcousticModel, features: Floats, words: Sequence[Pronunciations], window: int
 ) -> list[HeardPhoneme] | None:
     """Align words to a sound, window by window."""
     heard: list[HeardPhoneme] = []
     at = done = 0
     while at < len(features):
         tell(at, len(features))
-        found = _window(model, features[at:], words, done)
+        found = _window(model, features[at:], words, done, window)
         if found is None:
             return None
         heard += [h._replace(first=h.first + at, stop=h.stop + at) for h in found]
@@ -183,11 +190,11 @@ def _lay(
 
 
 def _window(
-    model: AcousticModel, features: Floats, words: Sequence[Pronunciations], done: int
+    model: AcousticModel, features: Floats, words: Sequence[Pronunciations], done: int, window: int
 ) -> list[HeardPhoneme] | None:
     """Return the kept path of the window at the start of a sound, with earlier words done."""
-    last = len(features) <= WINDOW_FRAMES
-    features = features[:WINDOW_FRAMES]
+    last = len(features) <= window
+    features = features[:window]
     # Each state takes a frame at least. No window but the last has more words than fit at the
     # fastest pace, and the search keeps only those that end before its overlap.
     pace = STATES if last else FASTEST_FRAMES
