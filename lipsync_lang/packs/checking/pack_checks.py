@@ -138,11 +138,14 @@ def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
 
 
 def check_poseset(
-    poseset: "Pack[PoseSet]", phonemes: Collection[str], banks: Iterable[BankPack] | None = None
+    poseset: "Pack[PoseSet]",
+    phonemes: Collection[str],
+    banks: Iterable[BankPack] | None = None,
+    common: Phonemes | None = None,
 ) -> Iterator[Fault]:
     """Check that a pose set names its own poses and known phonemes, and that its rules agree.
 
-    `banks` are the pose set's banks; None if one cannot be loaded.
+    `banks` are the pose set's banks; None if one cannot be loaded. `common` is for hints.
     """
     model = poseset.model
     yield from _twice(poseset, ("priority",), model.priority)
@@ -151,10 +154,11 @@ def check_poseset(
         yield from check_pose(poseset, loc, pose, model.poses)
     for name, contact in model.contacts.items():
         for number, label in enumerate(contact.phonemes):
-            yield from _phoneme(poseset, ("contacts", name, "phonemes", number), label, phonemes)
+            place = ("contacts", name, "phonemes", number)
+            yield from _phoneme(poseset, place, label, phonemes, common)
         yield from _twice(poseset, ("contacts", name, "phonemes"), contact.phonemes)
     for label in model.targets:
-        yield from _phoneme(poseset, ("targets", label), label, phonemes, key=True)
+        yield from _phoneme(poseset, ("targets", label), label, phonemes, common, key=True)
     yield from _rules(poseset, model.checks, model, phonemes)
     for number, region in enumerate(model.intensity.regions if model.intensity else ()):
         yield from _region(poseset, ("intensity", "regions", number), region, model)
@@ -429,7 +433,9 @@ def _phoneme(  # noqa: PLR0913 the phoneme, its place and options
 ) -> Iterator[Fault]:
     if label in known:
         return
-    hint = did_you_mean(label, known)
+    sounding = () if common is None else (n for n, p in common.phonemes.items() if label in p.ipa)
+    whole = next((name for name in sounding if name in known), None)
+    hint = did_you_mean(label, known) if whole is None else f"write '{whole}' for it"
     if common is not None and label in common.shades:
         parent = common.shades[label].like
         hint = f"it is a shade of '{parent}': put '{parent}' in the language's `adds`"

@@ -168,7 +168,9 @@ class _Validation:
         elif kind == IPA and common is not None:
             self.faults.update(check_ipa(pack, common.model))
         elif kind == "poseset" and phonemes is not None:
-            self.faults.update(checks.check_poseset(pack, phonemes, self._banks(pack)))
+            model = None if common is None else common.model
+            found = checks.check_poseset(pack, phonemes, self._banks(pack), model)
+            self.faults.update(found)
 
     def _language(self, pack: "Pack[models.Language]") -> None:
         whole = self._try(lambda: extended(self.library, pack.path))

@@ -4,7 +4,7 @@ Messages use the words of the file, never names of Python classes.
 """
 
 from collections.abc import Mapping, Sequence
-from types import UnionType
+from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -20,6 +20,9 @@ AnyModel = TypeVar("AnyModel", bound=BaseModel)
 
 PydanticError = Mapping[str, Any]
 """An entry of `ValidationError.errors()`."""
+
+COMMA_CODES = frozenset(("P101", "P103", "P104", "P108", "P114"))
+"""Codes of faults that a decimal comma causes: it makes two values of one number."""
 
 KEY_STEP = "[key]"
 """Last step of pydantic's location for an error in a key."""
@@ -126,6 +129,8 @@ def _translate(source: YamlSource, model: type[BaseModel], error: ValidationErro
         loc = loc[:-1] if key else loc
         loc += tuple(context[step] for step in ("field", "at") if step in context)
         code, what, hint = _say(source, model, loc, report)
+        if code in COMMA_CODES and source.where(loc).line in source.decimal_commas:
+            hint = "write a decimal point, not a comma: 0.5, not 0,5"
         faults.append(source.fault(loc, code, what, hint, key=key or sort == "extra_forbidden"))
     return faults
 
@@ -139,7 +144,9 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
     if sort == "extra_forbidden":
         return "P101", f"unknown field `{loc[-1]}`", did_you_mean(str(loc[-1]), _fields(model, loc))
     if sort == "missing" and isinstance(loc[-1], str):
-        return "P102", f"missing field `{loc[-1]}`", _fields(model, loc).get(loc[-1], "")
+        form = "format: 1" if loc[-1] == "format" else f"{loc[-1]}: ..."
+        meaning = _fields(model, loc).get(loc[-1], "")
+        return "P102", f"missing field `{loc[-1]}`", f"add `{form}`: {meaning}".rstrip(": ")
     if sort in ("missing", "too_short", "too_long"):
         return _length(source, loc, report)
     if sort in _MUST:
@@ -155,7 +162,8 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
         hint = hint if "pattern" in context else f"keep it below {context['max_length']} characters"
         return "P106", f"{_got(value)} is malformed", hint
     if sort == "string_too_short":
-        return "P116", f"{subject} is empty", "write a value, or delete the field"
+        silent = "write [] for a silent letter" if "to" in loc[-2:] else ""
+        return "P116", f"{subject} is empty", silent or "write a value, or delete the field"
     if sort == "literal_error":
         return _literal(subject, value, context["expected"])
     if sort.startswith("P1"):
@@ -189,10 +197,14 @@ def _length(source: YamlSource, loc: Loc, report: PydanticError) -> tuple[str, s
 
 
 def _mend(sort: str, value: Data) -> str:
-    if sort == "string_type" and not isinstance(value, (tuple, dict)):
+    if sort == "string_type" and not isinstance(value, (tuple, dict, NoneType)):
         return "put it in quotes"
-    if sort == "float_type" and isinstance(value, str) and "," in value:
-        return "write a point, not a comma"
+    if value is None:
+        return "write a value, or delete the field; text after ' #' is a comment"
+    if sort == "float_type" and isinstance(value, str):
+        return "write a point, not a comma" if "," in value else "write a number, such as 0.5"
+    if sort in ("tuple_type", "list_type") and isinstance(value, str):
+        return f"write [{', '.join(value.replace(',', ' ').split())}]"
     return ""
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+from lipsync_lang.packs.yaml.diagnosis import cause
 from lipsync_lang.packs.yaml.events import Event, Parser, YamlError, parsers
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.packs.yaml.source import (
@@ -141,6 +142,8 @@ def _syntax(path: Path, text: str, error: YamlError) -> Fault:
         return Fault(shown(path), line, column, "P012", problem)
     if "nesting depth" in problem:  # newer libyaml stops scanning before its first event
         return Fault(shown(path), line, column, "P010", TOO_DEEP, CLOSE_BRACKET)
+    if found := cause(text, error, (line, column)):
+        return Fault(shown(path), found.line, found.column, "P008", found.what, found.hint)
     hint = error.context or "check quotes, brackets and indentation here and in the line above"
     if error.context and error.started is not None:
         hint = f"{error.context} that starts in line {error.started}"
@@ -199,7 +202,7 @@ class _Builder:
         if self.root is None:
             raise self._stop(1, 1, "P006", "the file has only comments", "state the pack")
         data, mark = self.root
-        return YamlSource(self.path, data, mark, tuple(sorted(self.faults)))
+        return YamlSource(self.path, data, mark, tuple(sorted(self.faults)), text)
 
     def _read(self, text: str, parse: Parser) -> None:
         """Handle every event; add the place of the last event to an error without one."""
@@ -312,8 +315,9 @@ class _Builder:
             raise self._stop(line, column, "P012", what, "write the value out")
         found = self.anchors.get(event.anchor)
         if found is None:
-            what, hint = f"alias '*{event.anchor}' has no anchor", f"write '&{event.anchor}' before"
-            raise self._stop(line, column, "P012", what, f"{hint} it")
+            what = f"alias '*{event.anchor}' has no anchor"
+            hint = f"put text that begins with '*' into quotes, or write '&{event.anchor}' before"
+            raise self._stop(line, column, "P012", what, hint)
         if not self._not_a_key(line, column):
             frame = self.frames[-1]
             frame.key, frame.dropped = "", True

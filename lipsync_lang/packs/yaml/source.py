@@ -6,8 +6,10 @@ be called ``2``, ``~`` or ``null``. Tags, merge keys and a second document are f
 nesting and aliases are limited, so that no file can crash the program.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -55,12 +57,20 @@ class YamlSource:
     data : dicts, tuples, text, numbers, booleans and None
     root : the mark of `data`
     faults : mistakes in the YAML
+    text : the file's text; empty after a fault that stops the reader
     """
 
     path: Path
     data: Data
     root: SourceMark = field(default=SourceMark(1, 1), repr=False)
     faults: tuple[Fault, ...] = ()
+    text: str = field(default="", repr=False)
+
+    @cached_property
+    def decimal_commas(self) -> frozenset[int]:
+        """Lines with a comma between two digits."""
+        lines = enumerate(self.text.split("\n"), 1)
+        return frozenset(number for number, line in lines if re.search("[0-9],[0-9]", line))
 
     def where(self, loc: Sequence[str | int], *, key: bool = False) -> Position:
         """Return the place of the value at `loc`, or of its key.
