@@ -28,16 +28,9 @@ MIN_FRAMES = 2
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Curves as stored in a file.
+    """Curves as stored in a file: (T, C) values at (T,) increasing seconds of the sound.
 
-    Parameters
-    ----------
-    source : file name for messages
-    times : (T,) increasing seconds from the start of the sound
-    names : C column names
-    values : (T, C)
-    schedule : spoken phonemes and words, if the file has them
-    remarks : warnings about the content
+    The schedule has the spoken phonemes and words, if the file has them; remarks are warnings.
     """
 
     source: str

@@ -93,11 +93,10 @@ def curves(
     error: float = ERROR,
     floors: Mapping[str, float] | None = None,
 ) -> list[KeyedCurve]:
-    """Return the keyframes of every channel of an animation.
+    """Return the keyframes of every channel of an animation, (T, C).
 
-    Raises LipsyncError if the error of cubic curves is out of range. Weights are (T, C). The
-    maximum distance between a frame and the curve is `error`, for cubic curves in (0, 0.5].
-    `floors` are levels that contacts hold, by name, for cubic curves; None is for straight lines.
+    The maximum distance between a frame and the curve is `error`; that of cubic curves must be in
+    (0, 0.5]. `floors` are levels that contacts hold, by name, for cubic curves; None is for lines.
     """
     found = []
     for number, name in enumerate(names):

@@ -124,11 +124,7 @@ def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str,
 
 
 def check_language(library: Library, path: Path, character: str | None = None) -> LanguageCheck:
-    """Check a language pack.
-
-    Raises PackError if the character is unknown or unsound. The folder of the language is among
-    those of the library. Without a character or pose set, no mouths are shown.
-    """
+    """Check a language pack in a folder of the library; a character shows the mouths."""
     faults = validate(library, [path])
     if any(fault.severity == "fault" and fault.code != FAILED_TEST for fault in faults):
         return LanguageCheck(tuple(faults), None)
@@ -159,12 +155,10 @@ def mouths_of(library: Library, language: str, character: str) -> dict[str, str]
 
 
 def draw_mouths(performer: "Performer", sounds: Mapping[str, Any], out: BinaryIO) -> None:
-    """Draw a still of each mouth, with the first sound that has it and a word.
+    """Draw a PNG with a still of each mouth, with the first sound that has it and a word.
 
     Sounds that pass through several mouths are left out, because each of these has a still. Raises
-    OutputError if Pillow is missing, the character has no model, or the language has no sounds. The
-    performer has the language on the character; `sounds` is the table `SoundTable.told`, and the
-    output is a PNG.
+    OutputError if Pillow is missing, the character has no model, or the language has no sounds.
     """
     from lipsync_lang.render.sheet import moments
 

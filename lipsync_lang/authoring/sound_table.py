@@ -39,10 +39,8 @@ MAX_EXAMPLE_WORDS = 3
 class SoundMemory:
     """Results that stay valid after edits of a table; each user needs one instance.
 
-    Attributes
-    ----------
-    read : words of texts, by the settings of the engine that read them
-    near : the latest search by features, with what it depends on
+    `read` has words of texts, by the settings of the engine that read them, and `near` the latest
+    search by features, with what it depends on.
     """
 
     read: dict[tuple[Any, ...], dict[str, tuple[SpokenWord, ...]]] = field(default_factory=dict)
@@ -51,14 +49,10 @@ class SoundMemory:
 
 @dataclass(frozen=True)
 class SoundTable:
-    """The table of sounds of a language, with its sources.
+    """The table of sounds of a language, with its sources, unsaved edits included.
 
-    Parameters
-    ----------
-    library : packs, unsaved edits included
-    pack : the language
-    memory : results of earlier tables
-    spoken : further (label, word) of the engine's notation, such as those of a line
+    The memory has results of earlier tables. `spoken` are further (label, word) of the engine's
+    notation, such as those of a line.
     """
 
     library: Library

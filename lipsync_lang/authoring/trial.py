@@ -26,14 +26,9 @@ from lipsync_lang.speech.speaking.transcripts import Transcript
 
 @dataclass(frozen=True)
 class Trial:
-    """Result of the tests of a pack.
+    """Result of the tests of a pack: a transcript each, in order, or the reason of a refusal.
 
-    Parameters
-    ----------
-    pack : language pack
-    transcripts : one per test, in order; empty if the tests could not run
-    refusal : reason for tests that could not run, or empty
-    shades : shades of the common phonemes, which pass for their parents
+    The shades of the common phonemes pass for their parents.
     """
 
     pack: Pack[models.Language]

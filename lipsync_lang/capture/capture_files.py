@@ -67,8 +67,7 @@ def find_captures(
 
     `speaker` is a pattern of names with the speaker, such as `{speaker}_*`, or of paths below the
     folder, such as `*/{speaker}/*`; by default, the speaker is the first folder below the searched
-    one. Raises LipsyncError if a path is missing, the pattern has no `{speaker}`, or there are no
-    captures, or too many.
+    one.
     """
     pattern = None if speaker is None else _pattern(speaker)
     found: dict[str, CaptureFiles] = {}

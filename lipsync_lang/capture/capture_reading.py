@@ -60,11 +60,7 @@ def load_readout(path: Path) -> ReadOut:
 
 
 def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
-    """Read a table of sensors; return None without any column of the read-out.
-
-    Raises AnimationError if the file is not a table of numbers with rising times, or lacks some of
-    the columns of every measure.
-    """
+    """Read a table of sensors; return None without any column of the read-out."""
     content = read_input(
         path, MAX_ANIMATION_BYTES, error=AnimationError, mend="check that it is a table of sensors"
     )
@@ -138,13 +134,11 @@ def read_captures(  # noqa: PLR0913 facts that files may lack
     notation: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Captures:
-    """Read captures with their phonemes, as signals of a performer's face.
+    """Read captures (`find_captures`) with their phonemes, as signals of a performer's face.
 
-    `find_captures` says which files belong to a capture, and what `speaker` is. By default, the
-    read-out is `readout.yaml` in the folder of the captures or above, the aligner the language's,
-    and the notation that of the read-out or the language. `progress` is called with the numbers of
-    captures read and of all captures. Raises LipsyncError if a path is missing, or the read-out is
-    unsound. A fault of one capture sets that one aside.
+    By default, the read-out is `readout.yaml` in the folder of the captures or above, the aligner
+    the language's, and the notation that of the read-out or the language. `progress` is called with
+    the numbers of captures read and of all. A fault of one capture sets that one aside.
     """
     found, aside = find_captures(paths, speaker=speaker)
     stated = None if readout is None else load_readout(Path(readout))

@@ -36,11 +36,7 @@ Panel = tuple[BigramChange, list[int]]
 
 
 def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002 as `plot`
-    """Draw the requested bigrams, by default those with the largest differences.
-
-    Raises OutputError if the format is unknown, matplotlib is missing, or there is nothing to draw.
-    The format is a name in `PLOT_FORMATS`, in any case.
-    """
+    """Draw the requested bigrams, by default those that differ most, in a format as of `plot`."""
     if not diff.named:
         raise OutputError(f"nothing to draw: no bigram differs from those of {diff.against}")
     draw(lambda: _page(diff), stream, format)

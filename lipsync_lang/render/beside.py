@@ -27,11 +27,7 @@ HUES = ("#4f8fbf", "#c2853f", "#5f9e77", "#b0629a", "#8a7fc0", "#9a8f4a")
 
 
 def plot_beside(animations: Sequence[Animation], stream: BinaryIO, format: str = "png") -> None:  # noqa: A002
-    """Draw animations of one schedule in a stack, with a row per moving pose.
-
-    Raises LipsyncError if there is nothing to draw, or the schedules of the animations differ. The
-    animations were performed in this process; the format is as of `plot`.
-    """
+    """Draw animations of one schedule, performed in this process, with a row per moving pose."""
     if not animations:
         raise LipsyncError("there is no animation to draw; give at least one")
     first = animations[0].schedule

@@ -79,11 +79,7 @@ GATE: dict[str, Any] = {"facecolor": "none", "edgecolor": "#b8408a", "lw": 1.2, 
 
 
 def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002
-    """Draw an animation with its intermediate stages.
-
-    Raises OutputError if the format is unknown, matplotlib is missing, or the animation has no
-    performer. The format is a name in `PLOT_FORMATS`, in any case.
-    """
+    """Draw an animation of a performer with its stages, in one of `PLOT_FORMATS`, in any case."""
     line = PerformedLine.of(animation)
     if line is None:
         raise OutputError(

@@ -53,11 +53,10 @@ def sheet(animation: Animation, out: BinaryIO) -> None:
 def moments(
     animation: Animation, seconds: Sequence[float], out: BinaryIO, *, close: bool = False
 ) -> None:
-    """Draw the faces of a line at given times, with the same camera for all lines of a model.
+    """Draw the faces of a line at some seconds of its schedule, with one camera for a model.
 
-    Raises OutputError if a time is outside the animation, Pillow is missing, or there is nothing to
-    draw, and ModelError if the model cannot be drawn. The times are seconds in the schedule;
-    `close` shows the mouth alone.
+    `close` shows the mouth alone. Raises OutputError if a time is outside the animation, Pillow is
+    missing, or there is nothing to draw, and ModelError if the model cannot be drawn.
     """
     pillow()
     first, last = float(animation.times[0]), float(animation.times[-1])

@@ -12,11 +12,7 @@ from lipsync_lang.render.model.scene import Scene
 
 
 def staged(animation: Animation) -> Scene:
-    """Build the scene of the animation's GLB, without the silence of an offset.
-
-    Raises OutputError if there is no model, or nothing in it moves, and ModelError if the model
-    cannot be read or drawn.
-    """
+    """Build the scene of the animation's GLB, without the silence of an offset."""
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path = Path(folder) / "line.glb"
         with path.open("wb") as stream:

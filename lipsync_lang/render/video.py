@@ -59,13 +59,12 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     codec: Sequence[str] = (),
     framing: Animation | None = None,
 ) -> None:
-    """Draw every frame of an animation and write a video with its sound.
+    """Draw every frame of an animation and write a video of a kind in `CODECS` with its sound.
 
-    The duration is the longer of animation and sound. Raises OutputError if a library is missing,
-    there is nothing to draw, or ffmpeg fails, and ModelError if the model cannot be drawn. The kind
-    is a name in `CODECS`, whose options `codec` replaces; the size is the side of a frame in
-    pixels, by default `FRAME_PIXELS`. Camera and light are those of `framing`, an animation of the
-    same model.
+    The duration is the longer of animation and sound; the size is the side of a frame in pixels.
+    Camera and light are those of `framing`, an animation of the same model. Raises OutputError if a
+    library is missing, there is nothing to draw, or ffmpeg fails, and ModelError if the model
+    cannot be drawn.
     """
     ffmpeg, size = find_ffmpeg(), size or FRAME_PIXELS
     pillow()

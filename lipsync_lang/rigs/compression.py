@@ -40,11 +40,7 @@ class MissingDecoderError(Exception):
 
 
 def meshopt_size(row: Json, compressed: int) -> int:
-    """Return the decoded size in bytes of a buffer view.
-
-    `row` is the extension of the view, and `compressed` the size of its data in bytes. Raises
-    ValueError if the counts are absent, or larger than the data can hold.
-    """
+    """Return the decoded size in bytes of a buffer view; a ValueError if its data are too short."""
     counts: list[Any] = [row.get("count"), row.get("byteStride")]
     for value in counts:
         if not is_index(value, LARGEST + 1):
@@ -56,11 +52,7 @@ def meshopt_size(row: Json, compressed: int) -> int:
 
 
 def meshopt_rows(data: bytes, row: Json) -> memoryview:
-    """Decode a buffer view of `meshopt_size` bytes, with its filter undone.
-
-    Raises MissingDecoderError if the library is not installed, and ValueError if the data are
-    damaged, or of an unknown mode or filter.
-    """
+    """Decode a buffer view of `meshopt_size` bytes, with its filter undone; or a ValueError."""
     library = _library("meshopt")
     mode, kind = row.get("mode"), row.get("filter", "NONE")
     if kind != "NONE" and mode in ("TRIANGLES", "INDICES"):

@@ -31,15 +31,9 @@ MAX_NAMED_SHAPES = 12
 
 @dataclass(frozen=True)
 class Mesh:
-    """A mesh with morph targets.
+    """A mesh with n morph targets, their names and their weights at rest.
 
-    Parameters
-    ----------
-    number : index among the document's meshes
-    name : unique name for messages and `Model.shapes`
-    given : name in the file, possibly shared with other meshes
-    shapes : n names of morph targets
-    rest : n weights at rest
+    `number` is its index in the document. The name is unique, unlike the one `given` in the file.
     """
 
     number: int
@@ -51,16 +45,10 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Contents of a model file.
+    """Contents of a model file; `shapes` are the names of morph targets by mesh, in order.
 
-    Parameters
-    ----------
-    path : the file
-    shapes : name of a mesh -> names of its morph targets, in order
-    nodes : names of the named nodes
-    meshes : the meshes with morph targets
-    document : the file's JSON, shared and therefore read-only; copy before a change
-    chunks : the parts of a GLB after its JSON; empty for a JSON file
+    The document is the file's JSON, shared and therefore read-only: copy it before a change. Chunks
+    are the parts of a GLB after its JSON.
     """
 
     path: Path
@@ -89,11 +77,7 @@ class Model:
 
 
 def read_model(path: Path, *, bones: bool = False) -> Model:
-    """Read the metadata of a model.
-
-    Raises ModelError if the file is missing, damaged, not glTF 2.0, or lacks required morph
-    targets. The file is .glb or .gltf; with `bones`, the model may lack morph targets.
-    """
+    """Read the metadata of a model, .glb or .gltf; with `bones`, it may lack morph targets."""
     text, chunks = open_model(path)
     document = _document(path, text)
     nodes = document.get("nodes", [])

@@ -27,15 +27,7 @@ STEPPED_KEY_SECONDS = 1e-4
 
 
 class Drive(NamedTuple):
-    """A property of a node over time.
-
-    Parameters
-    ----------
-    node : index among the document's nodes
-    path : the property, such as `weights`
-    times : (T,) seconds, rising
-    values : (T, n), with linear interpolation
-    """
+    """A property of a node over time: (T, n) values at (T,) rising seconds, joined by lines."""
 
     node: int
     path: str

@@ -22,10 +22,7 @@ def product(first: Floats, then: Floats) -> Floats:
 
 
 def parts(matrix: Floats) -> dict[str, Floats] | None:
-    """Decompose a matrix into glTF's `translation`, `rotation` and `scale`, applied from the last.
-
-    None for shear or a zero scale, which have no such components.
-    """
+    """Decompose a matrix into `translation`, `rotation` and `scale`; None for shear or scale 0."""
     axes = matrix[:3, :3]
     scale = np.linalg.norm(axes, axis=1)
     scale[0] *= np.sign(np.linalg.det(axes))

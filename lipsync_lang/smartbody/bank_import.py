@@ -187,10 +187,7 @@ def _names(
 def _chosen(
     files: Sequence[Sets], style: str | None, remarks: ImportRemarks
 ) -> tuple[str, dict[DiphonePair, Diphone]]:
-    """Merge the sets of several files, and return the name and the pairs of the set to import.
-
-    The first occurrence of a pair has precedence.
-    """
+    """Merge the sets of files, the first of equal pairs kept, and return the one to import."""
     merged: Sets = {}
     for name, pairs in (one for sets in files for one in sets.items()):
         there = merged.setdefault(name, {})

@@ -4,7 +4,7 @@ Every submission and every answer is counted exactly once: as counted, as an ans
 attention check, or as set aside.
 """
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -349,9 +349,8 @@ def _shown(value: Any, most: int = 40) -> str:
 
 def reasons(set_aside: Iterable[SetAsideAnswers]) -> dict[str, tuple[int, int]]:
     """Count the submissions and answers that each reason sets aside."""
-    submissions: Counter[str] = Counter()
-    answers: Counter[str] = Counter()
+    found: dict[str, tuple[int, int]] = {}
     for one in set_aside:
-        submissions[one.reason] += one.submissions
-        answers[one.reason] += one.answers
-    return {reason: (submissions[reason], answers[reason]) for reason in submissions}
+        whole, single = found.get(one.reason, (0, 0))
+        found[one.reason] = (whole + one.submissions, single + one.answers)
+    return found

@@ -32,14 +32,10 @@ SIDE = 0.4
 
 @dataclass(frozen=True)
 class Camera:
-    """An eye at a fixed distance from its target.
+    """An eye at a fixed distance from its target, the `middle`, in the model's units.
 
-    Parameters
-    ----------
-    middle : (3,) target point, in the model's units
-    turn : (3, 3) rotation of the model's axes into eye axes, as rows: x right, y up, z to the eye
-    distance : from the eye to the target, in the model's units
-    half : half the side of the visible square at the target, in the model's units
+    `turn` rotates the model's axes into eye axes, as rows: x right, y up, z to the eye. `half` is
+    half the side of the visible square at the target.
     """
 
     middle: Floats

@@ -108,15 +108,9 @@ def pillow() -> Any:
 class Material:
     """Appearance of a surface.
 
-    Parameters
-    ----------
-    colour : (4,) linear red, green, blue and alpha
-    image : file of the texture, or None
-    cutoff : alpha below which the surface is absent
-    double : true for surfaces visible from behind
-    gloss : in [0, 1]
-    lit : false for surfaces that ignore light
-    scale, offset : (2,) place of the texture: coordinates times scale, plus offset
+    `colour` is (4,) linear red, green, blue and alpha. The surface is absent below alpha `cutoff`,
+    visible from behind if `double`, and ignores light unless `lit`; gloss is in [0, 1]. The place
+    of the texture, (2,) each, is its coordinates times scale, plus offset.
     """
 
     colour: Floats
