@@ -191,12 +191,22 @@ class ScriptPlanner:
                 self._faults.state(
                     ("recordings",), "P407", what, "record them, or correct the path"
                 )
-        elif self._audio and lacking and not self._heard:
+        elif self._audio and lacking and not self._heard and self._has_recordings():
             lines = sum(found.count for found in lacking.values())
             what = f"no file matches '{self._project.audio}', so voices speak {lines:,} lines"
             hint = "correct the path, or remove it; `recordings: required` makes this a fault"
             self._faults.state(("audio",), "W315", what, hint)
             lacking.clear()
+
+    def _has_recordings(self) -> bool:
+        """Return True if the project has files like its recordings, apart from its outputs."""
+        suffix = os.path.splitext(self._project.audio or "")[1].lower()  # noqa: PTH122 text
+        made = {path.partition("/")[0] for own in self._outputs.values() for _, path in own}
+        for _, below, names in os.walk(self._folder):
+            below[:] = [name for name in below if not name.startswith(".") and name not in made]
+            if any(name.lower().endswith(suffix) for name in names):
+                return True
+        return False
 
     def _told(self, what: str, index: int, told: str) -> str:
         """Return the number of a language's lines that lack something, with examples."""

@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from collections import Counter
 from dataclasses import replace
 from functools import cache
 from io import TextIOWrapper
@@ -9,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.commands.coverage_corpus import (
+    CorpusPart,
     corpus_parts,
     shown_names,
     weights_of,
@@ -124,6 +126,8 @@ def _counted(options: Namespace) -> "Coverage":
     from lipsync_lang.coverage import coverage as count
     from lipsync_lang.coverage.column_joining import joined
     from lipsync_lang.lines import read_lines
+    from lipsync_lang.speech.needed_extras import engines_of, refuse_missing
+    from lipsync_lang.speech.speaking.speaker import Speaker
 
     parts = corpus_parts(options)
     weights = weights_of(options)
@@ -133,7 +137,10 @@ def _counted(options: Namespace) -> "Coverage":
     def tell(remark: str) -> None:
         print(as_options(remark), file=sys.stderr)
 
-    documents = []
+    languages = {language for part in parts for language in part.languages}
+    speakers = {language: Speaker.of(language, options.path) for language in languages}
+    refuse_missing({name: engines_of(one.manner) for name, one in sorted(speakers.items())})
+    counted: list[tuple[CorpusPart, Coverage]] = []
     for part in parts:
         lines = read_lines(
             part.paths, column=part.column, encoding=options.encoding, remark=tell,
@@ -143,8 +150,15 @@ def _counted(options: Namespace) -> "Coverage":
             _shown(lines, shown), part.languages, options.character,
             paths=options.path, minutes=options.minutes, weights=weights, cast=options.cast,
         )  # fmt: skip
-        documents.append((part.column, found))
-    found = joined(documents, weights)
+        counted.append((part, found))
+    of = Counter(name for _, one in counted for name in {each.language for each in one.reports})
+    found = joined(
+        [
+            (part.title if any(of[each.language] > 1 for each in one.reports) else part.column, one)
+            for part, one in counted
+        ],
+        weights,
+    )
     others = [f"{one.what} ({one.count})" for one in found.corpus.other_speakers]
     if others:
         default, names = " and ".join(options.character), shortlist(others, MAX_NAMES)

@@ -27,11 +27,13 @@ class CorpusPart:
     ----------
     column : as it was stated; None for the one that is named after the language, or the likeliest
     names : of the language, which a column may have
+    title : what tells it from other parts of a language: its column, or the language as given
     """
 
     paths: tuple[Path, ...]
     column: str | None
     names: tuple[str, ...]
+    title: str
     languages: list[str] = field(default_factory=list)
 
 
@@ -63,7 +65,8 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
         names = finding.names[language]
         for column in stated.get(language, [default]):
             found = column or finding.of(language, paths)
-            part = CorpusPart(paths, column, names)
+            title = column or finding.title(paths, found) or language
+            part = CorpusPart(paths, column, names, title)
             parts.setdefault((paths, found), part).languages.append(language)
     return list(parts.values())
 
@@ -126,6 +129,11 @@ class _Columns:
                     f"--column {language}=NAME. Its columns: {', '.join(head)}"
                 )
         return tuple(found)
+
+    def title(self, paths: tuple[Path, ...], found: Iterable[int]) -> str:
+        """Return the names of the columns that were found in tables."""
+        heads = zip(self._heads[paths].values(), found, strict=True)
+        return ", ".join(dict.fromkeys(head[at] for head, at in heads if at >= 0))
 
 
 def _names(finder: "Finder", language: str, word: str | None) -> tuple[str, ...]:

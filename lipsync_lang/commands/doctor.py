@@ -4,7 +4,16 @@ import sys
 from argparse import Namespace
 from time import perf_counter
 
-from lipsync_lang.commands.doctor_checks import BROKEN, CHECKS, MORE_CHECKS, CheckedPart
+from lipsync_lang.commands.doctor_checks import (
+    ALWAYS,
+    BROKEN,
+    CHECKS,
+    MISSING,
+    MORE_CHECKS,
+    OPTIONAL,
+    PROJECT,
+    CheckedPart,
+)
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json
@@ -18,7 +27,7 @@ def add_doctor(add: Add) -> None:
 
 
 def doctor(options: Namespace) -> int:
-    """Print the state of every part; broken parts are faults."""
+    """Print the state of every part; parts that are broken or that the project lacks are faults."""
     start = perf_counter()
     with working("checking"):
         found: list[CheckedPart] = []
@@ -33,6 +42,11 @@ def doctor(options: Namespace) -> int:
     else:
         from lipsync_lang.reports.text_table import columns
 
-        print("\n".join(columns([(one.state, one.part, one.told) for one in found])))
+        rows = list(columns([(one.state, one.part, one.told) for one in found]))
+        for section in (ALWAYS, PROJECT, OPTIONAL):
+            own = [row for row, one in zip(rows, found, strict=True) if one.section == section]
+            if own:
+                print("\n".join([f"{section}:", *own]))
     print(f"checked in {perf_counter() - start:.1f} s", file=sys.stderr)
-    return FAULTS if any(one.state == BROKEN for one in found) else SOUND
+    lacking = any(one.state == MISSING and one.section == PROJECT for one in found)
+    return FAULTS if lacking or any(one.state == BROKEN for one in found) else SOUND

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 OK, MISSING, BROKEN = "ok", "missing", "broken"
 """States. A missing part is optional; a broken one fails the check."""
 
+ALWAYS, PROJECT, OPTIONAL = "always needed", "this project needs", "optional"
+"""Sections of the report, in order."""
+
 IMPORT_SECONDS = 60.0
 """Time limit for the process of a check."""
 
@@ -52,6 +55,8 @@ class CheckedPart(NamedTuple):
     state: str
     told: str
     """Details of the part, or the way to mend it."""
+    section: str = OPTIONAL
+    """What needs the part: every command, this project, or only some commands."""
 
 
 Check = Callable[[], Iterator[CheckedPart]]
@@ -93,8 +98,8 @@ def _python() -> Iterator[CheckedPart]:
     from lipsync_lang.pipeline import kernel
     from lipsync_lang.version import __version__
 
-    yield CheckedPart("Python", OK, f"{sys.version.split()[0]} at {sys.executable}")
-    yield CheckedPart("lipsync-lang", OK, f"{__version__} ({kernel.summary()})")
+    yield CheckedPart("Python", OK, f"{sys.version.split()[0]} at {sys.executable}", ALWAYS)
+    yield CheckedPart("lipsync-lang", OK, f"{__version__} ({kernel.summary()})", ALWAYS)
 
 
 @check
@@ -119,7 +124,7 @@ def _packs() -> Iterator[CheckedPart]:
         told = f"{told}; list them: lipsync-lang validate --no-tests"
     else:
         told = ", ".join(counts)
-    yield CheckedPart("packs", BROKEN if real else OK, told)
+    yield CheckedPart("packs", BROKEN if real else OK, told, ALWAYS)
 
 
 @check
@@ -129,15 +134,15 @@ def _project() -> Iterator[CheckedPart]:
     path = find_project()
     if path is None:
         yield CheckedPart(
-            "project", MISSING, "none in this folder; make one: lipsync-lang new NAME"
+            "project", MISSING, "none in this folder; make one: lipsync-lang new NAME", OPTIONAL
         )
         return
     try:
         load_project(path)
     except LipsyncError as error:
-        yield CheckedPart("project", BROKEN, f"{error}; then run: lipsync-lang validate")
+        yield CheckedPart("project", BROKEN, f"{error}; then run: lipsync-lang validate", PROJECT)
         return
-    yield CheckedPart("project", OK, os.path.relpath(path))
+    yield CheckedPart("project", OK, os.path.relpath(path), PROJECT)
 
 
 @check
@@ -162,7 +167,8 @@ def voices() -> Iterator[CheckedPart]:
         except LipsyncError as error:
             yield CheckedPart(f"voice of {name}", BROKEN, str(error))
             continue
-        yield from _voice(name, pack)
+        section = ALWAYS if path is None else PROJECT
+        yield from (part._replace(section=section) for part in _voice(name, pack))
 
 
 def _voice(name: str, pack: "Pack[Language]") -> Iterator[CheckedPart]:
@@ -187,8 +193,32 @@ def _voice(name: str, pack: "Pack[Language]") -> Iterator[CheckedPart]:
 @check
 def _extras() -> Iterator[CheckedPart]:
     """Import the modules of each extra in a process of its own."""
+    needed = _project_extras()
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        yield from pool.map(_extra, extras())
+        for extra, part in zip(extras(), pool.map(_extra, extras()), strict=True):
+            users = needed.get(extra.name)
+            told = f"{part.told}, for {shortlist(users, SHOWN_NAMES)}" if users else part.told
+            yield part._replace(told=told, section=PROJECT) if users else part
+    if missing := [extra.name for extra in extras() if extra.name in needed and extra.missing()]:
+        yield CheckedPart("to install", MISSING, install_line(*missing), PROJECT)
+
+
+def _project_extras() -> dict[str, list[str]]:
+    """Return the extras that the project needs, each with its users; none without a project."""
+    from lipsync_lang.build.project_extras import extras_of_project
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.project import find_project, load_project
+    from lipsync_lang.speech.needed_extras import providers
+
+    try:
+        path = find_project()
+        project = None if path is None else load_project(path).model
+        if project is None or path is None:
+            return {}
+        library = Library([path.parent / one for one in project.paths], path.parent)
+        return providers(extras_of_project(project, library))
+    except LipsyncError:
+        return {}  # the check of the project says why
 
 
 def _extra(extra: Extra) -> CheckedPart:
@@ -339,4 +369,4 @@ def _terminal() -> Iterator[CheckedPart]:
     encoding = getattr(sys.stdout, "encoding", None) or "none"
     plain = not encoding.lower().startswith("utf")
     told = f"{encoding} shows no IPA; set PYTHONUTF8=1" if plain else encoding
-    yield CheckedPart("terminal", MISSING if plain else OK, told)
+    yield CheckedPart("terminal", MISSING if plain else OK, told, ALWAYS)

@@ -38,10 +38,12 @@ def add_transcribe(add: Add) -> None:
 def transcribe(options: Namespace) -> int:
     """Print the phonemes and common phonemes of texts, word by word."""
     from lipsync_lang.authoring.printing import transcript_table
+    from lipsync_lang.speech.needed_extras import engines_of, refuse_missing
     from lipsync_lang.speech.speaking.speaker import Speaker
 
     texts = [options.text] if options.text is not None else lines_of(options.file)
     speaker = Speaker.of(options.language, options.path, cleaning(options))
+    refuse_missing({speaker.manner.language: engines_of(speaker.manner)})
     heard = list(speaker.transcribe(texts))
     if options.json:
         print(as_json([speaker.to_json(transcript) for transcript in heard]))

@@ -33,22 +33,28 @@ def engines_of(
         yield voice
 
 
-def missing_for(needed: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
-    """Return the missing extras, each with its users.
+def providers(needed: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
+    """Return the extras that provide what is needed, each with its users.
 
     Parameters
     ----------
     needed : by user, such as a language, its engines, formats and suffixes of files; one of
         ``g2p2|espeak`` is enough
     """
-    found: dict[str, list[str]] = {}
+    found: dict[str, dict[str, None]] = {}
     for user, names in needed.items():
         for choice in names:
             own = [one for one in extras() if not set(choice.split("|")).isdisjoint(one.provides)]
-            if own and all(one.missing() for one in own):
-                for one in own:
-                    found.setdefault(one.name, []).append(user)
-    return {name: list(dict.fromkeys(users)) for name, users in found.items()}
+            there = [one for one in own if not one.missing()]
+            for one in there or own:
+                found.setdefault(one.name, {})[user] = None
+    return {name: list(users) for name, users in found.items()}
+
+
+def missing_for(needed: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
+    """Return the missing ones of the `providers` of what is needed."""
+    missing = {one.name for one in extras() if one.missing()}
+    return {name: users for name, users in providers(needed).items() if name in missing}
 
 
 def missing_words(missing: Mapping[str, Iterable[str]]) -> str:

@@ -3,6 +3,7 @@
 import pytest
 
 from lipsync_lang import extras
+from lipsync_lang.commands import doctor_checks
 
 HEAD = "kind: project\nformat: 1\nname: game\n"
 SOUND = {
@@ -89,6 +90,9 @@ def test_a_project_without_a_script_serves_other_commands(cli, game):
 
 def test_a_mistyped_path_of_recordings_is_a_warning(cli, game):
     state(game, audio="'voo/{language}/{id}.wav'")
+    assert told(cli, "validate", "--no-tests") == (0, []), "a new project has no recordings yet"
+    (game / "vo/german").mkdir(parents=True)
+    (game / "vo/german/a.wav").write_text("x")
     for command in (("validate", "--no-tests"), ("build", "--dry-run")):
         code, lines = told(cli, *command)
         assert code == 0
@@ -155,3 +159,54 @@ def test_one_of_two_engines_is_enough(cli, game, monkeypatch):
     (game / "script.csv").write_text("id,hebrew\na,שלום\n")
     state(game, languages="[hebrew]", audio=None)
     assert cli("build", "--dry-run").code == 0
+
+
+# Other commands
+
+
+def test_coverage_gives_the_verdict_of_a_build_on_languages(cli, game):
+    (game / "script.csv").write_text("id,schinese,tchinese\na,你好,你好嗎\n")
+    state(game, languages="[schinese, tchinese]", audio=None)
+    whole = cli("coverage")
+    assert whole.code
+    for command in (("build", "--dry-run"), ("validate", "--no-tests")):
+        ended = cli(*command)
+        fault = next(line for line in (ended.out + ended.err).splitlines() if "P402" in line)
+        assert fault.removeprefix("lipsync-lang: ") in whole.err
+
+
+def test_columns_of_one_language_are_told_apart_in_every_form(cli, tmp_path, monkeypatch):
+    pytest.importorskip("pypinyin", reason="reads Chinese")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "script.csv").write_text("id,schinese,tchinese\na,你好,你好嗎\n")
+    asked = ("coverage", "script.csv", "-l", "schinese", "-l", "tchinese", "-c", "facefx")
+    for form in ("text", "csv", "json", "html"):
+        written = cli(*asked, "--format", form).out
+        assert "schinese" in written, form
+        assert "tchinese" in written, form
+
+
+def test_readers_that_are_missing_are_told_at_once(cli, game, monkeypatch):
+    monkeypatch.setattr(extras, "_there", lambda _: False)
+    (game / "script.csv").write_text(f"id,{','.join(TWELVE)}\na{',x' * len(TWELVE)}\n")
+    state(game, languages=f"[{', '.join(TWELVE)}]", audio=None)
+    told_of = cli("coverage").err
+    assert "g2p2 (for hebrew), japanese (for japanese), mandarin (for mandarin)" in told_of
+    assert '"lipsync-lang[g2p2,japanese,mandarin,speech,thaiphon]"' in told_of
+    assert "not installed: mandarin (for mandarin)" in cli("transcribe", "-l", "zh", "好").err
+
+
+def test_the_doctor_parts_what_the_project_needs_from_the_rest(cli, game, monkeypatch):
+    there = extras._there  # noqa: SLF001 which modules are found
+    monkeypatch.setattr(extras, "_there", lambda name: name != "pypinyin" and there(name))
+    monkeypatch.setattr(doctor_checks, "fault_of", lambda *_: "")
+    state(game, languages="[english, mandarin]", audio=None)
+    ended = cli("doctor")
+    head, _, rest = ended.out.partition("this project needs:\n")
+    own, _, optional = rest.partition("optional:\n")
+    assert head.startswith("always needed:\n")
+    assert "extra mandarin" in own
+    assert "to install" in own
+    assert '"lipsync-lang[mandarin]"' in own
+    assert "extra plot" in optional
+    assert ended.code == 1
