@@ -336,7 +336,7 @@ def _fonts() -> Iterator[CheckedPart]:
 
     if any(one.name == "plot" and one.missing() for one in extras()):
         return  # the extra is told as missing
-    from lipsync_lang.render.plot_fonts import fonts_for
+    from lipsync_lang.render.fonts import fonts_for
 
     missing = fonts_for(letters_of([SAMPLES])).missing
     for name, how in fonts_to_install(missing).items():
