@@ -56,6 +56,7 @@ def told(cli, *command):
         ({"character": None}, "1:1: P401", "no `character`"),
         ({"outputs": None}, "1:1: P401", "no `outputs`"),
         ({"outputs": "[csv, json]"}, "8:11: P404", "'csv' is a format, not a file"),
+        ({"outputs": "'csv:csv:/abs/{id}.csv'"}, "8:10: P106", "write FORMAT:FILE once"),
         ({"outputs": "'{language}/{id}.xyz'"}, "8:10: P404", "no writer for '.xyz'"),
         ({"outputs": "'{language}.csv'"}, "8:10: P403", "the same file for all lines"),
         ({"limits": "{contcts: 0}"}, "9:19: P404", "unknown measure 'contcts'"),

@@ -38,6 +38,9 @@ def _outside(path: str) -> bool:
 def _within(output: str) -> str:
     """Refuse outputs elsewhere: a stranger's project writes into its own folder alone."""
     path = re.sub(r"^[a-z0-9-]{2,}:", "", output)
+    if ":" in path[2:]:
+        what = "'{path}' has a ':', which Windows does not allow; write FORMAT:FILE once"
+        raise PydanticCustomError("P106", what, {"path": path})
     if _outside(path):
         what = "'{path}' is outside the project's folder; name it with -o instead"
         raise PydanticCustomError("P106", what, {"path": path})
