@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.commands.defaults import fill
 from lipsync_lang.commands.output import FAULTS, INTERRUPTED, MISUSE, SOUND, as_options
 from lipsync_lang.commands.parser import parser
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.commands.registry import COMMANDS
+from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.extensions import PluginWarning, plug_in_behind
 from lipsync_lang.files.signals import Terminated, terminating
 from lipsync_lang.terminal import safe_streams
@@ -87,7 +88,14 @@ def _worded(arguments: Sequence[str] | None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     try:
         given = sys.argv[1:] if arguments is None else list(arguments)
-        options = parser(next(iter(given), None)).parse_args(given)
+        if given[:1] == ["help"]:
+            given = [*given[1:], "--help"]
+        first = next(iter(given), None)
+        made = parser(first)
+        if first and first[0] != "-" and first not in COMMANDS.modules and first not in COMMANDS:
+            known = [name for name in COMMANDS if " " not in name]
+            made.error(f"unknown command '{first}': {did_you_mean(first, known)}")
+        options = made.parse_args(given)
         command: Handler = options.command
         with saying(options):
             fill(options)

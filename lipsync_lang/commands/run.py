@@ -184,7 +184,12 @@ def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], Non
 
 
 def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
-    """Refuse duplicate outputs and outputs that overwrite an input."""
+    """Refuse a file as the text, duplicate outputs, and outputs that overwrite an input."""
+    if options.text and Path(options.text).suffix and os.path.isfile(options.text):  # noqa: PTH113 any text
+        raise LipsyncError(
+            f"{options.text}: is a file, and TEXT is the text to say; `lipsync-lang new --from "
+            "TABLE` and `build` make all lines of a script, and --schedule reads timings"
+        )
     given = {"the input schedule": options.schedule, "the input recording": options.audio}
     taken = {
         os.path.realpath(path): what

@@ -167,3 +167,17 @@ def test_bash_completes(cli, typed, wanted, tmp_path):
 def test_a_missing_shtab_names_the_extra(cli, monkeypatch):
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert 'pip install "lipsync-lang[completion]"' in cli("completion", "zsh").err
+
+
+def test_a_mistyped_command_is_suggested(cli):
+    ended = cli("runn")
+    assert ended.code == 2
+    assert "unknown command 'runn': did you mean 'run'?" in ended.err
+
+
+def test_a_file_is_not_spoken_as_its_name(cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "script.txt").write_text("Hello.", "utf-8")
+    ended = cli("run", "script.txt", "-l", "english", "-c", "facefx")
+    assert ended.code == 2
+    assert "script.txt: is a file" in ended.err
