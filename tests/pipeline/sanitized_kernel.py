@@ -114,7 +114,7 @@ def main(seconds, seed):
         for _ in range(rng.choice((1, 1, 2))):
             at = rng.randrange(len(arguments))
             arguments[at] = damaged(rng, arguments[at], calls)
-        faulthandler.dump_traceback_later(20, exit=True)
+        faulthandler.dump_traceback_later(120, exit=True)
         try:
             getattr(sys.modules[MODULE], name)(*arguments)
             answer = f"{name} performed"
