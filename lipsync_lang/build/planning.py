@@ -44,7 +44,10 @@ INPUTS = {
 """Parts of a line's inputs in words."""
 
 FILE_INPUTS = ("timings", "audio")
-"""Parts of the inputs that are files: path, size and time of change."""
+"""Parts of the inputs that are files: path, size, and times of change of content and of status.
+
+Tools that copy or restore files may set the first time; nobody sets the second.
+"""
 
 REMAKE_REASONS = {
     "missing": "is missing",
@@ -202,7 +205,7 @@ class _Planner:
         self, inputs: Mapping[str, Any], text: str, record: LineRecord
     ) -> Iterator[str]:
         sure = record.at - TICK_NANOSECONDS
-        late = {part for part in FILE_INPUTS if part in inputs and inputs[part][2] > sure}
+        late = {part for part in FILE_INPUTS if part in inputs and max(inputs[part][2:]) > sure}
         if record.verdict == "failed" or (text == record.inputs and not late):
             return
         before = from_json(record.inputs)
@@ -250,8 +253,8 @@ def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[s
         if path is not None:
             try:
                 stat = os.stat(os.path.join(folder, path))  # noqa: PTH116, PTH118 once a line
-                stamp = stat.st_size, stat.st_mtime_ns
+                stamp = stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
             except OSError:
-                stamp = 0, 0
+                stamp = 0, 0, 0
             inputs[part] = [recorded_path(folder, path), *stamp]
     return inputs

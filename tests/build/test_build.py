@@ -235,6 +235,15 @@ def test_an_edit_of_the_same_length_is_one(built):
     assert built.build().end["kept"] == ["takes/map.csv"]
 
 
+def test_a_file_replaced_with_equal_size_and_time_is_noticed(game):
+    path = game.folder / "vo/low.json"
+    os.utime(path, (1_000_000_000, 1_000_000_000))
+    assert game.build().built == ALL
+    path.write_text(path.read_text().replace("OW", "AW"))
+    os.utime(path, (1_000_000_000, 1_000_000_000))
+    assert game.build().built == ["low"]
+
+
 def test_a_build_killed_between_record_and_rename_resumes(game, monkeypatch):
     class Killed(BaseException):
         pass
