@@ -29,7 +29,7 @@ DELIMITERS = "\t,;|"
 MAX_CELL_LINES = 100
 """Maximum number of lines of the file in one cell; a longer cell has no closing quote."""
 
-MAX_EXAMPLE_CHARS = 60
+MAX_CELL_EXAMPLE_CHARS = 60
 """Maximum length of a text in a message."""
 
 MAX_FAULTS = 12
@@ -177,7 +177,7 @@ def _surplus(row: Sequence[str], head: Sequence[str], delimiter: str) -> str:
     if not any(one.strip() for one in row[len(head) :]):
         return ""
     cut = next((at for at, one in enumerate(row) if at and one.startswith(" ")), len(head))
-    whole = delimiter.join(row[cut - 1 : cut + 1])[:MAX_EXAMPLE_CHARS]
+    whole = delimiter.join(row[cut - 1 : cut + 1])[:MAX_CELL_EXAMPLE_CHARS]
     shown = "tab" if delimiter == "\t" else delimiter
     return (
         f"has {len(row)} cells, and the head {len(head)} columns; put a text that contains a "

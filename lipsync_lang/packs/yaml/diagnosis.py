@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 from lipsync_lang.packs.yaml.events import YamlError
 
-_QUOTED = re.compile(r"\"(?:\\.|[^\"\\])*\"|'(?:[^']|'')*'|(?<!\S)#.*")
+_WHOLE_QUOTES = re.compile(r"\"(?:\\.|[^\"\\])*\"|'(?:[^']|'')*'|(?<!\S)#.*")
 _OPEN_QUOTE = re.compile(r"(?:^|[\s:,\[{-])([\"'])")
 _KEY_LINE = re.compile(r"\s*(?:- )?[^\s#\"'\[{][^:#]*:(?:\s|$)")
 _CURLY = re.compile("[“”„‘’‚]")
 _COLON = re.compile(r":(?=\s|$)")
-_BRACKETS = {"[": "]", "{": "}"}
+_CLOSING_BRACKETS = {"[": "]", "{": "}"}
 
 
 class Cause(NamedTuple):
@@ -29,7 +29,7 @@ def cause(  # noqa: PLR0911 one return for each cause
     text: str, error: YamlError, place: tuple[int, int]
 ) -> Cause | None:
     """Return the likely cause of a parser's error; None if the parser's words must do."""
-    lines = [_QUOTED.sub(lambda found: "_" * len(found[0]), one) for one in text.splitlines()]
+    lines = [_WHOLE_QUOTES.sub(lambda found: "_" * len(found[0]), one) for one in text.splitlines()]
     line, column = min(place[0], len(lines)), place[1]
     first = min(error.started or line, line)
     shown = lines[line - 1]
@@ -85,12 +85,12 @@ def _bracket(lines: list[str], first: int, line: int, column: int) -> Cause:
         for at, sign in enumerate(text, 1):
             if (number, at) >= (line, column):
                 break
-            if sign in _BRACKETS:
+            if sign in _CLOSING_BRACKETS:
                 opened.append((number, at, sign))
-            elif sign in _BRACKETS.values() and opened:
+            elif sign in _CLOSING_BRACKETS.values() and opened:
                 opened.pop()
     number, at, sign = opened[-1] if opened else (first, 1, "[")
-    closing = _BRACKETS[sign]
+    closing = _CLOSING_BRACKETS[sign]
     if lines[line - 1][column - 1 : column] in set("]}") - {closing}:
         what = f"'{sign}' is closed by '{lines[line - 1][column - 1]}'"
         return Cause(line, column, what, f"write '{closing}' here")

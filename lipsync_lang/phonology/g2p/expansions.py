@@ -16,7 +16,7 @@ from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 MAX_ROMAN_CHARS = 12
 """Maximum number of letters of a Roman numeral."""
 
-SEEN_CHARS = 16
+SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
 
 _ROMAN = re.compile(
@@ -118,14 +118,14 @@ def _fits(found: re.Match[str], read: str) -> bool:
         return True
     after = _seen_after(found).lstrip(" \u00a0\u202f")
     if len(key) == len("D."):
-        before = found.string[max(found.start() - SEEN_CHARS, 0) : found.start()].rstrip()
+        before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
         return after[:1].isupper() and not before[-1:].isdigit()
     return not key[0].isupper() or any(map(str.isalnum, after[:3]))
 
 
 def _seen_after(found: re.Match[str]) -> str:
     """Return the start of the text after a match; the whole rest would be copied for each match."""
-    return found.string[found.end() : found.end() + SEEN_CHARS]
+    return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
 
 
 def _expanded(found: re.Match[str], read: str) -> str:
