@@ -148,7 +148,7 @@ def _script(path: Path) -> None:
     with chdir(path.parent):
         data = stated | {"outputs": outputs}
         pack = Pack(Project.model_validate(data), (YamlSource(Path("lipsync.yaml"), data),))
-        lines = read_script(pack, remark=_plain)
+        lines = read_script(pack, remark=lambda told: _plain(str(told)))
     made = [output for line in lines for _, output in line.outputs]
     assert len(set(made)) == len(made)
     for output in made:

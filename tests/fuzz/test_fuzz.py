@@ -6,6 +6,8 @@
 
 import ast
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -19,6 +21,7 @@ from lipsync_lang import LipsyncError
 PACKAGE = HERE.parents[1] / "lipsync_lang"
 SEED = int(os.environ["LIPSYNC_LANG_FUZZ_SEED"])  # conftest.py chooses one for all workers
 QUICK_INPUTS, FULL_INPUTS = 150, 20_000
+GUIDED_SECONDS = 45
 TARGETS = targets()
 CORPUS = [path for target in TARGETS.values() for path in target.corpus]
 assert TARGETS, "a sweep over nothing passes"
@@ -210,3 +213,14 @@ def test_a_seed_repeats_its_inputs_and_another_has_others():
     once, again, others = ([*inputs(target, seed, 20)] for seed in (1, 1, 2))
     assert once == again != others
     assert len({content for _, content, _ in once}) > 15
+
+
+@full
+def test_coverage_guided_inputs_are_read_or_refused():
+    """`atheris` looks for inputs that reach new lines, for a while, with a limit of memory."""
+    pytest.importorskip("atheris", reason="no atheris: coverage does not guide the fuzzing")
+    done = subprocess.run(
+        [sys.executable, "-m", "fuzz.guided", str(GUIDED_SECONDS), str(SEED)], check=False,
+        cwd=HERE.parent, capture_output=True, encoding="utf-8", errors="replace", timeout=600,
+    )  # fmt: skip
+    assert done.returncode == 0, (done.stdout + done.stderr)[-5000:]
