@@ -16,7 +16,6 @@ SCRIPT = Path(__file__).with_name("injected_faults.py")
 COMMANDS = {
     "run": ("run", "--schedule", "vo/map.json", "-l", "english", "-c", "facefx", "-o", "a.csv",
             "-o", "a.json"),
-    "build": ("build", "--workers", "1"),
     "bank": ("bank", "draft", "-l", "english", "-c", "facefx", "--write", "l-ow"),
 }  # fmt: skip
 
