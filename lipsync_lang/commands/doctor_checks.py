@@ -56,7 +56,7 @@ class CheckedPart(NamedTuple):
     told: str
     """Details of the part, or the way to mend it."""
     section: str = OPTIONAL
-    """What needs the part: every command, this project, or only some commands."""
+    """Use of the part: by every command, this project, or only some commands."""
 
 
 Check = Callable[[], Iterator[CheckedPart]]

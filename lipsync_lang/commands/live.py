@@ -14,9 +14,8 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.signals import Terminated
 
 if TYPE_CHECKING:
-    from lipsync_lang.live.live_player import LivePlayer
+    from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.outlets import Outlet
-    from lipsync_lang.live.live_player import TextSpeaker
 
 MAX_LINE_BYTES = 64 * 1024
 """Maximum number of bytes of a line of standard input; a longer line is split."""
@@ -55,9 +54,8 @@ def add_live(add: Add) -> None:
 def live(options: Namespace) -> int:
     """Speak texts when they arrive, and send their frames in real time, until the input ends."""
     from lipsync_lang.commands.performing import levels, performer_for
-    from lipsync_lang.live.live_player import LivePlayer
+    from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.outlets import STANDARD_OUTPUT, outlet, parse_address, refuse_unknown
-    from lipsync_lang.live.live_player import TextSpeaker
     from lipsync_lang.live.web_socket import Session
 
     addresses = [parse_address(one) for one in dict.fromkeys(options.to or [STANDARD_OUTPUT])]

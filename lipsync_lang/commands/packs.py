@@ -218,8 +218,7 @@ def _new_character(library: "Library", options: Namespace) -> "PackDraft":
 
 def _check_language(library: "Library", options: Namespace) -> int:
     """Print the faults, the mouths and the tests of a language pack."""
-    from lipsync_lang.authoring.language_check import check_language
-    from lipsync_lang.authoring.language_check import draw_mouths
+    from lipsync_lang.authoring.language_check import check_language, draw_mouths
     from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import located
     from lipsync_lang.packs.library import Library

@@ -190,9 +190,7 @@ def test_ten_thousand_characters_are_spoken(performer):
 def test_a_language_without_a_voice_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     put(tmp_path, "languages/mute.yaml", "kind: language\nformat: 1\nname: mute\ntag: qaa\n")
-    with pytest.raises(
-        SpeechError, match="mute has no voice: add a `tts` to its pack, or a `g2p`"
-    ):
+    with pytest.raises(SpeechError, match="mute has no voice: add a `tts` to its pack, or a `g2p`"):
         ll.speak("hello", "mute")
 
 

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 MAX_HEARD_SAMPLES = 15 * SPEECH_RATE
 """Length of the part of a recording that is recognised to say what was heard."""
 
-MAX_QUOTED_CHARS = 60
+MAX_SHOWN_TEXT = 60
 """Maximum characters of a text in a message."""
 
 MIN_AGREEMENT = 0.12
@@ -103,7 +103,7 @@ class PocketsphinxAligner(BatchAligner):
         sayings = reader.sayings(transcript.words)
         if not sayings:
             raise SpeechError(
-                f"'{text[:MAX_QUOTED_CHARS]}' has no words to align; give the spoken text"
+                f"'{text[:MAX_SHOWN_TEXT]}' has no words to align; give the spoken text"
             )
         sound = prepared(audio)
         heard = laid(models, features(sound), [saying.ways for saying in sayings])
@@ -113,11 +113,11 @@ class PocketsphinxAligner(BatchAligner):
         if agreeing < MIN_AGREEMENT:
             told = decoded_words(models, sound[:MAX_HEARD_SAMPLES]) if reader.own else []
             words = " ".join(word.text for word in told) or "no word"
-            heard_words = f", where '{words[:MAX_QUOTED_CHARS]}' was heard" if reader.own else ""
+            heard_words = f", where '{words[:MAX_SHOWN_TEXT]}' was heard" if reader.own else ""
             raise SpeechError(
                 f"the text does not fit the recording{heard_words} ({agreeing:.0%} of its "
                 f"phonemes, confidence {line_confidence(heard):.2f}): "
-                f"'{text[:MAX_QUOTED_CHARS]}'; check the text, the language and the loudness of "
+                f"'{text[:MAX_SHOWN_TEXT]}'; check the text, the language and the loudness of "
                 "the voice, or try another aligner (`aligner`)"
             )
         found = timed_labels(models, heard, sayings, audio.seconds)
