@@ -19,7 +19,7 @@ POSIX = {
     "test_a_bank_that_is_edited_is_synced": "folders that can be synced",
     "test_a_worker_that_does_not_see_the_folder_is_named": "the name of the machine by `uname`",
 }
-"""What a test needs that Windows lacks, by the name of the test."""
+"""Parts of POSIX that a test needs and Windows lacks, by the name of the test."""
 
 OWN = "test_other_systems.py"
 """Tests of the imitation itself start processes that imitate Windows."""

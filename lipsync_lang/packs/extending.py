@@ -67,7 +67,7 @@ def test_fault(pack: "Pack[Language]", index: int, what: str, hint: str, *more: 
         for number, test in enumerate(source.data.get("tests") or ()):
             if normalize("NFC", test["text"]) == normalize("NFC", text):
                 place = source.where(("tests", number))
-                hint = f"correct the map, or state this test anew in {shown(pack.path)}"
+                hint = f"correct the map, or state this test again in {shown(pack.path)}"
                 return Fault(shown(source.path), *place, "P221", what, hint)
     return pack.fault(("tests", index, *more), "P221", what, hint)
 

@@ -1,4 +1,4 @@
-"""Extras that languages and files need, so that all missing ones are told before any work."""
+"""Extras that languages and files need, so that one message names all missing ones."""
 
 from collections.abc import Iterable, Iterator, Mapping
 

@@ -382,7 +382,7 @@ class Desk:
         self._journal.rewrite([*saving, *others], save_line(before))
 
     def _complete(self, begun: Mapping[str, str]) -> None:
-        """Complete a save that was cut off; a file that has changed since then stays unsaved."""
+        """Complete the save in the journal; a file that has changed since then stays unsaved."""
         sheets = [self._sheets[Path(path)] for path in begun]
         due = [sheet for sheet in sheets if digest(on_disk(sheet.path)) == begun[str(sheet.path)]]
         try:

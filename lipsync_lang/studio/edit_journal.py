@@ -174,7 +174,7 @@ def edit_of(line: Json) -> PackEdit:
 
 
 def save_line(before: Mapping[Path, bytes | None]) -> Json:
-    """Return the line of a save that has begun: the digest of what each file holds until then."""
+    """Return the line of a begun save: the digest of what each file holds until then."""
     return {"save": {str(path): digest(content) for path, content in before.items()}}
 
 

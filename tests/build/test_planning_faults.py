@@ -1,4 +1,4 @@
-"""What keeps a project from being built: `validate` and `build` say the same, before any work."""
+"""Faults that keep a project from being built: `validate` and `build` name the same."""
 
 import pytest
 

@@ -237,7 +237,7 @@ def test_a_project_is_made_whole_or_not_at_all(cli, here, monkeypatch):
     def fail(*_):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "rename", fail)
+    monkeypatch.setattr(Path, "replace", fail)
     ended = cli("new", "game")
     assert ended.code == 2
     assert "game: cannot be made: Permission denied; change to a folder" in ended.err

@@ -15,7 +15,7 @@ def test_models_are_counted_and_missing_ones_are_named(monkeypatch, tmp_path):
     monkeypatch.setattr(mfa_check.shutil, "which", lambda name: f"/bin/{name}")
     monkeypatch.setenv("MFA_ROOT_DIR", str(tmp_path))
     program, found = MORE_CHECKS["mfa"]()
-    assert program == ("mfa", "ok", "/bin/mfa")
+    assert program[:3] == ("mfa", "ok", "/bin/mfa")
     assert (found.part, found.state) == ("models of mfa", "missing")
     assert "mfa model download acoustic" in found.told
     folder = tmp_path / "pretrained_models/acoustic"

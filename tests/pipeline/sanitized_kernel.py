@@ -24,7 +24,7 @@ if LIBRARY in os.environ:
     spec.loader.exec_module(sys.modules[MODULE])
 
 REFUSALS = (ValueError, TypeError, OverflowError, IndexError, BufferError, MemoryError)
-"""What the kernel may raise for arguments that it could not read."""
+"""Errors that the kernel may raise for arguments that it could not read."""
 
 COUNTS = (-(2**63), -1, 0, 1, 2, 3, 511, 513, 7_000, 2**44, 2**63 - 1)
 NUMBERS = (float("nan"), float("inf"), -float("inf"), -1.0, 0.0, 1e-300, 1.0, 59.94, 1e300)

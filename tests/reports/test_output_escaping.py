@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from dataclasses import replace
 from html import unescape
 from io import BytesIO, StringIO
@@ -288,7 +289,7 @@ def covered(form):
 
 
 def words_of(text):
-    return " ".join(text.replace("\x00", "\ufffd").split())
+    return " ".join(re.sub("[\x00-\x08\x0b\x0c\x0e-\x1f]", "\ufffd", text).split())
 
 
 def test_the_total_and_the_changes_of_a_coverage_page_show_odd_names():

@@ -40,7 +40,7 @@ def test_a_part_tells_its_share_of_the_whole():
 
 
 def test_the_model_tells_of_each_window(monkeypatch):
-    def window(_model, features, _words, done):
+    def window(_model, features, _words, done, _frames):
         stop = min(1000, len(features))
         return [forced.HeardPhoneme(done, 1, 0, stop, 0.0)]
 

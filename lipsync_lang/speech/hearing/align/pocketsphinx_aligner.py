@@ -150,12 +150,14 @@ def laid(
 
 def unfit(audio: Audio, phonemes: int) -> str:
     """Return the reason why words cannot be aligned, with a cure."""
-    told = f"the text has {phonemes} phonemes, and the recording {audio.seconds:.2f} s: "
     if phonemes * STATES * FRAME_SECONDS > audio.seconds:
-        return f"{told}more than can be said in it; check that both are complete"
+        return (
+            f"the text has {phonemes} phonemes, and the recording {audio.seconds:.2f} s: more than "
+            "can be said in it; check that both are complete"
+        )
     return (
-        f"{told}the aligner lost the text in it; check that the recording has all of the text, or "
-        "align shorter parts"
+        f"the text has {phonemes} phonemes, and the recording {audio.seconds:.2f} s: the aligner "
+        "lost the text in it; check that the recording has all of the text, or align shorter parts"
     )
 
 
