@@ -143,17 +143,18 @@ def follow(page, start, perform):
             console(told, text, start)
 
 
-def follow_here(page, capsys):
-    """Follow the steps of a page within this process."""
+def follow_here(page, capsysbinary):
+    """Follow the steps of a page within this process; some print pictures, which are no text."""
     scope = {"__name__": "__main__"}
 
     def start(words):
-        capsys.readouterr()
+        capsysbinary.readouterr()
         try:
             code = main(words)
         except SystemExit as leaving:
             code = leaving.code or 0
-        return Ended(code, *capsys.readouterr())
+        printed = capsysbinary.readouterr()
+        return Ended(code, *(part.decode("utf-8", "replace") for part in printed))
 
     def perform(text):
         exec(compile(text, named(page), "exec"), scope)  # noqa: S102 our own page
