@@ -66,7 +66,7 @@ def test_a_pack_keeps_the_tests_of_the_pack_that_it_shadows(cli):
         assert int(passed[2]) == tests
         assert (int(passed[1]) < tests) == ends
     assert re.search(r"languages/finnish.yaml:\d+:5: P221 .*'ulkomailta'", told.out)
-    assert f"or state this test anew in {path}" in told.out
+    assert f"or state this test again in {path}" in told.out
     path.write_text(
         path.read_text("utf-8") + "tests:\n  - {text: ulkomailta, phonemes: [w, l]}\n", "utf-8"
     )
