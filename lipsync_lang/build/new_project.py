@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from lipsync_lang.build.project_folder import starter
 from lipsync_lang.build.project_text import ProjectLayout, project_text
-from lipsync_lang.errors import LipsyncError, shortlist
+from lipsync_lang.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.files.names import folded_name
 from lipsync_lang.lines.columns import NAME_COLUMNS, SPEAKER_COLUMNS, first_column, text_column
 from lipsync_lang.lines.line_readers import LineFile, by_suffix, line_files
@@ -214,7 +214,7 @@ def _named_ids(cells: Cells, table: Path) -> IdColumn:
         known = ", ".join(NAME_COLUMNS)
         raise LipsyncError(
             f"{table}:1: no column is named like one of ids ({known}); rename the column of ids, "
-            f"or add one. Its columns: {', '.join(cells.head)}"
+            f"or add one. Its columns: {shortlist(cells.head, MAX_KNOWN)}"
         )
     return IdColumn(column)
 

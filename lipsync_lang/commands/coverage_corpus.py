@@ -8,7 +8,7 @@ from os.path import commonpath
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.errors import MAX_KNOWN, LipsyncError, PackError, shortlist
 from lipsync_lang.files import STANDARD_STREAM
 from lipsync_lang.packs.project import FILE, find_project
 
@@ -126,7 +126,7 @@ class _Columns:
             if at < 0 or theirs or any(language_column(head, one) >= 0 for one in others):
                 raise LipsyncError(
                     f"{path}:1: which column is the text in {language}? Say "
-                    f"--column {language}=NAME. Its columns: {', '.join(head)}"
+                    f"--column {language}=NAME. Its columns: {shortlist(head, MAX_KNOWN)}"
                 )
         return tuple(found)
 

@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.phonology.language_names import folded_language
 
 if TYPE_CHECKING:
@@ -105,9 +105,9 @@ def language_column(head: Sequence[str], names: Sequence[str]) -> int:
 
 
 def lacking(source: "LineFile", head: Sequence[str], what: str) -> LipsyncError:
-    """Return an error that lists the columns."""
+    """Return an error that lists the first columns."""
     end = "" if what.endswith((".", "?")) else "."
-    return source.fault(1, f"{what}{end} Its columns: {', '.join(head)}")
+    return source.fault(1, f"{what}{end} Its columns: {shortlist(head, MAX_KNOWN)}")
 
 
 def _is_free(head: Sequence[str], at: int) -> bool:

@@ -9,7 +9,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, NamedTuple, Self
 
-from lipsync_lang.errors import LipsyncError, ScheduleError
+from lipsync_lang.errors import MAX_KNOWN, LipsyncError, ScheduleError, shortlist
 from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import STANDARD_STREAM, argument_path
 from lipsync_lang.files.reach import refuse_outside
@@ -241,7 +241,7 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
     for here, folders, files in os.walk(folder, onerror=refused):
         hidden = [name for name in (*folders, *files) if name.startswith(".")]
         if hidden:
-            remark(f"{here}: hidden files are left out: {', '.join(sorted(hidden)[:8])}")
+            remark(f"{here}: hidden files are left out: {shortlist(sorted(hidden), MAX_KNOWN)}")
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(set(files) - set(hidden)):
             path = Path(here, name)

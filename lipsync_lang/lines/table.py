@@ -45,7 +45,7 @@ def open_table(source: LineFile) -> Table:
     _, first = next(lines, (1, ""))
     if not first.strip():
         raise source.fault(1, "has no row of column names; write one, such as id,speaker,text")
-    delimiter = max(DELIMITERS, key=lambda d: len(next(csv.reader([first], delimiter=d))))
+    delimiter = max(DELIMITERS, key=lambda one: len(_cells(first, one)))
     rows = _rows(source, _RowLines(chain([(1, first)], lines)), delimiter)
     _, head = next(rows)
     return Table([name.strip() for name in head], rows)
@@ -117,7 +117,9 @@ def _rows(
         try:
             row = next(rows, None)
         except csv.Error:
-            row = _loose(lines, delimiter)
+            # Quotes within quotes, such as `"a "b" c"`; the line's end is kept only if one is open.
+            cells = _cells(lines.row[0][1], delimiter) if len(lines.row) == 1 else []
+            row = cells if cells and not cells[-1].endswith("\n") else None
             wrong = "" if row else _open_quote(lines)
         else:
             wrong = ""
@@ -135,20 +137,19 @@ def _rows(
         raise LipsyncError("\n".join(faults))
 
 
-def _loose(lines: _RowLines, delimiter: str) -> list[str] | None:
-    """Read a row of one line with quotes within quotes, such as ``"a "b" c"``; None if open."""
+def _cells(line: str, delimiter: str) -> list[str]:
+    """Return the cells of a line, however it is quoted; none if one of them is too long."""
     with suppress(csv.Error):
-        (row,) = csv.reader([f"{lines.row[0][1]}\n"], delimiter=delimiter)
-        # The end of the line is kept only within quotes.
-        return None if len(lines.row) > 1 or row[-1].endswith("\n") else row
-    return None
+        return next(csv.reader([f"{line}\n"], delimiter=delimiter))
+    return []
 
 
 def _open_quote(lines: _RowLines) -> str:
     """Describe a quote without its end, and continue in the line after it."""
     lines.repeat()
-    if '"' not in lines.row[0][1]:
-        return f"a cell has more than {csv.field_size_limit():,} characters; shorten it"
+    first, most = lines.row[0][1], csv.field_size_limit()
+    if '"' not in first or len(first) > most:
+        return f"a cell has more than {most:,} characters; shorten it, and close its quotes"
     return (
         'a cell begins with a quote (") that is not closed; close it at the end of the cell, and '
         'write quotes within the cell twice ("")'

@@ -10,7 +10,7 @@ from itertools import islice
 from typing import Any, BinaryIO
 from zipfile import BadZipFile, ZipFile
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.extras import install_line
 from lipsync_lang.files.reading import MIB_BYTES
 from lipsync_lang.lines.line import Line
@@ -64,9 +64,8 @@ def _rows(
         elif head is not None:
             left.append(other)
     if left:
-        source.remark(
-            f"{source.path}: left out {', '.join(left)}: the columns differ from those of {title}"
-        )
+        names = shortlist(left, MAX_KNOWN)
+        source.remark(f"{source.path}: left out {names}: the columns differ from those of {title}")
 
 
 def _head(row: Sequence[str]) -> list[str]:

@@ -421,6 +421,21 @@ def test_a_column_that_is_not_there_names_the_columns(tmp_path, column, match):
         read(path, column=column)
 
 
+def test_many_names_are_summed_up(tmp_path):
+    names = [f"c{number}" for number in range(400)]
+    summed = f"{', '.join(names[:24])} and 376 more"
+    assert refusal(write(tmp_path / "a.csv", ",".join(names))).endswith(f"Its columns: {summed}")
+    workbook(tmp_path / "a.xlsx", One=[HEAD], **{name: [["x"]] for name in names})
+    hidden = sorted(f".{name}" for name in names)
+    (tmp_path / "b").mkdir()
+    for name in hidden:
+        (tmp_path / "b" / name).touch()
+    remarks = []
+    read(tmp_path / "a.xlsx", tmp_path / "b", remark=remarks.append)
+    assert f"left out {summed}: the columns differ" in remarks[1]
+    assert remarks[0].endswith(f"{', '.join(hidden[:24])} and 376 more")
+
+
 def test_the_only_column_left_is_the_text(tmp_path):
     path = write(tmp_path / "a.csv", "line_id|speaker|french\n1|e|Oui, bon\n")
     assert told(read(path)) == [(2, "1", "e", "Oui, bon")]
@@ -465,6 +480,8 @@ TABLE_FAULTS = {
     ),
     "the head": ('id,"text\na,Hello\n', ["a.csv:1: .* is not closed"], []),
     "a cell of any size": ("text\nfine\n" + "x" * 200_000, ["a.csv:3: .*131,072"], ["fine"]),
+    "a column of any size": (f"id,text,{'x' * 200_000}\na,Fine", ["a.csv:1: .*131,072"], []),
+    "a quoted one": (f'id,text,"{"x" * 200_000}"\na,Fine', ["a.csv:1: .*131,072"], []),
 }
 
 
@@ -488,6 +505,7 @@ SOUND_TABLES = {
     "quotes inside": ("id,text\na,He is 6' 2\" tall\nb,x", "He is 6' 2\" tall"),
     "a row that begins with a space": ('id,text\na,"Two:\n b,Fine."\nb,x', "Two: b,Fine."),
     "a head of two lines": ('id,"text\n(en)"\na,Hello\nb,x', "Hello"),
+    "many columns": (f"id,text{',c' * 99_999}\na,Hello\nb,x", "Hello"),
     "empty cells at the end": ("id,text\na,Hello,, ,\nb,x", "Hello"),
 }
 
