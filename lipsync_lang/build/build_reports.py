@@ -72,10 +72,11 @@ def _pages(
         if line.key in outcome.built or not path.exists():
             try:
                 pair = project.pairs[line.language, line.character]
-                animation = project.maker.animation(line, pair)
+                shown = pair.performer.rigged(project.maker.animation(line, pair))
                 path.parent.mkdir(parents=True, exist_ok=True)
                 with atomic(path) as stream:
-                    WRITERS[PAGE].write(pair.performer.rigged(animation), stream)
+                    WRITERS[PAGE].write(shown, stream)
+                outcome.remarks |= dict.fromkeys(WRITERS[PAGE].remarks(shown))
             except (LipsyncError, OSError):
                 continue  # the report names the line without a page
         pages[line.key] = path

@@ -64,6 +64,8 @@ class BuildOutcome:
     """Lines made by this build, by key."""
     kept: list[str] = field(default_factory=list)
     """Outputs that were kept, because a person changed them."""
+    remarks: dict[str, None] = field(default_factory=dict)
+    """Remarks of writers on models, each once."""
     seconds: float = 0.0
 
     def lines(self) -> Iterator[BuiltLine]:
@@ -179,6 +181,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
             outcome.kept += keeper.keep(results)
             for one in results:
                 outcome.built[one.built.line.key] = one.built
+                outcome.remarks |= dict.fromkeys(one.remarks)
                 _tell_line(tell, one.built, keeper.steps[one.built.line.key])
             done += len(results)
             seconds = monotonic() - begun

@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
 from stat import S_ISDIR
 from typing import BinaryIO, NamedTuple
@@ -75,6 +76,8 @@ class MadeLine:
     contents: Mapping[str, str] = field(default_factory=dict)
     """Digest of each source file, by path."""
     needs: Mapping[str, bytes] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+    """Remarks of the writers on the character's model and channels."""
     fatal: bool = False
     """True if the disk refuses every other line, too."""
 
@@ -209,6 +212,8 @@ class LineMaker:
             export = ExportSettings(self.settings.offset)
             shown = replace(pair.performer.rigged(animation), export=export)
             self._write(line, shown, files)
+            asked = (WRITERS[name].remarks(shown) for name, _ in line.outputs)
+            remarks = tuple(chain.from_iterable(asked))
         except Exception as error:  # noqa: BLE001 the other lines of the batch are made
             for file in files:
                 Path(file.temporary).unlink(missing_ok=True)
@@ -222,7 +227,7 @@ class LineMaker:
             figures,
             {file.path: file.digest for file in files},
         )
-        return MadeLine(built, tuple(files), contents, needs)
+        return MadeLine(built, tuple(files), contents, needs, remarks)
 
     def _failed(self, line: PlannedLine, error: Exception) -> MadeLine:
         """Return a line with the reason why it failed, and its place."""

@@ -12,7 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.build_watch import MadeByBuilds, StandingRemarks, watch_project
-from lipsync_lang.commands.output import FAULTS, SOUND, count
+from lipsync_lang.commands.output import FAULTS, SOUND, as_options, count
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
 from lipsync_lang.errors import shortlist
@@ -228,6 +228,7 @@ def _report(
         "failed": tally.failed,
         "over_limits": tally.over,
         "doubted": tally.doubtful,
+        "remarks": list(map(as_options, outcome.remarks)),
         "kept": outcome.kept,
         "gone": [] if options.prune else gone,
         "deleted": deleted,
@@ -255,6 +256,9 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
         deleted = figures["deleted"]
         yield f"{count(len(deleted), 'file')} deleted: {shortlist(deleted, MAX_NAMED)}"
     yield from (f"wrote {path}" for path in figures["reports"])
+    yield from figures["remarks"][:SHOWN_LINES]
+    if len(figures["remarks"]) > SHOWN_LINES:
+        yield f"and {len(figures['remarks']) - SHOWN_LINES} more remarks on models; --json has all"
     if figures["kept"]:
         yield _kept(figures["kept"])
     if figures["gone"]:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from build_project import PROJECT, SOUNDS, Game, left_behind
 from lanes import swept
+from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.build import build_run, keeping, making, needs, process_pool
@@ -24,6 +25,8 @@ from lipsync_lang.cli import main
 from lipsync_lang.commands import build as build_command
 
 ALL = sorted(SOUNDS)
+
+ADA = "kind: character\nformat: 1\nname: ada\nposeset: facefx\nmodel: ../face.glb\n"
 
 
 @pytest.fixture
@@ -446,6 +449,20 @@ def test_a_report_of_an_unchanged_build_judges_each_record_once(game, monkeypatc
     told = game.build("--report", "r.html", "--report", "r.json")
     assert (told.code, told.built) == (0, [])
     assert sorted(judged) == ALL
+
+
+def test_what_a_writer_remarks_on_a_model_is_said_once(game, capsys):
+    glb(game.folder / "face.glb", "open", "lipRound", "wide")
+    game.write("characters/ada.yaml", ADA)
+    project = PROJECT.replace("facefx", "ada").replace(".csv", ".glb")
+    game.write("lipsync.yaml", project.replace("script.glb", "script.csv"))
+    assert main(["build"]) == 0
+    told = capsys.readouterr().err
+    assert told.count("face.glb has nothing for ") == told.count(" has nothing for ") == 1
+    assert "nothing for W, ShCh, PBM" in told
+    (remark,) = game.build("--force").end["remarks"]
+    assert remark in told
+    assert game.build().end["remarks"] == []
 
 
 @pytest.mark.parametrize(("lines", "processes"), [(199, []), (200, [2])])

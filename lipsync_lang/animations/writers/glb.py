@@ -53,14 +53,14 @@ def unplaced(animation: Animation) -> Iterator[str]:
     model = _model(animation.model, channels)
     placed = [_placing(channels, mesh) for mesh in model.meshes]
     shown = {number for one in placed for number in one.shapes}
-    moved = np.abs(animation.weights).max(axis=0, initial=0.0) > 0
     lost = [
-        channel.node or channel.name
+        number
         for number, channel in enumerate(channels)
-        if number not in shown and channel.node not in model.nodes and moved[number]
+        if number not in shown and channel.node not in model.nodes
     ]
-    if lost:
-        yield f"{model.path} has nothing for {', '.join(lost)}"
+    if np.any(animation.weights[:, lost]):  # all are named, so that a build says it once
+        names = (channels[number].node or channels[number].name for number in lost)
+        yield f"{model.path} has nothing for {some(names)}"
     yield from (f"{model.path}: {doubt}" for one in placed for doubt in one.doubts)
 
 
