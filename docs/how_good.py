@@ -184,6 +184,27 @@ class Page:
         )
         return f"Bars of Pearson's r with real mouths: {told}"
 
+    def front(self) -> str:
+        """Return r with speakers that nothing was tuned on, and what another person reaches."""
+        rows = [
+            [
+                name,
+                *(
+                    "" if value is None else value if isinstance(value, str) else f"{value:.2f}"
+                    for value in values
+                ),
+            ]
+            for name, *values in self.here["front"]
+        ]
+        voices = " ".join(self.here["front_voices"].split())
+        return "\n\n".join(
+            [
+                f"On {voices}:",
+                table(["r, mean of the speakers", *self.here["front_head"]], rows),
+                f"*{self.here['about']}*",
+            ]
+        )
+
     def motion(self) -> str:
         """Return how the jaw moves, beside captures."""
         ours, papers = self.figures("motion")["posesets"], self.figures("motion-paper")["posesets"]
