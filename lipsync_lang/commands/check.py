@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -84,18 +85,19 @@ def check(options: Namespace) -> int:
         )
         for name, take in takes.items()
     }
-    form = options.format
-    if form is None:
-        form = SUFFIXES.get(options.output.suffix.lower(), "text") if options.output else "text"
-    told = _page(performer, takes, judged) if form == LINE_PAGE else FORMATS[form](judged)
-    if options.output is None:
-        print(told)
-    else:
-        content = f"{told}\n".encode()
-        write_all({options.output: lambda out: out.write(content)})
-        tell_written(options.output)
+
+    def told(suffix: str) -> str:
+        form = options.format or SUFFIXES.get(suffix.lower(), "text")
+        return _page(performer, takes, judged) if form == LINE_PAGE else FORMATS[form](judged)
+
+    if not options.output:
+        print(told(""))
+    contents = {path: f"{told(path.suffix)}\n".encode() for path in options.output}
+    write_all({path: methodcaller("write", content) for path, content in contents.items()})
+    for path in options.output:
+        tell_written(path)
     quality = judged[first]
-    if form != "text" or options.output is not None:
+    if options.output or options.format not in (None, "text"):
         names = ", ".join(figure.name for figure in quality.failed)
         print(f"{quality.summary}{f'; missed: {names}' if names else ''}", file=sys.stderr)
     return SOUND if quality.passed else FAULTS

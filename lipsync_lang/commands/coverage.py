@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 from collections import Counter
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -103,9 +103,10 @@ def coverage(options: Namespace) -> int:
 
     if options.fail_under is not None and not 0 <= options.fail_under <= WHOLE:
         raise LipsyncError(f"--fail-under {options.fail_under:g}: give a percentage, 0 to 100")
-    named = options.output not in (None, STANDARD_STREAM)
-    if named and any(options.output.resolve() == p.resolve() for p in options.corpus):
-        raise OutputError(f"{options.output}: is an input; name another file")
+    inputs = {path.resolve() for path in options.corpus if path != STANDARD_STREAM}
+    for output in options.output:
+        if output != STANDARD_STREAM and output.resolve() in inputs:
+            raise OutputError(f"{output}: is an input; name another file")
     old = read_document(options.against) if options.against else None
     found = _counted(options)
     if old:
@@ -185,17 +186,16 @@ def _write(options: Namespace, found: "Coverage") -> None:
     from lipsync_lang.coverage.forms.report_forms import SUFFIXES
     from lipsync_lang.files import write_all
 
-    suffix = options.output.suffix.lower() if options.output else ""
-    write = FORMS.find(options.format or SUFFIXES.get(suffix, "text"))
     asked = FormOptions(everything=options.all, fail_under=options.fail_under)
-    if options.output is None:
-        write(found, sys.stdout, asked)
-        return
+    if not options.output:
+        FORMS.find(options.format or "text")(found, sys.stdout, asked)
 
-    def encoded(stream: BinaryIO) -> None:
+    def encoded(path: Path, stream: BinaryIO) -> None:
+        write = FORMS.find(options.format or SUFFIXES.get(path.suffix.lower(), "text"))
         text = TextIOWrapper(stream, "utf-8", "backslashreplace", newline="", write_through=True)
         write(found, text, asked)
         text.detach()
 
-    write_all({options.output: encoded})
-    tell_written(options.output)
+    write_all({path: partial(encoded, path) for path in options.output})
+    for path in options.output:
+        tell_written(path)

@@ -47,10 +47,10 @@ def add_json_form(made: Options) -> None:
 
 
 def add_output(made: Options) -> None:
-    """Add the option for the file to write instead of printing."""
+    """Add the option for the files to write instead of printing."""
     made.add_argument(
-        "-o", "--output", metavar="FILE", type=argument_path,
-        help="write to a file; - is standard output [print it]",
+        "-o", "--output", metavar="FILE", type=argument_path, action="append", default=[],
+        help="write to a file; - is standard output; may be repeated [print it]",
     )  # fmt: skip
 
 

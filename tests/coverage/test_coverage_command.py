@@ -66,6 +66,14 @@ def test_the_suffix_of_a_file_names_its_form(cli, script, name, start):
     assert (script.parent / name).read_text("utf-8").startswith(start)
 
 
+def test_every_named_file_is_written(cli, script):
+    ended = run(cli, "-o", "a.html", "-o", "a.csv", "-o", "-")
+    assert (ended.code, ended.err) == (0, "wrote a.html\nwrote a.csv\n")
+    assert ended.out.startswith("1 file")
+    for name, start in (("a.html", "<!DOCTYPE html>"), ("a.csv", "language,")):
+        assert (script.parent / name).read_text("utf-8").startswith(start)
+
+
 @pytest.mark.usefixtures("script")
 def test_a_table_has_a_row_per_bigram(cli):
     rows = list(csv.DictReader(io.StringIO(run(cli, "--format", "csv").out)))

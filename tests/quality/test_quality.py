@@ -590,12 +590,13 @@ def test_check_tells_machines_and_writes_files(cli, schedule, tmp_path):
     written = cli(
         "check", *PAIR, *schedule, "--set", "motion.contacts=free", "--set", "motion.softness=0",
         "--set", "motion.smooth=closing", "--set", "motion.window=0.5",
-        "--limit", "jitter=0", "--limit", "still=0", "--format", "junit", "-o", "q.xml",
+        "--limit", "jitter=0", "--limit", "still=0", "-o", "q.xml", "-o", "q.txt",
     )  # fmt: skip
     assert written.code == 1
     assert written.out == ""
     assert "missed: " in written.err
     ET.fromstring((tmp_path / "q.xml").read_text("utf-8"))  # noqa: S314 our own
+    assert "FAIL  " in (tmp_path / "q.txt").read_text("utf-8")
 
 
 def test_check_judges_a_file_against_the_schedule(cli, schedule):
