@@ -264,17 +264,17 @@ def unopened(scene: MeasuredScene) -> Iterable[Figure]:
     """Vowels that do not open the mouth.
 
     The opening is the measure `aperture` of the pose set, or else the sum of the poses that
-    loudness opens (`intensity`). Vowels that open the mouth wide if spoken alone are judged. In a
-    line, each must reach a quarter of that at one frame, and at least 0.05. If no vowel of the
-    face does so alone, all are judged, and fail. Full speech opens nearly all; the limit lets one
-    short vowel of three pass::
+    loudness opens (`intensity`). For channels of a rig it is the `aperture` of the pose set in
+    `to`, or else the channels that follow the opening of the poses. Vowels that open the mouth
+    wide if spoken alone are judged. In a line, each must reach a quarter of that at one frame, and
+    at least 0.05. If no vowel of the face does so alone, all are judged, and fail. Full speech
+    opens nearly all; the limit lets one short vowel of three pass::
 
-        value = vowels that stay below / vowels judged
+    value = vowels that stay below / vowels judged
     """
     aperture, vowels = scene.face.aperture, scene.face.vowels
     if aperture is None or vowels is None:
-        why = "channels of a rig have no measures; check the poses"
-        return unjudged(why if scene.face.roles is None else "the pose set states no aperture")
+        return unjudged("the pose set states no aperture")
     least = vowels[scene.track.ids]
     which = np.flatnonzero(np.isfinite(least))
     if not which.size:

@@ -262,6 +262,14 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
 
     compiled = performer.compiled
     rig = Driver.from_plain(compiled.rig or {}, performer.poses, compiled.tables.floors).rig
+    span = np.where(rig.span > 0, rig.span, 1.0)
+    aperture, posed = (compiled.rig or {}).get("measures", {}).get(APERTURE), _posed(performer)
+    if aperture is not None:
+        aperture = np.array([aperture.get(name, 0.0) for name in names])
+    elif posed.aperture is not None:
+        # of all gains that read the aperture of the poses, the smallest
+        aperture = posed.aperture @ np.linalg.pinv(rig.gains / span[:, None]) / span
+    alone = np.clip(_alone(compiled) @ rig.gains.T, rig.low, rig.high)
     yielding = np.isin(np.arange(len(names)), [channel for channel, _ in rig.at_most])
     free = _bounds(rig, np.zeros(len(performer.poses)), np.ones(len(performer.poses)))
     touches = []
@@ -276,9 +284,18 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
                 np.where(high < free[1] - 1e-9, high, np.inf),
             )
         )
-    span = np.where(rig.span > 0, rig.span, 1.0)
     return Face(
-        names, tuple(touches), (), rig.at_most, rig.low, rig.high, span, {}, _meant(compiled)
+        names,
+        tuple(touches),
+        (),
+        rig.at_most,
+        rig.low,
+        rig.high,
+        span,
+        {},
+        _meant(compiled),
+        aperture=aperture,
+        vowels=None if aperture is None else _vowels(compiled, alone @ aperture),
     )
 
 

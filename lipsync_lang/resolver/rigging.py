@@ -25,7 +25,12 @@ def plain_rig(library: "Library", rig: str, poseset: "Pack[models.PoseSet]") -> 
     """Return a rig of a pose set as plain data; raise `PackFaults` as `load_rig` does."""
     model = load_rig(library, rig, poseset.model).model
     to = library.poseset(model.to).model if model.to is not None else None
-    return {"name": model.name, "channels": plain_channels(model, to), "lost": dict(model.lost)}
+    return {
+        "name": model.name,
+        "channels": plain_channels(model, to),
+        "lost": dict(model.lost),
+        "measures": {name: dict(gains) for name, gains in to.measures.items()} if to else {},
+    }
 
 
 def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[models.RigPack]":

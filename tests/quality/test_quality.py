@@ -6,12 +6,14 @@ import xml.etree.ElementTree as ET
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from operator import attrgetter
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import full, swept
+from places import ROOT
 from shipped import POSESETS
 from strategies import any_lines  # noqa: F401 its profile is wanted
 
@@ -26,6 +28,9 @@ from lipsync_lang.quality.face_columns import APERTURE
 from lipsync_lang.quality.figures import Figure, Finding, Quality
 from lipsync_lang.quality.measures import load_measures
 from lipsync_lang.quality.quality_report import as_json, as_junit, as_text
+
+RIGS = sorted(ROOT.glob("posesets/facefx/rigs/*.yaml"))
+assert RIGS, "a sweep over nothing passes"
 
 SOUNDS = (
     ("_", 0.8), ("P", 0.1), ("AA", 0.8), ("F", 0.1), ("AA", 0.4), ("S", 0.12), ("EH", 0.3),
@@ -476,8 +481,24 @@ def test_channels_of_a_rig_are_judged_too(rigged):
     assert quality.passed, str(quality)
     assert quality["contacts lips"].parts["made"] == 2
     assert quality["rules opens"].value is None
+    assert quality["unopened"].parts["closed"] == 0
     gaping = changed(animation, "jawOpen", lambda _, w: np.maximum(w, 0.5))
     assert not check(gaping, performer=rigged)["contacts lips"].passed
+
+
+@pytest.mark.parametrize("rig", RIGS, ids=attrgetter("stem"))
+def test_a_rig_whose_mouth_stays_shut_fails(rig, tmp_path):
+    (tmp_path / "characters").mkdir()
+    text = f"kind: character\nformat: 1\nname: max\nposeset: facefx\nrig: {rig.stem}\n"
+    (tmp_path / "characters" / "max.yaml").write_text(text, "utf-8")
+    there = resolve("english", "max", paths=[tmp_path])
+    animation = there.rigged(there.perform(line()))
+    assert check(animation, performer=there)["unopened"].parts == {"opened": 4, "closed": 0}
+    (wide,) = there.held_channels(np.eye(len(there.poses))[[there.poses.index("open")]])
+    # without data of the rig's own, a lowered lip counts as a mouth that opens
+    still = wide == wide.max() if there.compiled.rig["measures"] else wide > 0
+    shut = replace(animation, weights=np.where(still, 0, animation.weights))
+    assert "unopened" in failed(check(shut, performer=there))
 
 
 # Plain methods
