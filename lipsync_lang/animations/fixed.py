@@ -100,7 +100,6 @@ def late(animation: Animation, program: str) -> Iterator[str]:
 
 
 def _lost(animation: Animation, columns: list[int], program: str) -> Iterator[str]:
-    moved = np.abs(animation.weights).max(axis=0, initial=0.0) > 0
-    lost = [animation.poses[n] for n in columns if moved[n]]
-    if lost:
-        yield f"{program} has nothing for {', '.join(lost)}"
+    if np.any(animation.weights[:, columns]):  # all are named, so that a build says it once
+        lost = [animation.poses[number] for number in columns]
+        yield f"{program} has nothing for {some(lost)}"

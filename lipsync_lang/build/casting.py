@@ -48,7 +48,8 @@ class Cast:
         self.characters = self._faces.characters
         """Every character once."""
         self.faults = faults
-        self._unknown: set[str] = set()
+        self._unknown: dict[str, str] = {}
+        """Speakers without characters, with the places of their first lines."""
         self.met: set[str] = set()
         """Speakers of `cast` that a line has, folded."""
 
@@ -58,14 +59,19 @@ class Cast:
         return max(map(len, self._faces.stated.values()), default=0)
 
     def of(self, speaker: str, where: str) -> tuple[str, ...]:
-        """Return the characters of a speaker; report each unknown character once."""
+        """Return the characters of a speaker; `check_speakers` reports those without one."""
         if self._faces.own(speaker):
             self.met.add(speaker.casefold())
         found = self._faces.of(speaker)
-        if not found and speaker not in self._unknown and self._faces.stated:
-            self._unknown.add(speaker)
-            self.faults.add(where, self._faces.lacking(speaker))
+        if not found and self._faces.stated:
+            self._unknown.setdefault(speaker, where)
         return found
+
+    def check_speakers(self) -> None:
+        """Add one fault for all speakers without a character, at the first of their lines."""
+        if self._unknown:
+            where = next(iter(self._unknown.values()))
+            self.faults.add(where, self._faces.lacking(*self._unknown))
 
     def unmet(self) -> list[str]:
         """Return the speakers of `cast` that no line has."""

@@ -128,7 +128,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
             raise finder.unknown(name, *FACE_KINDS)
     if not characters:
         known = sorted({one.name for kind in FACE_KINDS for one in finder.names(kind)})
-        raise LipsyncError(f"the character is missing; name one of: {', '.join(known)}")
+        raise LipsyncError(f"the character is missing; name one of: {shortlist(known, MAX_KNOWN)}")
     layout = ProjectLayout(
         lines=table.resolve().relative_to(folder.resolve()).as_posix(),
         audio="/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
@@ -275,7 +275,7 @@ def _languages(
     else:
         words = folders or heads
     if len(words) > 1 and not folders:
-        which = f"`language='{next(iter(words))}'`, or another of {', '.join(words)}"
+        which = f"`language='{next(iter(words))}'`, or another of {shortlist(words, MAX_KNOWN)}"
         raise LipsyncError(f"the language of the recordings is unknown; state {which}")
     if not words:
         raise LipsyncError("the language of the recordings is unknown; state `language='NAME'`")

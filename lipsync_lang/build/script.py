@@ -82,6 +82,7 @@ def read_script(
         for row in read_rows(file, project.columns, faults, tell)
         for line in planner.lines(file, row)
     ]
+    cast.check_speakers()
     if not faults:
         planner.check_clashes(planned, [pack.path.absolute(), *(file.path for file in files)])
         planner.check_recordings()

@@ -27,7 +27,9 @@ class PlanningError(LipsyncError):
 
     def __init__(self, stated: Iterable[Fault], told: Sequence[str] = ()) -> None:
         self.stated, self.told = sorted(stated), tuple(told)
-        super().__init__("\n".join([*map(str, self.stated), *self.told]))
+        more = len(self.stated) - SHOWN_FAULTS
+        rest = [f"and {more} more of this project; `lipsync-lang validate` lists all"] * (more > 0)
+        super().__init__("\n".join([*map(str, self.stated[:SHOWN_FAULTS]), *rest, *self.told]))
 
 
 class ScriptFaults:

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from lipsync_lang.errors import MAX_KNOWN, shortlist
+
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
 
@@ -36,10 +38,12 @@ class SpeakerFaces:
         return self.own(speaker) or self.stated.get(OTHERS, ())
 
     @staticmethod
-    def lacking(speaker: str) -> str:
-        """Return the message for a speaker without characters."""
-        who = f"'{speaker}'" if speaker else "no speaker"
-        return f"no character for {who}; add the speaker or '{OTHERS}' to `cast`"
+    def lacking(*speakers: str) -> str:
+        """Return the message for speakers without characters."""
+        each = (f"'{speaker}'" if speaker else "no speaker" for speaker in speakers)
+        them = "them" if len(speakers) > 1 else "the speaker"
+        who = shortlist(each, MAX_KNOWN)
+        return f"no character for {who}; add {them} or '{OTHERS}' to `cast`"
 
 
 def stated_faces(project: "Project") -> dict[str, tuple[str, ...]]:

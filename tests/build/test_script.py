@@ -294,6 +294,17 @@ def test_several_characters_of_a_line_need_files_of_their_own(game):
     assert "add {character} to it" in told
 
 
+def test_hundreds_of_names_are_counted(game):
+    put(game, "script.csv", text=SCRIPT + "".join(f"l{n},S{n:03},x,y\n" for n in range(400)))
+    told = refusal(game, cast="{anna: crab, bob: crab}")
+    assert told.startswith("script.csv:4: no character for 'S000', 'S001', ")
+    assert told.endswith("'S023' and 376 more; add them or '*' to `cast`")
+    told = refusal(game, cast="{" + ", ".join(f"S{n}: nobody{n}" for n in range(400)) + "}")
+    assert told.count("unknown character") == 12
+    last = "and 388 more of this project; `lipsync-lang validate` lists all"
+    assert told.splitlines()[-1] == last
+
+
 def test_two_lines_never_share_a_file(game):
     put(game, "script.csv", text="id,speaker,english\nb-c,a,Hello.\nc,a-b,Hello.\n")
     told = refusal(game, languages="[english]", outputs="'{speaker}-{id}.csv'")

@@ -14,6 +14,7 @@ from typing import TextIO
 from lipsync_lang.animations.held import HeldShape, held
 from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.errors import OutputError
+from lipsync_lang.rigs.model import some
 
 RHUBARB_NAMES = Path(__file__).parent / "names" / "rhubarb.txt"
 
@@ -29,7 +30,7 @@ def _refuse_others(animation: Animation) -> dict[str, str]:
     others = [pose for pose in animation.poses if pose.casefold() not in known]
     if others:
         raise OutputError(
-            f"Rhubarb's mouth shapes are {', '.join(known.values())}, and {', '.join(others)} "
+            f"Rhubarb's mouth shapes are {', '.join(known.values())}, and {some(others)} "
             f"{'is' if len(others) == 1 else 'are'} unknown; perform on a character that has "
             "those shapes (-c rhubarb)"
         )

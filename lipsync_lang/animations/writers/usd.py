@@ -17,6 +17,7 @@ from lipsync_lang.animations.moving_shapes import shapes
 from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.animations.writers.glb import unplaced
 from lipsync_lang.errors import OutputError
+from lipsync_lang.rigs.model import some
 
 if TYPE_CHECKING:
     from lipsync_lang.arrays import Floats
@@ -45,7 +46,7 @@ def write_usd(animation: Animation, out: TextIO) -> None:
     strays = {shape.name for shape in found if (shape.values != moves[shape.name]).any()}
     if apart := [name for name in moves if name in strays]:
         raise OutputError(
-            f"{', '.join(apart)}: moves differently on different meshes, but USD identifies "
+            f"{some(apart)}: moves differently on different meshes, but USD identifies "
             "shapes by name; rename it on one of the meshes"
         )
     frames = (animation.times + animation.offset) * animation.fps
