@@ -91,7 +91,7 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
     """Draft a character, under `characters` of the project folder, or raise a LipsyncError."""
     path = folder / FOLDERS["character"] / f"{wanted.name}.yaml"
     check_name(wanted.name)
-    there = [path] if path.exists() else library.finder.lookup("character", wanted.name)
+    there = [path] if path.exists() else library.lookup("character", wanted.name)
     for one in there:
         raise PackError(f"{shown(Path(one))}: already exists; choose another name")
     model = read_model(wanted.model)

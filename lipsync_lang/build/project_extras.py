@@ -62,5 +62,5 @@ def check_installed(
         faults.state(("languages",), "P406", what, hint)
     # A look-up of a name that is no language reads the head of every pack.
     named = needed.keys() - {*project.lines, *project.outputs}
-    found = [name for name in sorted(named) if library.finder.lookup("language", name)]
+    found = [name for name in sorted(named) if library.lookup("language", name)]
     faults.stated += check_voices(map(library.language, found))

@@ -86,7 +86,7 @@ def make_project(
         raise OutputError(f"{name}: cannot be made: {why}; {mend}") from None
     finally:
         shutil.rmtree(waiting, ignore_errors=True)
-    name_folders(target, library.finder.paths)
+    name_folders(target, library.paths)
     return [Path(name, path) for path in texts]
 
 
@@ -97,7 +97,7 @@ def project_files(
     defaults = starter()
     spoken = library.language(language or defaults.language).model
     face = character or defaults.character
-    own = not library.finder.lookup("character", face)
+    own = not library.lookup("character", face)
     poseset = library.poseset(face).model.name if own else face
     usual = spoken.name == library.language(defaults.language).model.name
     lines = defaults.lines
@@ -110,7 +110,7 @@ def project_files(
     rows.writerow(("id", "speaker", "text"))
     rows.writerows((LINE_ID.format(n), defaults.name, text) for n, text in enumerate(lines, 1))
     paths = []
-    for path in library.finder.paths:
+    for path in library.paths:
         try:
             paths.append(flow(Path(os.path.relpath(path, name)).as_posix()))
         except ValueError:  # another drive of Windows

@@ -21,10 +21,7 @@ from lipsync_lang.packs.finding import (
     NONE_UNSAVED,
     SHARED,
     Finder,
-    FoundPack,
-    Kind,
     Paths,
-    Root,
     beside,
     is_model,
 )
@@ -102,8 +99,8 @@ class Pack(Generic[M]):
         return self.fault(loc, code, f"unknown {noun} '{name}'", hint, key=key)
 
 
-class Library:
-    """The packs in all folders searched.
+class Library(Finder):
+    """The packs in all folders searched: a finder that reads, and remembers what it looked up.
 
     Parameters
     ----------
@@ -114,7 +111,7 @@ class Library:
 
     Attributes
     ----------
-    lookups : (kind, name) -> files found, in order; `Finder.lookup` repeats a look-up
+    lookups : (kind, name) -> files found, in order; a `Finder` can repeat a look-up
     files : path -> SHA-256 of the bytes read
     faults : every fault found so far, in order
     """
@@ -127,9 +124,7 @@ class Library:
         unsaved: Mapping[Path, bytes] = NONE_UNSAVED,
         earlier: "Library | None" = None,
     ) -> None:
-        self.finder = Finder(paths, project, unsaved)
-        self.unsaved = unsaved
-        self.paths, self.project = self.finder.paths, self.finder.project
+        super().__init__(paths, project, unsaved)
         self.lookups: dict[tuple[str, str], tuple[str, ...]] = {}
         self.files: dict[str, str] = {}
         self.faults: list[Fault] = [
@@ -142,32 +137,15 @@ class Library:
                 "install it again, or remove it",
                 "warning",
             )
-            for entry in self.finder.missing
+            for entry in self.missing
         ]
         self._loaded: dict[_FileRequest, _LoadedFile] = {}
         self._earlier = {} if earlier is None else earlier.by_content()
 
-    @property
-    def roots(self) -> tuple[Root, ...]:
-        """The folders searched, in order."""
-        return self.finder.roots
-
-    def names(self, kind: Kind) -> list[FoundPack]:
-        """List every pack of a kind, shadowed packs included, by name and then search order."""
-        return self.finder.names(kind)
-
-    def find(self, kind: Kind, name: str) -> Path:
-        """Return the file of the first pack of that name; languages are found by tag as well.
-
-        Raises
-        ------
-        PackError
-            No pack has the name; the message suggests the nearest.
-        """
-        found = self._lookup(kind, name)
-        if not found:
-            raise self.finder.unknown(name, kind)
-        return found[0]
+    def lookup(self, kind: str, name: str) -> tuple[str, ...]:
+        """Return the files found for a name as `Finder.lookup` does, and record the look-up."""
+        found = self.lookups[kind, name] = super().lookup(kind, name)
+        return found
 
     def common(self) -> "Pack[models.Phonemes]":
         """Load the common phonemes."""
@@ -188,18 +166,17 @@ class Library:
         from lipsync_lang.packs.automatic import HOW, automatic
         from lipsync_lang.packs.extending import extended
 
-        found = self._lookup("language", name)
+        found = self.lookup("language", name)
         if found:
-            return extended(self, found[0])
+            return extended(self, Path(found[0]))
         made = automatic(self, name)
         if made is None:
-            unknown = self.finder.unknown(name, "language")
-            raise PackError(f"{unknown}; {HOW}")
+            raise PackError(f"{self.unknown(name, 'language')}; {HOW}")
         return made
 
     def beneath(self, path: Path) -> Path | None:
         """Return the file of the language that the file `path` shadows, or None."""
-        return next(iter(self._lookup(BENEATH, str(path))), None)
+        return next(map(Path, self.lookup(BENEATH, str(path))), None)
 
     def poseset(self, name: str) -> "Pack[models.PoseSet]":
         """Load a pose set."""
@@ -217,24 +194,25 @@ class Library:
     def banks_of(self, poseset: str) -> list[Path]:
         """List the bank files of a pose set."""
         self.find("poseset", poseset)
-        return self._lookup("banks", poseset)
+        return [Path(path) for path in self.lookup("banks", poseset)]
 
     def rigs_of(self, poseset: str) -> list[Path]:
         """List the rig files of a pose set."""
         self.find("poseset", poseset)
-        return self._lookup("rigs", poseset)
+        return [Path(path) for path in self.lookup("rigs", poseset)]
 
     def character(self, name: str) -> "Pack[models.Character]":
         """Load a character; the name of a pose set gives a character without edits."""
-        found = self._lookup("character", name)
+        found = self.lookup("character", name)
         if found:
-            return cast("Pack[models.Character]", self.load(found[0], "character", found[0].stem))
+            path = Path(found[0])
+            return cast("Pack[models.Character]", self.load(path, "character", path.stem))
         if is_model(name):
             raise PackError(
                 f"{name}: is a model; make a character of it with `lipsync-lang characters new`"
             )
-        if not self.finder.lookup("poseset", name):
-            raise self.finder.unknown(name, "character", "poseset")
+        if not self.lookup("poseset", name):
+            raise self.unknown(name, "character", "poseset")
         from lipsync_lang.packs.models import Character
 
         poseset = self.poseset(name)
@@ -280,7 +258,7 @@ class Library:
         """Return the model (None if faulty), source and faults of a file, which is read once."""
         key = path, kind, name
         if key not in self._loaded:
-            self.finder.refuse_outside(path)
+            self.refuse_outside(path)
             content = self.unsaved[path] if path in self.unsaved else read_bytes(path)
             digest = self.files[str(path)] = sha256(content).hexdigest()
             found = self._earlier.get((key, digest))
@@ -321,14 +299,10 @@ class Library:
 
     def _shared(self, name: str) -> "Pack[models.PackModel]":
         """Load a file of `languages` that is not a language."""
-        found = self._lookup(SHARED[name], name)
+        found = self.lookup(SHARED[name], name)
         if not found:
             raise PackError(f"no {FOLDERS['language']}/{name}.yaml is in any folder searched")
-        return self.load(found[0], SHARED[name], name)
-
-    def _lookup(self, kind: str, name: str) -> list[Path]:
-        found = self.lookups[kind, name] = self.finder.lookup(kind, name)
-        return [Path(path) for path in found]
+        return self.load(Path(found[0]), SHARED[name], name)
 
     def _load_all(self, paths: Sequence[Path], kind: str) -> "list[Pack[models.PackModel]]":
         packs: list[Pack[models.PackModel]] = []

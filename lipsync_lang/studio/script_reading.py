@@ -63,7 +63,7 @@ def reading_of(workshop: "Workshop", column: str | None, *, sent: bool) -> Scrip
     """
     file = find_project(workshop.project)
     project = None if file is None else load_project(file).model
-    given, finder = workshop.language, workshop.library().finder
+    given, finder = workshop.language, workshop.library()
     paths = () if ":" in given else finder.lookup("language", given)
     own = [
         name

@@ -326,10 +326,10 @@ class Workshop:
         """Return the packs of the open pair by their identifiers in the browser."""
         compiled, library = self.performer.compiled, self.library()
         found = {"poseset": library.find("poseset", compiled.poseset)}
-        language = library.finder.lookup("language", compiled.language)
+        language = library.lookup("language", compiled.language)
         if language:  # one that an engine reads alone has no file
             found["language"] = Path(language[0])
-        own = library.finder.lookup("character", compiled.character)
+        own = library.lookup("character", compiled.character)
         if own:
             found["character"] = Path(own[0])
         for number, path in enumerate(library.banks_of(compiled.poseset)):

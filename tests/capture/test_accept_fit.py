@@ -277,7 +277,7 @@ def test_an_installed_character_takes_no_fit(tmp_path, monkeypatch):
     monkeypatch.chdir(elsewhere)
     library = Library()
     root = library.roots[-1]._replace(path=tmp_path / "parts")
-    monkeypatch.setattr(library.finder, "roots", (*library.roots, root))
+    monkeypatch.setattr(library, "roots", (*library.roots, root))
     with pytest.raises(LipsyncError, match="is installed; copy it"):
         accept_fit(library, fit(), "anna", every=True)
 

@@ -214,14 +214,14 @@ class _Validation:
 
     def _project(self, pack: "Pack[models.Project]") -> None:
         self.faults.update(check_paths(pack))
-        self.faults.update(check_languages(pack, self.library.finder))
-        self.faults.update(check_characters(pack, self.library.finder))
+        self.faults.update(check_languages(pack, self.library))
+        self.faults.update(check_characters(pack, self.library))
 
     def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""
         name, own = pack.model.name, yaml_files(pack.path.parent / "banks").values()
         found = [self.library.inspect(path, "bank", path.stem)[0] for path in own]
-        if self.library.finder.lookup("poseset", name):
+        if self.library.lookup("poseset", name):
             joined = _quietly(lambda: self.library.banks(name))
             found += [bank.model for bank in joined] if joined is not None else [None]
         return None if None in found else cast("list[models.BankPack]", found)
