@@ -24,8 +24,7 @@ from lipsync_lang.performing.stress import (
 )
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.ipa import is_one_sound
-from lipsync_lang.phonology.labels import MAX_TONE_SIGNS, TONE, Notation, Value, recognise
-from lipsync_lang.phonology.notations import EncodedNotation, ready
+from lipsync_lang.phonology.labels import MAX_TONE_SIGNS, TONE, Notation, Value, ready, recognise
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -136,7 +135,7 @@ class LabelReader:
         """
         if self.unknown != "nearest" or notation.find(label) is not None:
             return None
-        spelled = isinstance(notation, EncodedNotation) or notation is self.notations.get(IPA)
+        spelled = bool(notation.signs) or notation is self.notations.get(IPA)
         near, text = self._features if spelled else None, notation.text(label)
         if near is None or text is None:
             return None

@@ -17,6 +17,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 from unicodedata import combining, normalize
 
 from lipsync_lang.errors import PackError, did_you_mean
@@ -99,6 +100,7 @@ class Notation:
     nearest : returns a value for a label missing from the table, or None
     unseen : marks that may be dropped, each with the letters on which it is visible all the same
     digits : True if a digit at the end of a label is its stress, as in ``AH0``
+    signs : signs that spell the labels of the table, as in X-SAMPA; without any, labels are its own
     """
 
     table: Mapping[str, Value]
@@ -107,6 +109,7 @@ class Notation:
     nearest: Callable[[str], Value | None] | None = None
     unseen: Mapping[str, str] = field(default_factory=dict)
     digits: bool = False
+    signs: Mapping[str, str] = field(default_factory=dict)
     _exact: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _folded: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _silent: frozenset[str] = field(init=False, repr=False, default=frozenset())
@@ -134,17 +137,27 @@ class Notation:
         return self._alike[label]
 
     def text(self, label: str) -> str | None:
-        """Return a label in the table's spelling; None if it cannot be converted."""
-        return label
+        """Return a label in the table's spelling, longest sign first; None for an unknown sign."""
+        if not self.signs:
+            return label
+        longest = max(map(len, self.signs))
+        text, rest = "", label.strip()
+        while rest:
+            sign = next((rest[:n] for n in range(longest, 0, -1) if rest[:n] in self.signs), "")
+            if not sign:
+                return None
+            text, rest = text + self.signs[sign], rest[len(sign) :]
+        return text
 
     def likely(self, label: str) -> Value | None:
         """Return a value by likeness for a label missing from the table; None if unknown."""
-        if sum(sign in TONE for sign in label) > MAX_TONE_SIGNS:
+        text = self.text(label)
+        if text is None or sum(sign in TONE for sign in text) > MAX_TONE_SIGNS:
             return None  # a number
         if self.nearest is not None:
-            return self.nearest(label)
+            return self.nearest(text)
         # Of the labels that look the same, the one that shares the most marks.
-        kept, marks = bare(normalise(label).lstrip(STRESS), self.unseen)
+        kept, marks = bare(normalise(text).lstrip(STRESS), self.unseen)
         alike = self._bare.get(kept, ()) if kept else ()
         return min(
             alike,
@@ -170,22 +183,26 @@ class Notation:
 
     def spells(self, label: str) -> bool:
         """Return True if the table has a label, with its stress, tone and length."""
-        whole = normalise(label)
+        text = self.text(label)
+        return text is not None and self._has(normalise(text))
+
+    def _has(self, whole: str) -> bool:
         return whole in self._exact or whole.casefold() in self._folded
 
     def _stated(self, label: str) -> Value | None:
-        if label in self.table:
-            return self.table[label]
-        whole = normalise(label)
-        own = whole in self._exact or whole.casefold() in self._folded
-        if not own and self.is_silence(whole):
-            return self.silence
-        for spelling in looser(whole):
-            if spelling in self._exact:
-                return self._exact[spelling]
-            if spelling.casefold() in self._folded:
-                return self._folded[spelling.casefold()]
-        return None
+        text = self.text(label)
+        if text is not None:
+            if text in self.table:
+                return self.table[text]
+            whole = normalise(text)
+            if not self._has(whole) and self.is_silence(whole):
+                return self.silence
+            for spelling in looser(whole):
+                if spelling in self._exact:
+                    return self._exact[spelling]
+                if spelling.casefold() in self._folded:
+                    return self._folded[spelling.casefold()]
+        return self.silence if self.is_silence(label) else None
 
     def stress(self, label: str) -> int | None:
         """Return the stress that a label is marked with; None for a label without a mark.
@@ -196,9 +213,8 @@ class Notation:
             return self._marked[label]
         except KeyError:
             pass
-        whole, level = normalise(label), None
-        own = whole in self._exact or whole.casefold() in self._folded
-        if len(whole) >= len("ˈa") and not own:
+        whole, level = normalise(self.text(label) or ""), None
+        if len(whole) >= len("ˈa") and not self._has(whole):
             if whole[0] in STRESS:
                 level = 2 if whole[0] in SECONDARY else 1
             elif self.digits and whole[-1] in "012":
@@ -215,7 +231,10 @@ class Notation:
 
     def suggest(self, label: str) -> str:
         """Return a hint for a label missing from the table."""
-        return did_you_mean(normalise(label), self.table)
+        if not self.signs:
+            return did_you_mean(normalise(label), self.table)
+        text = self.text(label)
+        return "a sign of it is unknown" if text is None else f"it is read as '{text}'"
 
 
 def one_case(labels: Iterable[str]) -> bool:
@@ -241,3 +260,38 @@ def recognise(labels: Iterable[str], notations: Mapping[str, Notation]) -> str:
         return stated, sum(n for label, n in sounds if notation.find(label) is not None)
 
     return max(notations, key=known)
+
+
+def ready(  # noqa: PLR0913, PLR0917 the tables of a language
+    tables: Mapping[str, Mapping[str, Value]],
+    silences: Collection[str],
+    silence: Value,
+    ipa: str,
+    spelling: Mapping[str, Any],
+    nearest: Callable[[str], Value | None] | None = None,
+    stress_digits: Collection[str] = (),
+) -> dict[str, Notation]:
+    """Return tables as notations, followed by other spellings of the IPA, if any.
+
+    The signs of notations such as X-SAMPA, and the invisible marks, come from the IPA pack:
+    `{"spelled": {notation: {sign: IPA}}, "unseen": {mark: letters on which it is visible}}`.
+
+    Parameters
+    ----------
+    tables : by name; one named as a way to spell the IPA is taken instead of that
+    silences, silence : spellings of silence, and what they stand for
+    ipa : the name of the IPA's table
+    spelling : how the IPA is spelled, and which of its marks are not seen
+    nearest : answers for IPA that the table lacks
+    stress_digits : names of the tables whose labels may end in a stress digit
+    """
+    made = {
+        name: Notation(table, silences, silence, digits=name in stress_digits)
+        for name, table in tables.items()
+    }
+    if ipa in tables:
+        rest = (tables[ipa], silences, silence, nearest, spelling["unseen"])
+        made[ipa] = Notation(*rest)
+        for name, signs in spelling["spelled"].items():
+            made.setdefault(name, Notation(*rest, signs=signs))
+    return made

@@ -9,9 +9,8 @@ from lipsync_lang.packs.finding import IPA, beside
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, Settings
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import plain
-from lipsync_lang.phonology.labels import Notation, Value, looser, normalise
+from lipsync_lang.phonology.labels import Notation, Value, looser, normalise, ready
 from lipsync_lang.phonology.manner import Hearing, Manner
-from lipsync_lang.phonology.notations import ready
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models

@@ -11,8 +11,7 @@ from shipped import LANGUAGES, LIBRARY
 from lipsync_lang.packs.automatic import automatic
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.ipa import Features, key
-from lipsync_lang.phonology.labels import Notation, bare
-from lipsync_lang.phonology.notations import ready
+from lipsync_lang.phonology.labels import Notation, bare, ready
 from lipsync_lang.resolver.language_tables import tables_of
 from lipsync_lang.resolver.nearest_phonemes import among, spelling
 

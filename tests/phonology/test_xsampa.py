@@ -13,8 +13,7 @@ from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.ipa import key
-from lipsync_lang.phonology.labels import recognise
-from lipsync_lang.phonology.notations import EncodedNotation, ready
+from lipsync_lang.phonology.labels import Notation, ready, recognise
 from lipsync_lang.resolver.language_tables import tables_of
 from lipsync_lang.resolver.nearest_phonemes import spelling
 
@@ -53,7 +52,7 @@ def notations(name):
 def test_a_pack_reads_its_ipa_in_both_spellings_and_tells_them_apart(name):
     known = notations(name)
     assert IPA in known
-    assert isinstance(known["x-sampa"], EncodedNotation)
+    assert known["x-sampa"].signs
     labels = [*known[IPA].table]
     assert recognise(labels, known) == IPA
     pairs = [(label, other) for label in labels if (other := spelled(label)) is not None]
@@ -77,12 +76,12 @@ def test_a_pack_reads_its_ipa_in_both_spellings_and_tells_them_apart(name):
     ],
 )  # fmt: skip
 def test_a_label_is_read_the_longest_sign_first(label, ipa):
-    assert key(EncodedNotation({}, signs=SIGNS).text(label)) == key(ipa)
+    assert key(Notation({}, signs=SIGNS).text(label)) == key(ipa)
 
 
 @pytest.mark.parametrize("label", ["ʃ", "tʃ", "ə", "aː", "$", "§"])
 def test_what_has_no_sign_is_not_read(label):
-    notation = EncodedNotation({"ʃ": SILENT, "tʃ": SILENT, "ə": SILENT, "aː": SILENT}, signs=SIGNS)
+    notation = Notation({"ʃ": SILENT, "tʃ": SILENT, "ə": SILENT, "aː": SILENT}, signs=SIGNS)
     assert notation.find(label) is None
     assert notation.suggest(label) == "a sign of it is unknown"
 
@@ -90,7 +89,7 @@ def test_what_has_no_sign_is_not_read(label):
 @pytest.mark.parametrize("label", ["", "<p:>", "sil", "SIL", "_"])
 def test_silence_is_silence_in_it(label):
     table = {"s": (("s", 1.0),), "p": (("bmp", 1.0),)}
-    notation = EncodedNotation(table, ["", "sil", "<p:>", "_"], SILENT, signs=SIGNS)
+    notation = Notation(table, ["", "sil", "<p:>", "_"], SILENT, signs=SIGNS)
     assert notation.find(label) == SILENT
 
 
@@ -98,7 +97,7 @@ def test_a_table_of_that_name_is_taken_instead():
     tables = {IPA: {"s": SILENT}, "x-sampa": {"tS": SILENT}}
     known = ready(tables, (), SILENT, IPA, SPELLING)
     assert [*known] == [IPA, "x-sampa", "praat"]
-    assert not isinstance(known["x-sampa"], EncodedNotation)
+    assert not known["x-sampa"].signs
 
 
 def test_a_language_without_ipa_has_none_to_spell():
