@@ -12,9 +12,8 @@ What letters and marks do is data (`kind: ipa`); here it is only looked up. Conv
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from itertools import groupby, pairwise
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 from unicodedata import decomposition, normalize
 
 from lipsync_lang.phonology.labels import normalise
@@ -108,88 +107,62 @@ class Join(NamedTuple):
     lost: str
 
 
-@dataclass(frozen=True, eq=False)
 class Features:
-    """Effects of every IPA letter and mark on the mouth.
+    """Effects of every IPA letter and mark on the mouth, from the data of a pack of kind `ipa`.
 
-    Parameters
+    Attributes
     ----------
-    names : the features
-    weights : how much each counts
-    otherwise : the value of each where a letter says nothing of it
+    names, weights : the features, and how much each counts
     fights_from : the weight of a feature that no mapping should miss
     told_from : the difference from which a feature is told as lost
     another : what one more mouth shape in a label costs
     later : how much letters after the first count in a run
     prefer : letters, and those that are taken instead
     aside : by common phoneme, letters it names that are passed over
-    beside : by common phoneme, letters that count as it, and the neighbour each needs for that
     joins : which letters are seen beside which
     alone : the letters that marks stand for where there is no letter
     """
 
-    names: tuple[str, ...]
-    weights: tuple[float, ...]
-    otherwise: Numbers
-    fights_from: float
-    told_from: float
-    another: float
-    later: float
-    prefer: Mapping[str, str]
-    aside: Mapping[str, frozenset[str]]
-    joins: tuple[Join, ...]
-    alone: Mapping[str, str]
-    _letters: dict[str, LetterSound] = field(repr=False)
-    _spellings: dict[str, str] = field(repr=False)
-    _marks: dict[str, tuple[Case, ...]] = field(repr=False)
-    _ignored: frozenset[str] = field(repr=False)
-    _longest: int = field(init=False, repr=False, default=1)
-
-    def __post_init__(self) -> None:
-        keys = (*self._letters, *self._spellings, *self._marks, *self._ignored)
-        object.__setattr__(self, "_longest", max(map(len, keys), default=1))
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Make the effects from the data of a pack of kind `ipa`."""
-        names = tuple(data["features"])
-        otherwise = tuple(f.get("otherwise") for f in data["features"].values())
+    def __init__(self, data: Mapping[str, Any]) -> None:
+        features: dict[str, dict[str, float]] = data["features"]
 
         def sound(letter: str, description: str) -> LetterSound:
             words = description.split()
             stated = {name: v for word in words for name, v in data["terms"][word].items()}
-            values = (stated.get(n, o) for n, o in zip(names, otherwise, strict=True))
+            values = (stated.get(name, f.get("otherwise")) for name, f in features.items())
             return LetterSound(letter, frozenset(words), tuple(values))
 
-        return cls(
-            names=names,
-            weights=tuple(f["weight"] for f in data["features"].values()),
-            otherwise=otherwise,
-            fights_from=data["fights_from"],
-            told_from=data["told_from"],
-            another=data["another"],
-            later=data["later"],
-            prefer={key(k): key(p["as"]) for k, p in data.get("prefer", {}).items()},
-            aside={
-                name: frozenset(map(key, letters))
-                for name, letters in data.get("aside", {}).items()
-            },
-            joins=tuple(
-                Join(_phrases(j), _phrases(j, "second"), j["keep"], j.get("lost") or "")
-                for j in data.get("joins", ())
-            ),
-            alone={key(mark): key(letter) for mark, letter in data.get("alone", {}).items()},
-            _letters={key(k): sound(key(k), words) for k, words in data["letters"].items()},
-            _spellings={key(k): key(text) for k, text in data.get("spellings", {}).items()},
-            _marks={
-                key(k): tuple(
-                    _case(case, names)
-                    for case in (cases if isinstance(cases, (list, tuple)) else (cases,))
-                )
-                for k, cases in data.get("marks", {}).items()
-            },
-            _ignored=frozenset(key(sign) or sign for sign in data.get("ignored", ())),
-        )
+        def keyed(field: str) -> dict[str, Any]:
+            return {key(sign): value for sign, value in data.get(field, {}).items()}
+
+        self.names = tuple(features)
+        self.weights = tuple(feature["weight"] for feature in features.values())
+        self.fights_from: float = data["fights_from"]
+        self.told_from: float = data["told_from"]
+        self.another: float = data["another"]
+        self.later: float = data["later"]
+        self.prefer = {letter: key(other["as"]) for letter, other in keyed("prefer").items()}
+        aside = data.get("aside", {}).items()
+        self.aside = {name: frozenset(map(key, letters)) for name, letters in aside}
+        self.joins = [
+            Join(
+                _phrases(j.get("first")), _phrases(j.get("second")), j["keep"], j.get("lost") or ""
+            )
+            for j in data.get("joins", ())
+        ]
+        self.alone = {mark: key(letter) for mark, letter in keyed("alone").items()}
+        self._letters = {letter: sound(letter, words) for letter, words in keyed("letters").items()}
+        self._spellings = {sign: key(text) for sign, text in keyed("spellings").items()}
+        self._marks = {
+            mark: tuple(
+                _case(case, self.names)
+                for case in (cases if isinstance(cases, (list, tuple)) else (cases,))
+            )
+            for mark, cases in keyed("marks").items()
+        }
+        self._ignored = {key(sign) or sign for sign in data.get("ignored", ())}
+        keys = (*self._letters, *self._spellings, *self._marks, *self._ignored)
+        self._longest = max(map(len, keys), default=1)
 
     def read(self, label: str, own: Iterable[str] = ()) -> LabelReading:
         """Read a label as letters with features.
@@ -336,8 +309,8 @@ def _described(words: FeatureWords, phrases: tuple[FeatureWords, ...]) -> bool:
     return not phrases or any(phrase <= words for phrase in phrases)
 
 
-def _phrases(join: Mapping[str, Any], side: str = "first") -> tuple[FeatureWords, ...]:
-    return tuple(frozenset(phrase.split()) for phrase in join.get(side) or ())
+def _phrases(stated: Iterable[str] | None) -> tuple[FeatureWords, ...]:
+    return tuple(frozenset(phrase.split()) for phrase in stated or ())
 
 
 def _case(case: Mapping[str, Any] | str, names: tuple[str, ...]) -> Case:
@@ -348,7 +321,7 @@ def _case(case: Mapping[str, Any] | str, names: tuple[str, ...]) -> Case:
         return tuple((names.index(name), value) for name, value in (values or {}).items())
 
     return Case(
-        on=tuple(frozenset(phrase.split()) for phrase in case.get("on") or ()),
+        on=_phrases(case.get("on")),
         set=numbered(case.get("set")),
         add=numbered(case.get("add")),
         then=key(case.get("then") or ""),

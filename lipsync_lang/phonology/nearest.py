@@ -18,7 +18,7 @@ A letter that a shade names, in spite of small marks, is that shade whatever pho
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import inf
 from operator import attrgetter, itemgetter
 from typing import Any, NamedTuple, Self
@@ -77,10 +77,6 @@ class _Cut(NamedTuple):
     size: int
     pieces: tuple[LabelPiece, ...]
 
-    def longer(self, piece: LabelPiece, another: float) -> "_Cut":
-        cost = round(self.cost + piece.distance + another, 9)
-        return _Cut(cost, self.size + 1, (*self.pieces, piece))
-
 
 @dataclass(frozen=True, eq=False)
 class NearestPhonemes:
@@ -127,7 +123,7 @@ class NearestPhonemes:
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Make it of the data of the IPA and candidates, as JSON holds them."""
         shades = {name: ShadeLabels(*told) for name, told in data.get("shades", {}).items()}
-        features = Features.from_data(data["features"])
+        features = Features(data["features"])
         return cls(features, data["candidates"], shades)
 
     def value(self, label: str) -> Value | None:
@@ -168,10 +164,7 @@ class NearestPhonemes:
     def _typical(self) -> dict[str, tuple[Numbers, ...]]:
         """Common phoneme -> the letters of the first label it names."""
         typical: dict[str, tuple[Numbers, ...]] = {}
-        for runs in self._runs.values():
-            for exemplar in runs:
-                typical.setdefault(exemplar.phoneme, exemplar.run)
-        for exemplar in self._shaded:
+        for exemplar in chain(*self._runs.values(), self._shaded):
             typical.setdefault(exemplar.phoneme, exemplar.run)
         return typical
 
@@ -219,8 +212,10 @@ class NearestPhonemes:
                 found = self._near[run]
                 piece = LabelPiece(*found, stop - length, stop)
                 name = piece.exemplar.phoneme
-                for last, before in best[stop - length].items():
-                    cut = before.longer(piece, 0.0 if last == name else self.features.another)
+                for last, (cost, size, before) in best[stop - length].items():
+                    another = 0.0 if last == name else self.features.another
+                    far = round(cost + piece.distance + another, 9)
+                    cut = _Cut(far, size + 1, (*before, piece))
                     best[-1][name] = min(best[-1].get(name, cut), cut, key=cheapest)
         return min(best[-1].values(), key=cheapest).pieces if best[-1] else None
 

@@ -67,7 +67,7 @@ def spelling(library: "Library") -> dict[str, dict[str, Any]]:
                 name: {sign: key(meant) for sign, meant in signs.items()}
                 for name, signs in data["notations"].items()
             }
-            unseen = Features.from_data(data).unseen()
+            unseen = Features(data).unseen()
             known[common.source] = {"spelled": spelled, "unseen": unseen}
         return known[common.source]
     except PackError:

@@ -71,7 +71,7 @@ def test_every_segment_that_epitran_writes_is_known(name):
 
 # What is dropped, and what is not
 
-FEATURES = Features.from_data(LIBRARY.ipa().model.model_dump(mode="json", by_alias=True))
+FEATURES = Features(LIBRARY.ipa().model.model_dump(mode="json", by_alias=True))
 NEAR = among(LIBRARY, automatic(LIBRARY, "ipa:x"))
 
 

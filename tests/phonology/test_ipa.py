@@ -34,7 +34,7 @@ from lipsync_lang.resolver.nearest_phonemes import (
 COMMON = LIBRARY.common().model
 MODEL = LIBRARY.ipa().model
 DATA = MODEL.model_dump(mode="json", by_alias=True)
-FEATURES = Features.from_data(DATA)
+FEATURES = Features(DATA)
 LETTERS = [*MODEL.letters]
 MARKS = [mark.replace("\u25cc", "") for mark in MODEL.marks]
 assert len(LETTERS) > 100

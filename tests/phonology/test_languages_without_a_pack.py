@@ -31,7 +31,7 @@ MODEL = LIBRARY.ipa().model
 DATA = MODEL.model_dump(mode="json", by_alias=True)
 
 
-FEATURES = Features.from_data(DATA)
+FEATURES = Features(DATA)
 
 
 def near(*adds, **rest):
