@@ -19,50 +19,30 @@ NEUTRAL = "neutral"
 
 
 @dataclass(frozen=True)
-class Drafts:
-    """Drafted bigrams of one pose set, ready to be written."""
-
-    poseset: str
-    bigrams: dict[str, dict[str, CurvePoints]]
-    """For each bigram, such as `l-ow`, control points by pose."""
-    character: str = ""
-    """Character whose own targets were drafted; empty for the targets of the pose set."""
-
-
-@dataclass(frozen=True)
 class BankBigrams:
     """Bigrams of one pose set from any source, with the style and curve type of their bank."""
 
     poseset: str
     bigrams: Mapping[str, Mapping[str, CurvePoints]]
+    """For each bigram, such as `l-ow`, control points by pose."""
     status: str
     style: str | None = None
     """Style of their bank; None for any style."""
     interpolation: Interpolation | None = None
     """Kind of curve; None for the bank's own."""
+    character: str = ""
+    """Character whose own targets were drafted; empty for the targets of the pose set."""
 
 
-def draft_yaml(drafts: Drafts) -> str:
-    """Return drafts as the text of a bank's `bigrams`."""
-    return bigrams_yaml(drafts.bigrams, "drafted")
-
-
-def bigrams_yaml(bigrams: Mapping[str, Mapping[str, CurvePoints]], status: str) -> str:
+def bigrams_yaml(made: BankBigrams) -> str:
     """Return bigrams as the text of a bank's `bigrams`."""
-    if not bigrams:
-        return "bigrams: {}\n"
-    entries = [
-        line for key, curves in bigrams.items() for line in entry(key, {"status": status}, curves)
-    ]
-    return "\n".join(["bigrams:", *entries]) + "\n"
+    lines = ["bigrams:" if made.bigrams else "bigrams: {}"]
+    for key, curves in made.bigrams.items():
+        lines += block_lines({key: {"status": made.status, "curves": curves}}, INDENT)
+    return "\n".join(lines) + "\n"
 
 
-def entry(key: str, stated: Mapping[str, str], curves: Mapping[str, CurvePoints]) -> list[str]:
-    """Return the YAML lines of a bigram, indented below `bigrams`."""
-    return block_lines({key: {**stated, "curves": curves}}, INDENT)
-
-
-def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -> str:
+def write_drafts(library: "Library", drafts: BankBigrams, path: Path | None = None) -> str:
     """Add drafts to a bank file; bigrams already in it stay unchanged.
 
     A bank that the library has loaded is not read again. By default, the file is `common.yaml` of
@@ -76,8 +56,8 @@ def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -
         )
     path = path or Path("posesets") / drafts.poseset / "banks" / "common.yaml"
     make_room(path)
-    new = add_bigrams(library, path, BankBigrams(drafts.poseset, drafts.bigrams, "drafted"))
-    return done(path, len(new), len(drafts.bigrams) - len(new), "drafted")
+    new = add_bigrams(library, path, drafts)
+    return done(path, len(new), len(drafts.bigrams) - len(new), drafts.status)
 
 
 def make_room(path: Path) -> None:
@@ -153,5 +133,5 @@ def bank_yaml(made: BankBigrams, name: str) -> str:
         f"poseset: {plain_or_quoted(made.poseset)}\nlanguage: null\n"
         f"style: {plain_or_quoted(made.style or NEUTRAL)}\n"
         f"interpolation: {made.interpolation or 'bspline'}\n"
-        f"{bigrams_yaml(made.bigrams, made.status)}"
+        f"{bigrams_yaml(made)}"
     )

@@ -70,16 +70,16 @@ def _add_diff(action: Add) -> None:
 
 def draft(options: Namespace) -> int:
     """Draft bigrams; print them as YAML or put them into a bank."""
-    from lipsync_lang.banks.write import draft_yaml, write_drafts
+    from lipsync_lang.banks.write import bigrams_yaml, write_drafts
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.resolver.drafts import draft_bigrams
+    from lipsync_lang.resolver.bigram_sources import draft_bigrams
 
     library = Library(options.path)
     drafts = draft_bigrams(library, options.language, options.character, options.bigrams)
     if options.write or options.to:
         print(write_drafts(library, drafts, options.to), file=sys.stderr)
     else:
-        print(draft_yaml(drafts), end="")
+        print(bigrams_yaml(drafts), end="")
     return SOUND
 
 

@@ -1,10 +1,18 @@
-"""Sources of a bigram's curves: its file, the layers beneath, and the targets."""
+"""Sources of a bigram's curves: its file, the layers beneath, and drafts from the targets."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats
+from lipsync_lang.banks.write import BankBigrams
+from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.resolver.compiled import Pair
-from lipsync_lang.resolver.layers import BigramRow, PairPacks
+from lipsync_lang.resolver.layers import DRAFTED, BigramRow, PairPacks
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
 
 
 def stated(shelf: PairPacks, row: BigramRow) -> str | None:
@@ -60,3 +68,44 @@ def target_curves(shelf: PairPacks, pair: Pair, boundary: float) -> dict[int, Fl
 def _middles(parts: int, start: float, end: float) -> list[float]:
     """Return the middles of equal parts of a span."""
     return [start + (end - start) * (part + 0.5) / parts for part in range(parts)]
+
+
+def draft_bigrams(
+    library: "Library", language: str, character: str, wanted: Sequence[str] = ()
+) -> BankBigrams:
+    """Draft bigrams from the targets of a character's pose set, also bigrams in banks.
+
+    Parameters
+    ----------
+    wanted : bigrams such as `l-ow`; none means every one that no bank answers
+
+    Raises
+    ------
+    LipsyncError
+        A wanted bigram is not one of this language, or its phonemes have no targets.
+    """
+    shelf = PairPacks.open(library, language, character)
+    pairs = {"-".join(pair): pair for pair in shelf.pairs()}
+    if wanted:
+        pairs |= {"-".join(pair): pair for pair in shelf.shade_pairs()}
+    for key in wanted:
+        if key not in pairs:
+            raise LipsyncError(f"unknown bigram '{key}' in {language}; {did_you_mean(key, pairs)}")
+    chosen = list(wanted) or [key for key, pair in pairs.items() if shelf.authored(pair) is None]
+    rows = shelf.drafts([pairs[key] for key in chosen])
+    missing = [key for key in chosen if pairs[key] not in rows]
+    if missing and wanted:
+        raise LipsyncError(
+            f"{shelf.poseset.model.name} has no targets to draft {', '.join(missing)} from; "
+            f"add them in {shelf.poseset.path}"
+        )
+    bigrams = {
+        "-".join(pair): {
+            shelf.poses[pose]: [[float(t), float(v)] for t, v in points]
+            for pose, points in row.curves.items()
+        }
+        for pair, row in rows.items()
+    }
+    who = shelf.character.model
+    own = who.name if who.targets else ""
+    return BankBigrams(shelf.poseset.model.name, bigrams, DRAFTED, character=own)

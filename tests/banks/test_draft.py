@@ -10,12 +10,12 @@ from strategies import real
 
 from lipsync_lang import resolve
 from lipsync_lang.banks.draft import DECIMALS, PASSIVE, TIMES, Target, draft
-from lipsync_lang.banks.write import draft_yaml, write_drafts
+from lipsync_lang.banks.write import bigrams_yaml, write_drafts
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml import building
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.tables import RESOLUTION
-from lipsync_lang.resolver.drafts import draft_bigrams
+from lipsync_lang.resolver.bigram_sources import draft_bigrams
 from lipsync_lang.resolver.layers import PairPacks
 
 AT = np.linspace(0, 1, RESOLUTION + 1)
@@ -256,7 +256,7 @@ def test_a_draft_that_is_written_down_performs_as_the_draft_did(tmp_path):
         ]
         gap = compiled.tables.curves[rows[0]] - drafted.tables.curves[rows[1]]
         assert np.abs(gap).max() < 1e-6
-    assert "bmp-aa:" in draft_yaml(drafts)
+    assert "bmp-aa:" in bigrams_yaml(drafts)
 
 
 POSES = "poses: {jaw: {}, shut: {}, round: {}}\n"

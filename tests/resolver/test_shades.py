@@ -16,7 +16,7 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.hold import demands
 from lipsync_lang.quality.check_animation import check
 from lipsync_lang.resolver.bank_diff import diff_banks
-from lipsync_lang.resolver.drafts import draft_bigrams
+from lipsync_lang.resolver.bigram_sources import draft_bigrams
 from lipsync_lang.schedules.schedule import Schedule
 
 COMMON = LIBRARY.common().model
