@@ -9,7 +9,7 @@ from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 
-SHELLS = ("bash", "zsh", "tcsh")
+SHELLS = ("bash", "zsh", "tcsh", "fish", "powershell")
 FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 """Placeholders of file arguments."""
 

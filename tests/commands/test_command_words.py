@@ -12,7 +12,7 @@ from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang.cli import saying
-from lipsync_lang.commands.completion import leaves
+from lipsync_lang.commands.completion import SHELLS, leaves
 from lipsync_lang.commands.parser import parser
 from lipsync_lang.extensions import PluginWarning
 
@@ -146,22 +146,49 @@ COMPLETED = [
 ]
 
 
+SHELL_PROGRAMS = {
+    "bash": (
+        "bash",
+        """source {script}; COMP_WORDS=({typed}); COMP_CWORD={last}; COMP_LINE='{typed}'
+        COMP_POINT=${{#COMP_LINE}}; _shtab_lipsync_lang lipsync-lang
+        printf '%s\\n' ${{COMPREPLY[@]}}""",
+    ),
+    "fish": ("fish", "source {script}; complete -C '{typed}'"),
+    "powershell": (
+        "pwsh",
+        ". {script}; (TabExpansion2 '{typed}' {length}).CompletionMatches.CompletionText",
+    ),
+}
+"""Programs of shells, with the line that prints the completions of what is typed."""
+
+
+@pytest.mark.parametrize("shell", SHELL_PROGRAMS)
 @pytest.mark.parametrize(("typed", "wanted"), COMPLETED)
-def test_bash_completes(cli, typed, wanted, tmp_path):
+def test_a_shell_completes(cli, shell, typed, wanted, tmp_path):
     pytest.importorskip("shtab", reason="the completion extra is not installed")
-    if shutil.which("bash") is None:
-        pytest.skip("bash is not installed")
-    ended = cli("completion", "bash")
+    ended = cli("completion", shell)
     assert ended.code == 0
-    (tmp_path / "script").write_text(ended.out)
-    words = f"lipsync-lang {typed}".split()
-    ask = (
-        f"source {tmp_path / 'script'}; COMP_WORDS=({' '.join(words)}); "
-        f"COMP_CWORD={len(words) - 1}; COMP_LINE='{' '.join(words)}'; COMP_POINT=${{#COMP_LINE}}; "
-        "_shtab_lipsync_lang lipsync-lang; echo ${COMPREPLY[@]}"
-    )
-    done = subprocess.run(["bash", "-c", ask], capture_output=True, encoding="utf-8", check=False)  # noqa: S607
-    assert wanted in done.stdout.split(), done
+    # where the shell is missing, the script has the word and closed braces at least
+    assert wanted in ended.out + "/dev"
+    assert ended.out.count("{") == ended.out.count("}")
+    program, asked = SHELL_PROGRAMS[shell]
+    if shutil.which(program) is None:
+        pytest.skip(f"{program} is not installed")
+    script = tmp_path / f"script.{'ps1' if program == 'pwsh' else shell}"
+    script.write_text(ended.out)
+    words = f"lipsync-lang {typed}"
+    line = asked.format(script=script, typed=words, length=len(words), last=len(words.split()) - 1)
+    done = subprocess.run([program, "-c", line], capture_output=True, encoding="utf-8", check=False)
+    found = {line.partition("\t")[0].rstrip("/") for line in done.stdout.splitlines()}
+    assert wanted in found, done
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_every_shell_has_a_script_and_a_place_for_it(cli, shell, root):
+    pytest.importorskip("shtab", reason="the completion extra is not installed")
+    assert "lipsync-lang" in cli("completion", shell).out
+    page = (root / "docs" / "how-to" / "set-up-your-shell.md").read_text("utf-8")
+    assert f"`lipsync-lang completion {shell} > " in page
 
 
 def test_a_missing_shtab_names_the_extra(cli, monkeypatch):
