@@ -18,6 +18,7 @@ from typing import BinaryIO
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.files import write_all
 from lipsync_lang.files.reach import refuse_outside
+from lipsync_lang.packs.finding import WHOLE_MODELS
 
 WRAP_CHARS = 100
 """Maximum line width in characters for wrapped lists."""
@@ -120,7 +121,7 @@ def place_model(model: Path, pack: Path) -> tuple[str, NewFiles]:
     if model.resolve().is_relative_to(there.parent):
         return Path(relpath(model.resolve(), there)).as_posix(), {}
     # Other formats may refer to buffers and textures outside the file, which a copy would lose.
-    if model.suffix.lower() != ".glb":
+    if not model.name.lower().endswith(WHOLE_MODELS):
         raise LipsyncError(
             f"{model}: may refer to other files; export it as GLB, or move it with these files "
             f"into {pack.parent} first"

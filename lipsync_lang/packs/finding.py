@@ -52,8 +52,14 @@ BENEATH = "beneath"
 PACK_SUFFIXES = (".yaml", ".yml")
 """Endings of text that names a pack's file."""
 
-MODEL_SUFFIXES = (".glb", ".gltf")
-"""Endings of text that names a model."""
+WHOLE_MODELS = (".glb", ".vrm")
+"""Endings of text that names a model with all its parts in one file."""
+
+MODEL_SUFFIXES = (
+    *(*WHOLE_MODELS, ".gltf", ".fbx", ".obj", ".blend", ".ma", ".mb", ".max"),
+    *(".dae", ".usd", ".usda", ".usdc", ".usdz"),
+)
+"""Endings of text that names a model; for other formats than glTF, an error says how to export."""
 
 PART_FOLDERS = {"banks": "bank", "rigs": "rig"}
 """The folders within a pose set, with their kinds of pack."""

@@ -40,7 +40,7 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     ----------
     language : name, tag, alias or file of a language pack; ENGINE:CODE for a language without one
     character : name or file of a character, or of a pose set for its default character; or a model
-        (.glb, .gltf), with the pose set and rig that fit its shapes best
+        (.glb, .vrm, .gltf), with the pose set and rig that fit its shapes best
     paths : one or several folders with priority in pack searches
     gaps : treatment of bigrams without a match: `error` or `rest`
     unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` for IPA, by its

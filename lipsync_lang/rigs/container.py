@@ -26,6 +26,9 @@ BINARY_CHUNK = 0x004E4942
 
 EXPORT = "export the model as GLB (binary glTF 2.0)"
 
+CONVERT = f"{EXPORT} or VRM, with its shape keys (in Blender: File > Export > glTF 2.0)"
+"""Cure for a model in the format of another program."""
+
 SEEMS = (
     (b"Kaydara FBX", "an FBX file"),
     (b"; FBX", "an FBX file"),
@@ -34,6 +37,9 @@ SEEMS = (
     (b"PK\x03\x04", "a zip archive; unpack it first"),
     (b"\x1f\x8b", "a gzip archive; unpack it first"),
     (b"BLENDER", "a Blender file"),
+    (b"\x28\xb5\x2f\xfd", "a compressed Blender file"),
+    (b"//Maya", "a Maya file"),
+    (b"FOR4", "a Maya file"),
     (b"PXR-USDC", "a USD file"),
     (b"#usda", "a USD file"),
     (b"version https://git-lfs", "a Git LFS pointer; fetch the file itself with `git lfs pull`"),
@@ -76,7 +82,7 @@ def open_model(path: Path) -> tuple[bytes, tuple[Chunk, ...]]:
             if head.startswith(GLB_MAGIC):
                 return _container(path, stream, head, size)
             if not head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
-                fail(path, f"is not GLB; it seems to be {_seems(head)}", EXPORT)
+                fail(path, f"is not GLB; it seems to be {_seems(head)}", CONVERT)
             stream.seek(0)
             return stream.read(size), ()
     except (OSError, ValueError) as error:

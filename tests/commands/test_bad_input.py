@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from lanes import full
 from packs_tree import POSESET, plant, put
+from shipped import LIBRARY
+from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.errors import (
     LipsyncError,
+    ModelError,
     OutputError,
     PackError,
     ScheduleError,
@@ -71,6 +74,18 @@ def rows(*triples):
 def test_unknown_names_are_told_with_the_nearest(language, character, message):
     with pytest.raises(PackError, match=message):
         ll.resolve(language, character)
+
+
+@pytest.mark.parametrize("name", ["face.fbx", "FACE.BLEND", "face.obj", "face.ma"])
+def test_a_model_of_another_format_is_told_how_to_export_it(name, tmp_path):
+    (tmp_path / name).write_bytes(b"Kaydara FBX Binary")
+    with pytest.raises(ModelError, match=r"export the model as GLB .* or VRM"):
+        ll.resolve("english", str(tmp_path / name))
+
+
+def test_an_avatar_in_vrm_stands_in_place_of_a_character(tmp_path):
+    model = glb(tmp_path / "face.vrm", *LIBRARY.poseset("vrm").model.poses)
+    assert ll.resolve("english", str(model)).compiled.poseset == "vrm"
 
 
 def test_an_unknown_pose_is_told_with_the_nearest(performer):

@@ -59,6 +59,8 @@ NOT_MODELS = {
         b"; FBX 7.3.0 project file\n",
         "seems to be an FBX file; export the model as GLB",
     ),
+    "blender": (b"\x28\xb5\x2f\xfd", "a compressed Blender file; .*File > Export > glTF 2.0"),
+    "maya": (b"//Maya ASCII 2024", "a Maya file; export the model as GLB .* or VRM"),
     "obj": (
         b"# Blender\nmtllib a.mtl\no Cube\nv 1 1 1\n",
         "an OBJ file, which has no morph targets",

@@ -6,7 +6,6 @@ from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,20 +15,20 @@ from lipsync_lang.errors import LipsyncError, ModelError
 from lipsync_lang.files import write_all
 from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.json_object import Json
-from lipsync_lang.packs.finding import FOLDERS
+from lipsync_lang.packs.finding import FOLDERS, WHOLE_MODELS
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.trace import VISIBLE
 from lipsync_lang.pipeline.constrain import constrain
+from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.resolver.pose_arrays import SOFTNESS_SECONDS
 from lipsync_lang.resolver.settings import RANGES
+from lipsync_lang.rigs.model import read_model
+from lipsync_lang.rigs.recognise import find
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.routes.requests import StudioRequest, listed, sent_file
 from lipsync_lang.studio.workshop import Workshop
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.pipeline.tables import Tables
 
 MAX_MIXES = 400
 """Maximum number of mixes of poses in a request, such as one for each pose."""
@@ -75,9 +74,6 @@ def character(workshop: Workshop, _: StudioRequest) -> Json:
     }
 
 
-# Mixes of poses
-
-
 def pose(workshop: Workshop, request: StudioRequest) -> Json:
     """Convert mixes of poses to channels of the model, and list the rules that apply to them.
 
@@ -113,9 +109,7 @@ def pose(workshop: Workshop, request: StudioRequest) -> Json:
     }
 
 
-def _acting(
-    performer: "Performer", tables: "Tables", wanted: Floats, kept: Floats
-) -> Iterator[Json]:
+def _acting(performer: Performer, tables: Tables, wanted: Floats, kept: Floats) -> Iterator[Json]:
     """Yield the rule that lowers each pose."""
     names = performer.poses
     for number in np.flatnonzero(wanted - kept > VISIBLE).tolist():
@@ -129,9 +123,6 @@ def _acting(
         ]
         _, other, told = min(rules + bounds)
         yield {"pose": names[number], "other": names[other], "why": told}
-
-
-# Packs of the project
 
 
 def own(workshop: Workshop, _: StudioRequest) -> Json:
@@ -152,9 +143,6 @@ def model(workshop: Workshop, request: StudioRequest) -> Json:
 
     The answer has `name`, the value of the character's `model`.
     """
-    from lipsync_lang.rigs.model import read_model
-    from lipsync_lang.rigs.recognise import find
-
     performer = workshop.performer
     with TemporaryDirectory() as folder:
         path = _glb(request, Path(folder))
@@ -212,7 +200,7 @@ def drafted(workshop: Workshop, request: StudioRequest) -> Json:
 def _glb(request: StudioRequest, folder: Path) -> Path:
     """Write a sent model into a folder; only GLB has all parts in one file."""
     path = sent_file(request, folder)
-    if path.suffix.lower() != ".glb":
+    if not path.name.lower().endswith(WHOLE_MODELS):
         raise LipsyncError(
             f"{path.name}: export the model as GLB, which contains all parts in one file"
         )
@@ -232,13 +220,7 @@ def _without_folder(folder: str) -> Iterator[None]:
 
 
 def _draw(animation: Animation) -> None:
-    """Draw a model once.
-
-    Raises
-    ------
-    ModelError
-        The model cannot be drawn.
-    """
+    """Draw a model once; raise ModelError if it cannot be drawn."""
     face = face_data(animation, ArrayPack())
     if "parts" not in face:
         raise ModelError("; ".join(face["unshown"]))
