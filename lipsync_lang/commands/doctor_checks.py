@@ -15,8 +15,7 @@ from lipsync_lang.extensions import Extensions
 from lipsync_lang.extras import Extra, extras, install_line
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
+    from lipsync_lang.extensions import EntryPoint
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Language
 
@@ -250,11 +249,9 @@ def _plug_in(name: str, entry_points: "list[EntryPoint]") -> CheckedPart:
     fault = f"no folder {lost[0]}" if lost else fault_of(IMPORT_PLUG_IN, name)
     if fault:
         return CheckedPart(f"plug-in {name}", BROKEN, f"{fault}; update it, or uninstall it")
-    dist = entry_points[0].dist
     kinds = sorted({one.group.rpartition(".")[2].replace("_", " ") for one in entry_points})
-    return CheckedPart(
-        f"plug-in {name}", OK, f"{dist.version if dist else ''} with {', '.join(kinds)}"
-    )
+    told = f"{entry_points[0].version} with {', '.join(kinds)}"
+    return CheckedPart(f"plug-in {name}", OK, told)
 
 
 @check

@@ -13,14 +13,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
-from lipsync_lang.extensions import PACKS, distribution, installed
+from lipsync_lang.extensions import PACKS, installed
 from lipsync_lang.files.reach import PATH_VARIABLE, is_reached, refuse_outside
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.phonology.language_names import folded_language
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
+    from lipsync_lang.extensions import EntryPoint
 
 Kind = Literal["language", "poseset", "character"]
 
@@ -281,7 +281,7 @@ class Finder:
             if folder is None:
                 self.missing.append(entry_point)
             else:
-                yield folder, f"installed: {distribution(entry_point)}"
+                yield folder, f"installed: {entry_point.dist}"
         yield built_in(), "built-in"
 
 

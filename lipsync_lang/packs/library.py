@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar, cast
 
 from lipsync_lang.errors import PackError, did_you_mean
-from lipsync_lang.extensions import distribution
 from lipsync_lang.packs.finding import (
     BENEATH,
     COMMON,
@@ -133,7 +132,7 @@ class Library(Finder):
                 1,
                 1,
                 "W304",
-                f"'{distribution(entry)}' offers packs in '{entry.value}', which is gone",
+                f"'{entry.dist}' offers packs in '{entry.value}', which is gone",
                 "install it again, or remove it",
                 "warning",
             )

@@ -521,11 +521,11 @@ def plugged(tmp_path, monkeypatch):
         monkeypatch.syspath_prepend(site)
         found = os.environ.get("PYTHONPATH", "")
         monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, [str(site), found])))
-        extensions._groups.cache_clear()  # noqa: SLF001 the folder is new
+        extensions._declared.cache_clear()  # noqa: SLF001 the folder is new
         return {one.part: one for one in CHECKS["plug_ins"]()}["plug-in odd"]
 
     yield put
-    extensions._groups.cache_clear()  # noqa: SLF001
+    extensions._declared.cache_clear()  # noqa: SLF001
 
 
 GOOD = "from lipsync_lang.animations.animation_writers import writer\n"

@@ -54,11 +54,11 @@ def install(tmp_path, monkeypatch):
         (folder / f"{module}.py").write_text(text)
         if str(folder) not in sys.path:
             monkeypatch.syspath_prepend(folder)
-        extensions._groups.cache_clear()  # noqa: SLF001 the folder has changed since
+        extensions._declared.cache_clear()  # noqa: SLF001 the folder has changed since
         monkeypatch.delitem(sys.modules, module, raising=False)
 
     yield put
-    extensions._groups.cache_clear()  # noqa: SLF001
+    extensions._declared.cache_clear()  # noqa: SLF001
 
 
 def adding(*names):

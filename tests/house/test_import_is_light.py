@@ -53,22 +53,15 @@ def test_importing_is_light(code):
     assert not HEAVY & modules_after(code)
 
 
-ENTRY_POINTS = {"importlib.metadata"}
-"""Read where other distributions may have the command."""
-
-
-@pytest.mark.parametrize(
-    ("arguments", "read"),
-    [(["--help"], ENTRY_POINTS), (["dance"], ENTRY_POINTS), (["run", "--help"], set())],
-)
-def test_help_is_light(arguments, read):
+@pytest.mark.parametrize("arguments", [["--help"], ["dance"], ["run", "--help"]])
+def test_help_is_light(arguments):
     code = (
         "from lipsync_lang.cli import main\n"
         f"try: main({arguments!r})\n"
         "except SystemExit: print(file=sys.stderr)"
     )
     loaded = modules_after(code)
-    assert HEAVY & loaded == read
+    assert not HEAVY & loaded
     assert not {one for one in loaded if one.startswith(("lipsync_lang.lines", "html"))}
 
 

@@ -6,6 +6,7 @@ A spelling that is one part twice (`haha`) may be repeated as a whole.
 
 import re
 from collections.abc import Mapping
+from functools import cache
 from itertools import groupby
 from typing import NamedTuple
 from unicodedata import name
@@ -37,11 +38,11 @@ class Interjections:
 
     def __init__(self, known: Mapping[str, Interjection], is_vowel: IsVowel, vowels: str) -> None:
         self._is_vowel, self._vowels = is_vowel, vowels
-        self._patterns: dict[str, list[_Pattern]] = {}
+        self._known: dict[str, list[tuple[str, Interjection]]] = {}
         self._starts: set[str] = set()
         for spelling, interjection in sorted(known.items(), key=lambda item: -len(item[0])):
             folded = plain(spelling)
-            self._patterns.setdefault(folded[0], []).append(_pattern(folded, interjection))
+            self._known.setdefault(folded[0], []).append((folded, interjection))
             letters = [letter for letter, _ in groupby(folded)]
             self._starts |= {folded[0] * 2, "".join(letters[:2])}
 
@@ -64,7 +65,8 @@ class Interjections:
             if said and len(said) == len(parts):
                 return merged(token, said, " ".join(one.respelled for one in said))
         for spelling in dict.fromkeys((word, word.replace("-", ""))):
-            for pattern in self._patterns.get(spelling[:1], ()):
+            for known in self._known.get(spelling[:1], ()):
+                pattern = _pattern(*known)
                 found = pattern.whole.fullmatch(spelling)
                 if not found:
                     continue
@@ -89,6 +91,7 @@ class Interjections:
         return lengthened(said, ElongatedWord(word, runs), self._is_vowel, self._vowels)
 
 
+@cache  # few texts need them
 def _pattern(spelling: str, interjection: Interjection) -> _Pattern:
     half = spelling[: len(spelling) // 2]
     syllable = name(half[:1] or spelling, "").startswith(SYLLABIC)
