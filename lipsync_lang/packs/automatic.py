@@ -8,8 +8,10 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.source import YamlSource
+from lipsync_lang.phonology.language_names import folded_language
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
@@ -35,6 +37,22 @@ LANGUAGE_CODE = re.compile(r"(?P<tag>[A-Za-z0-9]+([-_][A-Za-z0-9]+)*)(\+[A-Za-z0
 
 HOW = f"a language without a pack is {' or '.join(f'{name}:CODE' for name in IPA_ENGINES)}"
 """The form of such a language's name, for hints."""
+
+
+def unpacked(name: str) -> str | None:
+    """Return ENGINE:CODE of the voice of eSpeak NG with this code, title or word of its title."""
+    from lipsync_lang.phonology.espeak.process import EspeakProcess
+
+    try:
+        voices = EspeakProcess().voices()
+    except SpeechError:
+        return None
+    wanted = folded_language(name)
+    titles = {code: folded_language(title) for code, title in voices.items()}
+    # a whole title goes before a word of one, since 'latin' is also the script of other languages
+    found = [code for code, title in titles.items() if wanted in (code.lower(), title)]
+    found += [code for code, title in titles.items() if wanted in re.findall(r"\w+", title)]
+    return f"espeak:{found[0]}" if found else None
 
 
 def automatic(library: "Library", name: str) -> "Pack[Language] | None":

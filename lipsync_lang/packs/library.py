@@ -162,7 +162,7 @@ class Library(Finder):
         PackError
             No language has the name, or its pack is faulty.
         """
-        from lipsync_lang.packs.automatic import HOW, automatic
+        from lipsync_lang.packs.automatic import HOW, automatic, unpacked
         from lipsync_lang.packs.extending import extended
 
         found = self.lookup("language", name)
@@ -170,6 +170,8 @@ class Library(Finder):
             return extended(self, Path(found[0]))
         made = automatic(self, name)
         if made is None:
+            if (code := unpacked(name)) is not None:
+                raise PackError(f"no pack has the language '{name}'; '{code}' works without one")
             raise PackError(f"{self.unknown(name, 'language')}; {HOW}")
         return made
 

@@ -22,6 +22,7 @@ from lipsync_lang.errors import (
     shortlist,
 )
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
+from lipsync_lang.phonology.espeak.process import EspeakProcess
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.readers.textgrid import read_textgrid
 from lipsync_lang.schedules.timing_file import TimingFile
@@ -62,7 +63,7 @@ def rows(*triples):
     ("language", "character", "message"),
     [
         ("englsh", "facefx", "unknown language 'englsh': did you mean 'english'"),
-        ("klingon", "facefx", "unknown language 'klingon': known: .*english"),
+        ("qqqq", "facefx", "unknown language 'qqqq': known: .*english"),
         ("", "facefx", "unknown language '': known: "),
         ("../english", "facefx", "unknown language '../english': "),
         ("common", "facefx", "unknown language 'common'"),
@@ -74,6 +75,32 @@ def rows(*triples):
 def test_unknown_names_are_told_with_the_nearest(language, character, message):
     with pytest.raises(PackError, match=message):
         ll.resolve(language, character)
+
+
+@needs_espeak
+@pytest.mark.parametrize(
+    ("language", "name"),
+    [
+        ("maltese", "mt"),
+        ("mt", "mt"),
+        ("MT", "mt"),
+        ("haw", "haw"),
+        ("irish", "ga"),
+        ("latin", "la"),
+    ],
+)
+def test_a_language_without_a_pack_is_told_with_its_voice(language, name):
+    with pytest.raises(PackError, match=f"'{language}'; 'espeak:{name}' works without one"):
+        ll.resolve(language, "facefx")
+
+
+def test_without_a_voice_the_known_languages_are_told(monkeypatch):
+    def voices(_):
+        raise SpeechError("no eSpeak NG")
+
+    monkeypatch.setattr(EspeakProcess, "voices", voices)
+    with pytest.raises(PackError, match="unknown language 'maltese'"):
+        ll.resolve("maltese", "facefx")
 
 
 @pytest.mark.parametrize("name", ["face.fbx", "FACE.BLEND", "face.obj", "face.ma"])
