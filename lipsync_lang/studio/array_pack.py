@@ -37,13 +37,10 @@ class ArrayPack:
         self._data: list[bytes] = []
 
     def add(self, values: npt.ArrayLike, kind: str, scale: float = 1.0) -> dict[str, int]:
-        """Append an array and return its reference.
+        """Append an array and return its reference; the page sees its values in one row.
 
-        Parameters
-        ----------
-        values : of any shape; the page sees them in one row
-        kind : a name in `NUMBER_TYPES`; integers are rounded, and clipped to their range
-        scale : factor of each value before rounding
+        `kind` is a name in `NUMBER_TYPES`. Integers are values times `scale`, rounded, and clipped
+        to their range.
         """
         flat, dtype = np.asarray(values).ravel(), np.dtype(f"<{kind}")
         if dtype.kind == "f":
@@ -58,10 +55,6 @@ class ArrayPack:
         self._rows.append((kind, flat.size))
         self._data.append(content)
         return {REFERENCE: len(self._rows) - 1}
-
-    def add_bytes(self, content: bytes) -> dict[str, int]:
-        """Append the content of a file."""
-        return self.add(np.frombuffer(content, np.uint8), "u1")
 
     def layout(self) -> list[list[str | int]]:
         """Return the type and the length of each array as JSON data."""

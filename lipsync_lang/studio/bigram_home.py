@@ -19,18 +19,9 @@ def bigram_home(
 ) -> tuple[Path, bool]:
     """Return the target file for an edit of a bigram, and True if that file has the bigram.
 
-    The user's file with the bigram comes first, then the project's common bank, which may be new.
-
-    Parameters
-    ----------
-    project : folder for a new bank
-    own : True for a file of the user
-
-    Raises
-    ------
-    LipsyncError
-        An installed character or a bank of one language states the bigram, and would take
-        precedence over a common bank.
+    The user's file with the bigram comes first, then the project's common bank, which may be new;
+    `own` tells the files of the user. Raises LipsyncError if an installed character or a bank of
+    one language states the bigram, and would take precedence over a common bank.
     """
     row = packs.row(pair)
     if row.place is not None and stated(packs, row) == "-".join(pair):

@@ -13,12 +13,9 @@ from lipsync_lang.packs.yaml.faults import shown
 
 
 def refuse(path: Path, shipped: Iterable[Path], others: Iterable[Path]) -> None:
-    """Raise `OutputError` for a file that must not be edited.
+    """Raise `OutputError` for a file in a folder of `shipped` packs, or among `others` with edits.
 
-    Parameters
-    ----------
-    shipped : folders of distributions
-    others : files with edits; a file is edited under one name only
+    A file is edited under one name only.
     """
     if not path.is_absolute() or path.suffix != ".yaml":
         raise OutputError(

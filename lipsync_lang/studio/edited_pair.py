@@ -13,20 +13,15 @@ from lipsync_lang.studio.desk import Desk
 
 @dataclass(frozen=True, eq=False)
 class EditedPair:
-    """A compiled pair, with the files and unsaved texts that it depends on besides bigrams.
-
-    Parameters
-    ----------
-    pair : pair as last compiled or updated
-    revision : revision of the desk
-    beside : unsaved contents of files without bigrams
-    written : nanoseconds at which files without unsaved edits were written; None for a missing one
-    """
+    """A compiled pair, with the files and unsaved texts that it depends on besides bigrams."""
 
     pair: OpenPair
     revision: int
+    """Revision of the desk."""
     beside: Mapping[Path, bytes]
+    """Unsaved contents of files without bigrams."""
     written: Mapping[Path, int | None]
+    """Nanoseconds at which files without unsaved edits were written; None for a missing one."""
 
     @classmethod
     def of(cls, pair: OpenPair, desk: Desk) -> Self:
@@ -44,14 +39,8 @@ class EditedPair:
     ) -> OpenPair | None:
         """Return the pair with texts in place of its files; None if it must be compiled again.
 
-        Parameters
-        ----------
-        contents : every unsaved file, including the texts
-
-        Raises
-        ------
-        PackFaults
-            A bigram names an unknown phoneme or pose.
+        `contents` are all unsaved files, including the texts. Raises PackFaults if a bigram names
+        an unknown phoneme or pose.
         """
         if _beside(self.pair, contents) != self.beside:
             return None

@@ -125,9 +125,6 @@ def _camera(camera: Camera) -> Json:
     }
 
 
-# Movement
-
-
 def _nodes(scene: Scene, animation: Animation) -> list[Json]:
     """Return the visible nodes, parents first: positions at rest, and channels of bones."""
     rank = {number: place for place, number in enumerate(scene.order)}
@@ -168,6 +165,20 @@ def _part(scene: Scene, part: Primitive, pack: ArrayPack, kind: str) -> Json:
             "joints": pack.add(part.skin.bones, "u2"),
             "shares": pack.add(part.skin.shares, "u2", 65535),
         }
+    shapes = []  # that channels move, or that are visible at rest
+    rest, moved = part.weights.values[0], part.weights.values[1:] - part.weights.values[0]
+    for row, target in zip(part.deltas, part.active, strict=True):
+        points = np.flatnonzero(np.abs(row).max(axis=1) > MIN_MOVEMENT_SHARE * reach)
+        if len(points):
+            far = float(np.abs(row).max())
+            shape = {
+                "channels": np.flatnonzero(moved[:, target]).tolist(),
+                "rest": float(rest[target]),
+                "scale": far / SHORT,
+                "points": pack.add(points, kind),
+                "deltas": pack.add(row[points], "i2", SHORT / far),
+            }
+            shapes.append(shape)
     return {
         "node": rank[part.node],
         "first": part.points.start,
@@ -175,30 +186,9 @@ def _part(scene: Scene, part: Primitive, pack: ArrayPack, kind: str) -> Json:
         "middle": middle.tolist(),
         "scale": reach / SHORT,
         "points": pack.add(part.base - middle, "i2", SHORT / reach),
-        "shapes": list(_shapes(part, reach, pack, kind)),
+        "shapes": shapes,
         "skin": skin,
     }
-
-
-def _shapes(part: Primitive, reach: float, pack: ArrayPack, kind: str) -> Iterator[Json]:
-    """Yield the shapes that channels move, and those that are visible at rest."""
-    rest, moved = part.weights.values[0], part.weights.values[1:] - part.weights.values[0]
-    for row, target in zip(part.deltas, part.active, strict=True):
-        points = np.flatnonzero(np.abs(row).max(axis=1) > MIN_MOVEMENT_SHARE * reach)
-        channels = np.flatnonzero(moved[:, target]).tolist()
-        if not len(points):
-            continue
-        far = float(np.abs(row).max())
-        yield {
-            "channels": channels,
-            "rest": float(rest[target]),
-            "scale": far / SHORT,
-            "points": pack.add(points, kind),
-            "deltas": pack.add(row[points], "i2", SHORT / far),
-        }
-
-
-# Surfaces
 
 
 def _materials(scene: Scene, pack: ArrayPack) -> Iterator[Json]:
@@ -216,7 +206,7 @@ def _materials(scene: Scene, pack: ArrayPack) -> Iterator[Json]:
                 "lit": one.lit,
                 "image": None
                 if one.image is None or len(one.image) > MAX_IMAGE_BYTES
-                else pack.add_bytes(one.image),
+                else pack.add(np.frombuffer(one.image, np.uint8), "u1"),
             }
         first += count
 

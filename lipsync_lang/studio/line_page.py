@@ -43,15 +43,10 @@ def line_page(
     performer: "Performer | None" = None,
     qualities: Mapping[str, Quality] | None = None,
 ) -> str:
-    """Return an animation as a self-contained page.
+    """Return an animation as a self-contained page, with the animations in `against` beside it.
 
-    Animations in `against` are shown beside it.
-
-    Parameters
-    ----------
-    performer : performer of the face, for an animation from another program
-    qualities : figures by the name of the animation in `against`, "" for the first; None to
-        measure them here
+    `performer` is that of the face, for an animation from another program. `qualities` are figures
+    by the name of the animation in `against`, "" for the first; None to measure them here.
 
     Examples
     --------

@@ -22,17 +22,10 @@ def static(name: str) -> str:
 
 
 def bundle(entry: str) -> str:
-    """Return a script with a module of `static` and all modules that it imports.
+    """Return a script with a module of `static`, named without its suffix, and all its imports.
 
-    Parameters
-    ----------
-    entry : path of the module in `static`, without its suffix
-
-    Raises
-    ------
-    ValueError
-        A module imports or exports in another form, or a name that is not exported, or modules
-        import each other in a ring.
+    Raises ValueError if a module imports or exports in another form, or a name that is not
+    exported, or modules import each other in a ring.
     """
     texts: dict[str, str] = {}
     _collect(entry, texts, ())

@@ -27,15 +27,9 @@ CORRECTIONS = 6
 def performed_curves(
     performer: "Performer", schedule: "Schedule", first: int, stop: int, fps: float
 ) -> dict[str, list[list[float]]]:
-    """Return the curves of a character over some sounds, without its curve edits.
+    """Return the curves of a character over sounds `first` to `stop`, without its curve edits.
 
-    Parameters
-    ----------
-    first, stop : sounds of the schedule
-
-    Returns
-    -------
-    Control points (time, weight) by pose, in the normalised time of the span.
+    They are control points (time, weight) by pose, in the normalised time of the span.
 
     Examples
     --------

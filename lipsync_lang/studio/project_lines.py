@@ -8,7 +8,6 @@ no line to stays open: somebody chose it.
 from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.build.script import read_script
@@ -16,10 +15,8 @@ from lipsync_lang.build.timing import schedules
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.json_object import Json
 from lipsync_lang.packs.project import load_project
-
-if TYPE_CHECKING:
-    from lipsync_lang.schedules.schedule import Schedule
-    from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 MAX_LISTED = 100
 """Maximum number of lines in a response."""
@@ -32,12 +29,9 @@ ByCharacter = dict[str, PlannedLine]
 
 
 class ProjectLines:
-    """Lines of the script of a project, read on the first request.
+    """Lines of the script of a project, read on the first request; None is for no project file.
 
-    Parameters
-    ----------
-    file : the project file; None for no project
-    paths : folders of packs to search first
+    `paths` are folders of packs to search first.
     """
 
     def __init__(self, file: Path | None = None, paths: Iterable[Path] = ()) -> None:
@@ -47,13 +41,7 @@ class ProjectLines:
         self._characters: set[str] = set()
 
     def read(self) -> None:
-        """Read the script again.
-
-        Raises
-        ------
-        LipsyncError
-            The project or its script is faulty.
-        """
+        """Read the script again; raise LipsyncError if the project or its script is faulty."""
         self._lines, self._characters = {}, set()
         if self._file is None:
             return
@@ -68,11 +56,8 @@ class ProjectLines:
     def listed(self, language: str, character: str, sought: str = "", first: int = 0) -> Json:
         """Return some lines of a language as JSON data; an empty one is the first language.
 
-        Parameters
-        ----------
-        character : the open character
-        sought : words that the name, the speaker or the text of a line has
-        first : number of the first line to return, among those found
+        The name, the speaker or the text of a line has the `sought` words; `first` is the number of
+        the first line to return, among those found. `character` is the open one.
         """
         language = language or next(iter(self._lines), "")
         words = sought.casefold().split()
@@ -110,10 +95,7 @@ class ProjectLines:
     def line(self, language: str, name: str, character: str) -> PlannedLine:
         """Return a line with its current recording and timings.
 
-        Raises
-        ------
-        LipsyncError
-            There is no such line, or the script is faulty.
+        Raises LipsyncError if there is no such line, or the script is faulty.
         """
         if sum(map(len, self._lines.values())) <= MAX_READ_AGAIN:
             self.read()
@@ -124,16 +106,8 @@ class ProjectLines:
             )
         return self._on(own[name], character)
 
-    def schedule(
-        self, line: PlannedLine, speaker: "Speaker", engine: str | None = None
-    ) -> "Schedule":
-        """Time the phonemes of a line as in a build.
-
-        Raises
-        ------
-        LipsyncError
-            The line cannot be timed.
-        """
+    def schedule(self, line: PlannedLine, speaker: Speaker, engine: str | None = None) -> Schedule:
+        """Time the phonemes of a line as in a build; raise LipsyncError if that fails."""
         assert self._file is not None  # noqa: S101 a line is of a project
         (timed,) = schedules(self._file.parent, [line], speaker, engine)
         if isinstance(timed, LipsyncError):

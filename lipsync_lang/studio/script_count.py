@@ -13,7 +13,7 @@ from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
 from threading import Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import WeakKeyDictionary, finalize
 
 from lipsync_lang.coverage.corpus import Pages, Reading, count
@@ -22,15 +22,12 @@ from lipsync_lang.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.coverage.scripts import scripts_of
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reach import is_reached
-from lipsync_lang.lines import read_lines
+from lipsync_lang.lines import Line, read_lines
 from lipsync_lang.lines.line_readers import by_suffix
 from lipsync_lang.packs.finding import FOLDERS
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.studio.script_reading import ScriptReading, reading_of
 from lipsync_lang.studio.workshop import Workshop
-
-if TYPE_CHECKING:
-    from lipsync_lang.lines import Line
-    from lipsync_lang.performing.performer import Performer
 
 _log = logging.getLogger(__name__)
 
@@ -49,7 +46,7 @@ class _CountRun:
     """A running count, or its result."""
 
     key: object
-    performer: "Performer"
+    performer: Performer
     lines: int = 0
     figures: CountFigures | None = None
     fault: str = ""
@@ -83,7 +80,7 @@ class _CountRun:
                 f"{path.name} could not be counted; see the terminal of the studio for details"
             )
 
-    def _seen(self, lines: "Iterable[Line]") -> "Iterator[Line]":
+    def _seen(self, lines: Iterable[Line]) -> Iterator[Line]:
         for line in lines:
             if self.dropped:
                 return  # another script took its place
@@ -92,18 +89,13 @@ class _CountRun:
 
 
 class ScriptCount:
-    """Script of a workshop.
-
-    Attributes
-    ----------
-    name : name of the script for the user; empty without a script
-    column : column of a table; None for the most likely one
-    sent : True for a script that the browser sent
-    """
+    """Script of a workshop."""
 
     def __init__(self) -> None:
         self.name, self.sent = "", False
+        """Name of the script for the user, empty without one; True if the browser sent it."""
         self.column: str | None = None
+        """Column of a table; None for the most likely one."""
         self._path: Path | None = None
         self._discard: finalize[..., ScriptCount] | None = None
         self._run: _CountRun | None = None
@@ -111,10 +103,7 @@ class ScriptCount:
     def choose(self, workshop: Workshop, name: str, column: str | None) -> None:
         """Use a file of the project as the script.
 
-        Raises
-        ------
-        LipsyncError
-            The file is outside the project, missing, or of an unknown format.
+        Raises LipsyncError if the file is outside the project, missing, or of an unknown format.
         """
         if not is_reached(workshop.project / name, workshop.project):
             raise LipsyncError(
@@ -123,12 +112,7 @@ class ScriptCount:
         self._take(workshop.project / name, name, column)
 
     def receive(self, put: Callable[[Path], Path], column: str | None) -> None:
-        """Use a sent file as the script.
-
-        Parameters
-        ----------
-        put : puts the file into a folder, and returns its path
-        """
+        """Use a sent file as the script; `put` puts it into a folder, and returns its path."""
         folder = Path(mkdtemp())
         discard = finalize(self, rmtree, folder, ignore_errors=True)
         try:
@@ -156,8 +140,6 @@ class ScriptCount:
             self._discard()
         self.name, self.sent, self.column = "", False, None
         self._path = self._discard = self._run = None
-
-    # The count
 
     def update(self, workshop: Workshop) -> None:
         """Start a count unless there is one with the current settings of the language."""

@@ -15,23 +15,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ScriptReading:
-    """The reading of a script for the open pair; two equal readings count the same lines.
-
-    Parameters
-    ----------
-    column : of a table, by name or number; None for the one that is named after the language
-    names : of the language, which a column may have
-    speaker : column of the speakers; None for the likeliest
-    encoding : of the file; None for UTF-8, or what the file's mark says
-    cast : speakers with their characters; empty if the open character speaks every line
-    character : the open one
-    """
+    """The reading of a script for the open pair; two equal readings count the same lines."""
 
     column: str | None
+    """Column of a table, by name or number; None for the one that is named after the language."""
     names: tuple[str, ...] = ()
+    """Names of the language, which a column may have."""
     speaker: str | None = None
+    """Column of the speakers; None for the likeliest."""
     encoding: str | None = None
+    """Encoding of the file; None for UTF-8, or what the file's mark says."""
     cast: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    """Speakers with their characters; empty if the open character speaks every line."""
     character: str = ""
 
     @property
@@ -49,17 +44,9 @@ class ScriptReading:
 def reading_of(workshop: "Workshop", column: str | None, *, sent: bool) -> ScriptReading:
     """Return the reading of a script for the open pair.
 
-    A character that the project's `cast` does not name speaks every line: somebody chose it.
-
-    Parameters
-    ----------
-    column : that the user states; None for the project's, or the language's own
-    sent : True for a script from elsewhere, which has no columns of the project
-
-    Raises
-    ------
-    LipsyncError
-        The project file is unsound.
+    A character that the project's `cast` does not name speaks every line: somebody chose it. The
+    user states `column`; None is the project's, or the language's own. A script that was `sent`
+    has no columns of the project. Raises LipsyncError if the project file is unsound.
     """
     file = find_project(workshop.project)
     project = None if file is None else load_project(file).model

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from secrets import compare_digest
 from threading import Lock, Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import urlsplit
 
 from starlette.applications import Starlette
@@ -35,9 +35,6 @@ from lipsync_lang.studio.routes.requests import (
 )
 from lipsync_lang.studio.routes.table import ROUTES
 from lipsync_lang.studio.workshop import Workshop
-
-if TYPE_CHECKING:
-    from lipsync_lang.json_object import Json
 
 _log = logging.getLogger(__name__)
 
@@ -70,11 +67,8 @@ SECURITY_HEADERS = {
 def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
     """Return the studio as an ASGI application.
 
-    Parameters
-    ----------
-    workshop : the pair and the line
-    token : secret part of the address
-    hosts : accepted values of the `Host` header, such as ``127.0.0.1:8765``
+    `token` is the secret part of the address, and `hosts` are the accepted values of the `Host`
+    header, such as ``127.0.0.1:8765``.
     """
     lock = Lock()
     Thread(target=_script, daemon=True).start()  # ready by the time a browser asks
@@ -181,7 +175,7 @@ def _endpoint(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request
 
 def _error_response(error: LipsyncError) -> Response:
     """Return an error as JSON: its message, its faults, and the entries of a conflict."""
-    data: Json = {"error": str(error)}
+    data: dict[str, object] = {"error": str(error)}
     if isinstance(error, PackFaults):
         data["faults"] = [
             {

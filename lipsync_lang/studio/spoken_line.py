@@ -23,12 +23,7 @@ PAUSE_SEARCH_SHARE = 0.25
 
 
 class SpokenLine:
-    """A schedule, corrected by hand.
-
-    Parameters
-    ----------
-    schedule : schedule as read from a file or spoken
-    """
+    """A schedule as read from a file or spoken, corrected by hand."""
 
     def __init__(self, schedule: Schedule) -> None:
         self.whole = self._opened = schedule
@@ -84,13 +79,7 @@ class SpokenLine:
         return cuts[number], cuts[number + 1]
 
     def move(self, boundary: int, to: float, seconds: float) -> None:
-        """Move a boundary; it stays between its neighbours.
-
-        Raises
-        ------
-        LipsyncError
-            There is no such boundary.
-        """
+        """Move a boundary, which stays between its neighbours; refuse an unknown one."""
         first, stop = self._span(seconds)
         if not 0 <= boundary <= stop - first:
             raise LipsyncError(f"there is no boundary {boundary}; the last is {stop - first}")
@@ -111,10 +100,7 @@ class SpokenLine:
     def retime(self, times: Sequence[float], seconds: float) -> None:
         """Set all boundaries of the shown part.
 
-        Raises
-        ------
-        ScheduleError
-            The times are not in order, or their number differs from that of the boundaries.
+        Raises ScheduleError if the times are not in order, or are not as many as the boundaries.
         """
         first, stop = self._span(seconds)
         changed = np.concatenate((self.whole.times[:first], times, self.whole.times[stop + 1 :]))
@@ -130,13 +116,7 @@ class SpokenLine:
         self.at = float(self.original[max(0, number)])
 
     def emphasise(self, word: int, level: float, seconds: float) -> None:
-        """Set the emphasis of a word.
-
-        Raises
-        ------
-        LipsyncError
-            There is no such word, or the level is out of range.
-        """
+        """Set the emphasis of a word; refuse an unknown word, and a level out of range."""
         first, stop = self._span(seconds)
         words = [n for n, one in enumerate(self.whole.words) if first <= one.first < stop]
         if not 0 <= word < len(words):
@@ -152,7 +132,7 @@ class SpokenLine:
         self.whole = replace(self.whole, audio=audio)
 
 
-def _cuts(schedule: Schedule, seconds: float) -> "list[int]":
+def _cuts(schedule: Schedule, seconds: float) -> list[int]:
     """Split a line into parts, in the longest pause near the end, or at a word or phoneme."""
     times, last = schedule.times, len(schedule)
     starts = np.zeros(last + 1, bool)

@@ -15,17 +15,11 @@ from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
 from lipsync_lang.performing.performed_line import PerformedLine
-from lipsync_lang.performing.trace import (
-    DONE,
-    VISIBLE,
-    constraint_reason,
-    held_reason,
-)
+from lipsync_lang.performing.trace import DONE, VISIBLE, constraint_reason, held_reason
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
 from lipsync_lang.quality.figures import Quality, describe
 from lipsync_lang.render.plot import STAGES
-from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 
 if TYPE_CHECKING:
@@ -50,19 +44,24 @@ def take_data(
 ) -> Json:
     """Return an animation as JSON data, with its arrays in a pack.
 
-    Parameters
-    ----------
-    performer : performer of this face, for stages and explanations of its own animation
-    quality : figures of the animation, for the timeline
+    `performer` is that of this face, for stages and explanations of its own animation; `quality`
+    are figures of the animation, for the timeline.
     """
-    made = _Stages.of(animation)
+    made, schedule = _Stages.of(animation), animation.schedule
     data: Json = {
         "fps": animation.fps,
         "start": round(float(animation.times[0]), 6),
         "count": len(animation),
         **curves_data(animation, pack),
         "measures": {} if performer is None else performer.compiled.measures,
-        "spoken": schedule_data(animation.schedule),
+        "spoken": {
+            "title": " ".join(word.text for word in schedule.words),
+            "estimated": schedule.estimated,
+            "times": [round(float(time), 5) for time in schedule.times],
+            "labels": list(schedule.labels),
+            "words": [[word.text, word.first, word.stop] for word in schedule.words],
+            "emphasis": [word.emphasis for word in schedule.words],
+        },
         "figures": [] if quality is None else figures_data(quality),
     }
     if performer is not None:
@@ -87,18 +86,6 @@ def curves_data(animation: Animation, pack: ArrayPack) -> Json:
             }
         )
     return {"poses": list(animation.poses), "curves": rows}
-
-
-def schedule_data(schedule: Schedule) -> Json:
-    """Return phonemes and words with their times in seconds."""
-    return {
-        "title": " ".join(word.text for word in schedule.words),
-        "estimated": schedule.estimated,
-        "times": [round(float(time), 5) for time in schedule.times],
-        "labels": list(schedule.labels),
-        "words": [[word.text, word.first, word.stop] for word in schedule.words],
-        "emphasis": [word.emphasis for word in schedule.words],
-    }
 
 
 def figures_data(quality: Quality) -> list[Json]:

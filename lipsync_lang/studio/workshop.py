@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.json_object import Json
@@ -20,9 +21,10 @@ from lipsync_lang.packs.splicing import SplicedText
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.resolver.compile import compile_pair
-from lipsync_lang.resolver.layers import PairPacks
+from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.resolver.settings import motion_with
+from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.bigram_home import bigram_home
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.edited_pair import EditedPair
@@ -32,10 +34,7 @@ from lipsync_lang.studio.sheets import PackEdit
 from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
 
 if TYPE_CHECKING:
-    from lipsync_lang.animations.animation import Animation
     from lipsync_lang.build.planned_line import PlannedLine
-    from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.schedules.schedule import Schedule
 
 OWN = ("path", "project")
 """Origins of folders with the user's packs."""
@@ -51,36 +50,12 @@ class LineSettings:
     dials: dict[str, Any] = field(default_factory=dict)
     intensity: float | None = None
 
-    def asked(self) -> Json:
-        """Return the options of `Performer.perform` without the frame rate."""
-        return {
-            "line": self.line,
-            "styles": self.styles or None,
-            "dials": self.dials or None,
-            "intensity": self.intensity,
-        }
-
-    def steady(self) -> Self:
-        """Return the settings without levels that change over time."""
-        kept = [
-            {name: level for name, level in levels.items() if not isinstance(level, list)}
-            for levels in (self.styles, self.dials)
-        ]
-        return replace(self, styles=kept[0], dials=kept[1])
-
 
 class Workshop:
     """An open pair and its line.
 
-    Parameters
-    ----------
-    project : folder for new packs
-    paths : folders and files searched first
-    desk : unsaved edits
-    motion : changed settings of motion, or a preset
-    engine : speech engine instead of the language's
-    cleaning : values of placeholders, and the parts of texts that are not spoken
-    script : lines of the project; None for none
+    `project` is the folder for new packs, and `paths` are searched first. `motion` are changed
+    settings of motion, or a preset, and `engine` replaces the speech engine of the language.
     """
 
     def __init__(  # noqa: PLR0913 a folder, packs, and settings of lines
@@ -113,8 +88,6 @@ class Workshop:
         self._now: tuple[int, Performer] | None = None
         self._saved: Performer | None = None
 
-    # Packs
-
     def library(self) -> Library:
         """Return the packs with the unsaved edits; packs without edits are not read again.
 
@@ -132,8 +105,7 @@ class Workshop:
         """Open a pair; the workshop stays unchanged if the pair cannot be resolved."""
         before = self.language, self.character
         self.language, self.character = language, character
-        self._library = self._now = self._saved = self._pair = None
-        self.homes = {}
+        self.look_again()
         try:
             performer = self.performer
         except LipsyncError:
@@ -227,17 +199,12 @@ class Workshop:
             self.look_again()  # the disk had changed as well
         return written
 
-    def _performer(self, compiled: "CompiledPair") -> Performer:
+    def _performer(self, compiled: CompiledPair) -> Performer:
         motion = motion_with(compiled.motion, self.motion)
         return Performer(compiled, motion, "rest", self.paths, cleaning=self.cleaning)
 
     def edit(self, title: str, edits: Sequence[PackEdit], **more: Any) -> None:
-        """Change packs; an edit that makes the pair unperformable is refused.
-
-        Parameters
-        ----------
-        more : keywords of `Desk.change`
-        """
+        """Change packs as `Desk.change` does; refuse an edit that makes the pair unperformable."""
         for path in {path for path, _, _ in edits}:
             self.refuse_link(path)
         # The pair is compiled with the edits before the desk takes them, and kept if it does.
@@ -270,14 +237,8 @@ class Workshop:
     def editable(self, name: str) -> tuple[Path, str | None]:
         """Return the target file for an edit of a pack, and its initial text if it is new.
 
-        Parameters
-        ----------
-        name : an identifier of `files`
-
-        Raises
-        ------
-        LipsyncError
-            The pack does not belong to the user, and a pack of the project cannot extend it.
+        `name` is an identifier of `files`. Raises LipsyncError if the pack does not belong to the
+        user, and a pack of the project cannot extend it.
         """
         files, compiled = self.files(), self.performer.compiled
         path = files.get(name)
@@ -303,10 +264,6 @@ class Workshop:
             f"{self.shown(path)} belongs to the installed packs; copy it into the project first"
         )
 
-    def packs(self) -> PairPacks:
-        """Return the packs of the open pair with the unsaved edits, to look up bigrams in."""
-        return self.pair().shelf
-
     def bank_for(self, pair: str) -> tuple[Path, str | None]:
         """Return the target file for an edit of a bigram, and its initial text if it is new.
 
@@ -316,7 +273,7 @@ class Workshop:
 
         if pair not in self.homes:
             first, _, second = pair.partition("-")
-            path, _ = bigram_home(self.packs(), (first, second), self.project, self.own)
+            path, _ = bigram_home(self.pair().shelf, (first, second), self.project, self.own)
             self.homes[pair] = path
         path = self.homes[pair]
         known = path.exists() or path in self.desk.contents
@@ -336,15 +293,13 @@ class Workshop:
             found[f"bank-{number}"] = path
         return found
 
-    # The line
-
     @property
     def part_seconds(self) -> float:
         """Maximum length of the shown part of a line, in seconds."""
         return MAX_PART_FRAMES / max(self.settings.fps, 1.0)
 
     @property
-    def schedule(self) -> "Schedule | None":
+    def schedule(self) -> Schedule | None:
         """The line, or the shown part of a long line."""
         return None if self.line is None else self.line.part(self.part_seconds)
 
@@ -352,11 +307,15 @@ class Workshop:
         """Speak a text as the line."""
         self.take_up(self.performer.speaker.speak(text, engine=self.engine), text)
 
-    def take_up(self, schedule: "Schedule", text: str) -> None:
+    def take_up(self, schedule: Schedule, text: str) -> None:
         """Open a line, and drop levels over the time of the line before it."""
         self._keep_corrections()
         self.line, self.text, self.script_line = SpokenLine(schedule), text, None
-        self.settings = self.settings.steady()
+        styles, dials = (
+            {name: level for name, level in levels.items() if not isinstance(level, list)}
+            for levels in (self.settings.styles, self.settings.dials)
+        )
+        self.settings = replace(self.settings, styles=styles, dials=dials)
 
     def _keep_corrections(self) -> None:
         """Keep the open line of the script if it was corrected."""
@@ -392,27 +351,19 @@ class Workshop:
 
     @property
     def spoken(self) -> SpokenLine:
-        """The line.
-
-        Raises
-        ------
-        LipsyncError
-            There is no line.
-        """
+        """The line; raises LipsyncError if there is none."""
         if self.line is None:
             raise LipsyncError("there is no line; type one, or open timed phonemes")
         return self.line
 
-    def perform(self, performer: Performer | None = None) -> "Animation":
+    def perform(self, performer: Performer | None = None) -> Animation:
         """Perform the line with another performer or the open one."""
-        one = performer or self.performer
-        schedule = self.spoken.part(self.part_seconds)
-        asked = self.settings.asked()
-        if schedule.audio is None:
-            del asked["intensity"]
-        return one.perform(schedule, self.settings.fps, **asked)
-
-    # State
+        schedule, settings = self.spoken.part(self.part_seconds), self.settings
+        sound = {} if schedule.audio is None else {"intensity": settings.intensity}
+        return (performer or self.performer).perform(
+            schedule, settings.fps, line=settings.line, styles=settings.styles or None,
+            dials=settings.dials or None, **sound,
+        )  # fmt: skip
 
     def state(self) -> Json:
         """Return the state for all views as JSON data."""

@@ -86,7 +86,7 @@ def bigram(workshop: Workshop, request: StudioRequest) -> Json:
 
     The query may name the bigrams `before` and `after` it in the line.
     """
-    packs = workshop.packs()
+    packs = workshop.pair().shelf
     pair = _pair(packs, request.name)
     row = packs.row(pair)
     key = stated(packs, row)

@@ -109,19 +109,9 @@ def _report_data(report: CoverageReport) -> Json:
 
 
 def _need(row: BigramNeed) -> Json:
-    return {
-        "bigram": row.bigram,
-        "count": row.count,
-        "percent": row.percent,
-        "layer": row.layer,
-        "status": row.status,
-        "example": row.example,
-        "places": [Path(place).name for place in row.places],
-    }
+    fields: Json = row.model_dump(exclude={"running", "in_trigrams"})
+    return fields | {"places": [Path(place).name for place in row.places]}
 
 
-def _tallies(found: "tuple[Tally, ...]") -> list[Json]:
-    return [
-        {"what": one.what, "count": one.count, "place": Path(one.place).name}
-        for one in found[:MAX_TALLIES]
-    ]
+def _tallies(found: tuple[Tally, ...]) -> list[Json]:
+    return [one.model_dump() | {"place": Path(one.place).name} for one in found[:MAX_TALLIES]]

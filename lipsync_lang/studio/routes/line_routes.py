@@ -4,14 +4,20 @@ from dataclasses import asdict, fields
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performed_line import performer_of
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timed_words import TimedWords
+from lipsync_lang.schedules.timing_readers import read_timings
+from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.routes.requests import (
@@ -22,12 +28,8 @@ from lipsync_lang.studio.routes.requests import (
     sent_file,
     whole_number,
 )
-from lipsync_lang.studio.take_data import curves_data, take_data
+from lipsync_lang.studio.take_data import curves_data, figures_data, take_data
 from lipsync_lang.studio.workshop import LineSettings, Workshop
-
-if TYPE_CHECKING:
-    from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.performing.performer import Performer
 
 SOUND_MARGIN_SECONDS = 1.0
 """Seconds of sound to send before and after a line."""
@@ -55,8 +57,6 @@ def speak(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Read timed phonemes of a file, and keep the sound that was opened before."""
-    from lipsync_lang.schedules.timed_words import TimedWords
-    from lipsync_lang.schedules.timing_readers import read_timings
     from lipsync_lang.speech.filling import filled
 
     with TemporaryDirectory() as folder:
@@ -72,7 +72,6 @@ def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 def sound(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Add the sound of the line; with a text, align its phonemes with the sound."""
     from lipsync_lang.speech.hearing.alignment import aligned
-    from lipsync_lang.speech.sound import read_audio
 
     with TemporaryDirectory() as folder:
         path, text = sent_file(request, Path(folder)), request.query.get("text", "").strip()
@@ -176,7 +175,7 @@ def takes(workshop: Workshop, against: Any) -> PackedResponse:
     return PackedResponse(data, pack)
 
 
-def _take(animation: "Animation", own: "Performer", pack: ArrayPack, name: str) -> Json:
+def _take(animation: Animation, own: Performer, pack: ArrayPack, name: str) -> Json:
     """Return a take as JSON; for a plain method, the open performer drives the model."""
     performer = performer_of(animation)
     rigged = (performer or own).rigged(animation)
@@ -187,8 +186,6 @@ def _take(animation: "Animation", own: "Performer", pack: ArrayPack, name: str) 
 
 def face(workshop: Workshop, _: StudioRequest) -> PackedResponse:
     """Return the model of the character, for `gl_face.js`, and a take of rest."""
-    from lipsync_lang.schedules.schedule import Schedule
-
     if not workshop.language:
         return PackedResponse({"face": None}, ArrayPack())
     performer = workshop.performer
@@ -204,12 +201,8 @@ def figures(workshop: Workshop, _: StudioRequest) -> Json:
     if workshop.line is None:
         return {"figures": []}
     from lipsync_lang.quality.check_animation import check
-    from lipsync_lang.studio.take_data import figures_data
 
     return {"figures": figures_data(check(workshop.perform()))}
-
-
-# The script
 
 
 def script_lines(workshop: Workshop, request: StudioRequest) -> Json:

@@ -40,13 +40,7 @@ class StudioRequest:
 
     @cached_property
     def body(self) -> Json:
-        """Content as a JSON object.
-
-        Raises
-        ------
-        LipsyncError
-            The content is not a JSON object.
-        """
+        """Content as a JSON object; raises LipsyncError if it is none."""
         try:
             found = json.loads(self.content or b"{}", parse_constant=_refuse_constant)
             found = json.loads(_valid(json.dumps(found, ensure_ascii=False)))
@@ -91,12 +85,7 @@ def _refuse_constant(word: str) -> None:
 
 
 class UnresolvedConflict(LipsyncError):  # noqa: N818 the answer to a request
-    """A request with conflicts that the user must resolve first.
-
-    Parameters
-    ----------
-    conflict : entries to choose from
-    """
+    """A request with conflicts that the user must resolve first: entries to choose from."""
 
     def __init__(self, message: str, conflict: list[Json]) -> None:
         super().__init__(message)

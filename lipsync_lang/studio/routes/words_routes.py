@@ -1,6 +1,6 @@
 """Routes of the words and lines of a character: curve edits, pronunciations and deliveries."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
@@ -8,15 +8,11 @@ from lipsync_lang.studio.performed_curves import performed_curves
 from lipsync_lang.studio.routes.requests import StudioRequest, whole_number
 from lipsync_lang.studio.workshop import Workshop
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs.models import Character
-
 
 def words(workshop: Workshop, _: StudioRequest) -> Json:
     """Return the words, pronunciations and lines of the character, and the spoken line's sounds."""
     library, compiled = workshop.library(), workshop.performer.compiled
-    pack = library.character(compiled.character)
-    model: Character = pack.model
+    model = library.character(compiled.character).model
     language = library.language(compiled.language)
     path = workshop.files().get("character")
     return {
