@@ -2,8 +2,8 @@
 
 The reader takes say statements: ``e "Hello"``, ``e happy @ wave "Hello"``, ``"Eileen" "Hello"``, a
 lone ``"Narration"``, and ``extend "and more"``. It also takes the choices of menus, texts in triple
-quotes (an empty line in them starts another line), and ``new`` of translations. It skips blocks of
-Python, screens, styles and the like.
+quotes (an empty line in them starts another line), and ``new`` of translations. It skips Python,
+screens, styles, motion of images and the like.
 """
 
 import re
@@ -13,11 +13,15 @@ from itertools import groupby, islice
 
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
+from lipsync_lang.lines.renpy_names import DialogueNames
 
 STRING = r"""(?:\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|`(?:\\.|[^`\\])*`)"""
 TRIPLE = r"(?:\"\"\"(?:\\.|[^\\])*?\"\"\"|'''(?:\\.|[^\\])*?''')"
-TOKENS = re.compile(rf"{TRIPLE}|{STRING}|(?P<comment>#[^\n]*)|(?P<lone>[\"'`])", re.DOTALL)
-"""Strings, which may contain `#` and line ends; comments; and a quote that is never closed."""
+TOKENS = re.compile(
+    rf"{TRIPLE}|{STRING}|(?P<comment>#[^\n]*)|(?P<lone>[\"'`])|(?P<opening>[\[({{])|(?P<closing>[\])}}])",
+    re.DOTALL,
+)
+"""Strings, which may contain `#` and line ends; comments; a quote that is not closed; brackets."""
 
 SAYS = re.compile(
     rf"(?:(?P<who>[^\W\d]\w*)(?P<attributes>(?:\s+@|\s+-?[^\W\d]\w*)*)\s+|(?P<name>{STRING})\s+)?"
@@ -30,12 +34,10 @@ CLAUSE = re.compile(r"(?:nointeract|with|id)\b[^\"']*")
 CONDITION = re.compile(r"(?:^|\s)if\s")
 
 BLOCKS = re.compile(
-    r"(?:init\b.*\bpython|python|screen|style|transform|layeredimage|image\s.*:|testcase"
-    r"|translate\s+\w+\s+(?:python|style))\b"
+    r"(?:init\b.*\bpython|(?:init\s+)?(?:-?\d+\s+)?(?:python|screen|style|transform|layeredimage"
+    r"|image|testcase|testsuite)|camera|scene|show|translate\s+\w+\s+(?:python|style))\b"
 )
 """Starts of blocks without dialogue."""
-
-TRANSLATES = re.compile(r"translate\s+\w+\s+(?P<name>\w+)\s*:")
 
 OTHER_STATEMENTS = re.compile(
     r"(?:call|camera|default|define|elif|else|hide|if|image|import|in|init|jump|label|menu|nvl|old|on"
@@ -47,81 +49,96 @@ NOT_SPEAKERS = frozenset(("extend", "new", "narrator"))
 """First words of say statements that are not the name of a speaker."""
 
 MAX_STATEMENT_LINES = 200
-"""Maximum number of lines of the file in one statement."""
+"""Maximum number of lines of the file in one string."""
 
-TRIPLE_QUOTES = {'"""': 3, "'''": 3}
+TRIPLE_QUOTES = ('"""', "'''")
 
 
 @reader("renpy", suffixes=[".rpy"])
 def read(source: LineFile) -> Iterator[Line]:
     """Ren'Py scripts: spoken lines, choices of menus, and translations."""
-    passed, name = -1, ""
+    passed, names = -1, DialogueNames()
     for number, statement in _statements(source):
         indent = len(statement) - len(statement.lstrip())
         text = statement.strip()
         if 0 <= passed < indent:
             continue
         passed = indent if BLOCKS.match(text) and text.endswith(":") else -1
-        if not indent:
-            block = TRANSLATES.match(text)
-            name = block["name"] if block and block["name"] != "strings" else ""
-        if passed < 0:
-            yield from _said(source, number, text, name)
+        said = None if passed >= 0 else SAYS.match(text)
+        ends = said and _ends(text[said.end() :])
+        if said is None or ends is None or OTHER_STATEMENTS.fullmatch(said["who"] or ""):
+            names.notice(text, indented=indent > 0)
+            continue
+        yield from _said(source, number, said, ends, names)
+        if text.endswith(":"):
+            names.notice(text, indented=True)
 
 
-def _said(source: LineFile, number: int, text: str, name: str) -> Iterator[Line]:
-    found = SAYS.match(text)
-    if (
-        found is None
-        or not _ends(text[found.end() :])
-        or OTHER_STATEMENTS.fullmatch(found["who"] or "")
-    ):
-        return
-    who = found["who"] or _inner(found["name"] or "''")
+def _said(
+    source: LineFile, number: int, said: re.Match[str], ends: tuple[str, str], names: DialogueNames
+) -> Iterator[Line]:
+    who = said["who"] or (said["name"] or "''")[1:-1]
     speaker = "" if who in NOT_SPEAKERS else who
-    whole = found["what"]
-    if whole[:3] not in TRIPLE_QUOTES:
-        if _inner(whole).strip():
-            yield source.line(number, _inner(whole), name=name, speaker=speaker)
-        return
-    rows = enumerate(whole[3:-3].split("\n"), start=number)
-    for says, part in groupby(rows, key=lambda row: bool(row[1].strip())):
-        first, *more = part
-        if says:
-            spoken = "\n".join([first[1], *(row for _, row in more)])
-            yield source.line(first[0], spoken, name=name, speaker=speaker)
+    words = [*filter(None, (said["who"] or said["name"],)), *(said["attributes"] or "").split()]
+    whole = said["what"]
+    parts = [(number, whole[1:-1])]
+    if whole[:3] in TRIPLE_QUOTES:
+        rows = groupby(enumerate(whole[3:-3].split("\n"), number), lambda row: bool(row[1].strip()))
+        parts = [
+            (first, "\n".join([text, *(row for _, row in more)]).strip())
+            for says, ((first, text), *more) in rows
+            if says
+        ]
+    for first, text in parts:
+        unnamed = who == "new" or ends[1].endswith(":")
+        name = "" if unnamed else names.of(words, text, *ends)
+        original = "" if name else names.original or text
+        if text.strip():
+            yield source.line(first, text, name=name, speaker=speaker, original=original)
 
 
-def _ends(tail: str) -> bool:
-    """Test for a valid end of a statement: arguments, a clause, and the condition of a choice.
+def _ends(tail: str) -> tuple[str, str] | None:
+    """Return the arguments after a line, and its clause or condition; None if it is no line.
 
     Each part is looked for once: one expression for all of them takes cubic time to fail.
     """
-    tail = tail.strip()
+    tail, arguments = tail.strip(), ""
     if tail.startswith("("):
         end = ARGUMENTS_END.search(tail)
         cut = end.end() if end else tail.rfind(")") + 1
         if not cut:
-            return False
-        tail = tail[cut:].lstrip()
+            return None
+        arguments, tail = tail[:cut], tail[cut:].lstrip()
     clause = CLAUSE.match(tail)
-    if clause and clause.end() == len(tail):
-        return True
+    if tail in ("", ":") or (clause and clause.end() == len(tail)):
+        return arguments, tail
     condition = CONDITION.search(tail, 0, clause.end() if clause else len("if "))
-    return tail in ("", ":") or (condition is not None and tail.endswith(":"))
-
-
-def _inner(string: str) -> str:
-    return string[1:-1]
+    return (arguments, tail) if condition is not None and tail.endswith(":") else None
 
 
 def _statements(source: LineFile) -> Iterator[tuple[int, str]]:
-    """Yield (line, statement without comments); a statement ends when its strings are closed."""
+    """Yield (line, statement without comments); a statement ends when its brackets are closed."""
+    parts: list[tuple[int, str]] = []
+    depth = 0
+    for number, text, opened in _closed_lines(source):
+        parts.append((number, text))
+        depth = max(0, depth + opened)
+        if not depth and not text.endswith("\\"):
+            yield parts[0][0], "\n".join(part for _, part in parts)
+            parts.clear()
+    if depth:
+        where = f"{source.path}:{parts[0][0]}"
+        source.remark(f"{where}: a bracket is not closed here, so each line is read alone")
+    yield from parts
+
+
+def _closed_lines(source: LineFile) -> Iterator[tuple[int, str, int]]:
+    """Yield (line, text, brackets left open); lines are joined until their strings are closed."""
     ahead: deque[tuple[int, str]] = deque()
     lines = source.numbered()
     while ahead or (ahead := deque(islice(lines, 1))):
         number, text = ahead.popleft()
-        whole, closed = _without_comments(text)
+        whole, closed, opened = _without_comments(text)
         taken: list[tuple[int, str]] = []
         while not closed and len(taken) < MAX_STATEMENT_LINES:
             more = [ahead.popleft()] if ahead else [*islice(lines, 1)]
@@ -129,22 +146,18 @@ def _statements(source: LineFile) -> Iterator[tuple[int, str]]:
                 break
             taken += more
             text += "\n" + more[0][1]
-            whole, closed = _without_comments(text)
+            whole, closed, opened = _without_comments(text)
         if not closed:  # a lone quote, such as an apostrophe in a statement of the game's own
             ahead.extendleft(reversed(taken))
         if whole.strip() and closed:
-            yield number, whole
+            yield number, whole.rstrip(), opened
         elif not closed and SAYS.match(whole.split("\n")[0].strip() + '"'):
             source.remark(f"{source.path}:{number}: left out: a quote is not closed here")
 
 
-def _without_comments(text: str) -> tuple[str, bool]:
-    """Return a statement without its comment, and True if all its strings are closed."""
-    closed = True
-
-    def kept(found: re.Match[str]) -> str:
-        nonlocal closed
-        closed &= not found["lone"]
-        return "" if found["comment"] is not None else found[0]
-
-    return TOKENS.sub(kept, text), closed
+def _without_comments(text: str) -> tuple[str, bool, int]:
+    """Return a text without comments, True if its strings are closed, and open brackets."""
+    kinds = [found.lastgroup for found in TOKENS.finditer(text)]
+    if "comment" in kinds:
+        text = TOKENS.sub(lambda found: "" if found["comment"] else found[0], text)
+    return text, "lone" not in kinds, kinds.count("opening") - kinds.count("closing")
