@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.nearest import Nearest
 from lipsync_lang.reports.text_table import columns, width
+from lipsync_lang.resolver.nearest_phonemes import among_all
 
 PHOIBLE = """\
 InventoryID,Glottocode,ISO6393,LanguageName,Source,Phoneme
@@ -273,3 +275,18 @@ def test_columns_stand_below_each_other_in_every_script():
 def test_a_remark_beside_a_long_label_has_its_space():
     found = Nearest((("aa", 0.5), ("ih", 0.5)), ("length",), 0.2, ())
     assert _entry("a long label", found) == '    "a long label": [aa, ih] # loses length'
+
+
+def test_a_hint_for_a_sound_names_the_mouth_that_a_draft_gives_it(folder, cli):
+    library = Library(project=None)
+    common, near = library.common().model, among_all(library)
+    known = {**common.phonemes, **common.shades}
+    sounds = {one for sound in known.values() for one in sound.ipa} - {*known}
+    asked = sorted(one for one in sounds if re.fullmatch("[a-z]+", one))
+    assert "i" in asked
+    head = {"kind": "language", "format": 1, "name": "toy", "tag": "qaa"}
+    added = sorted({*common.phonemes} - {*common.base, common.silence})
+    mapped = {"ipa": {f"x{number}": [one] for number, one in enumerate(asked)}}
+    put(folder, "toy", json.dumps({**head, "adds": added, "notations": mapped}, ensure_ascii=False))
+    told = dict(re.findall(r"unknown phoneme '(.+)'\n  hint: (.+)", cli("validate").out))
+    assert told == {one: f"write '{near.value(one)[0][0]}' for it" for one in asked}

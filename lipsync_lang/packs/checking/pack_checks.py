@@ -433,7 +433,8 @@ def _phoneme(  # noqa: PLR0913 the phoneme, its place and options
 ) -> Iterator[Fault]:
     if label in known:
         return
-    sounding = () if common is None else (n for n, p in common.phonemes.items() if label in p.ipa)
+    sounds = {} if common is None else {**common.shades, **common.phonemes}
+    sounding = (name for name, one in sounds.items() if label in one.ipa)
     whole = next((name for name in sounding if name in known), None)
     hint = did_you_mean(label, known) if whole is None else f"write '{whole}' for it"
     if common is not None and label in common.shades:
