@@ -66,7 +66,7 @@ test-rest: $(VENV)/ready
 test-all: test test-rest ## run all tests
 
 # Rooms that touch files, processes and pipes; other rooms are named by ROOMS.
-ROOMS ?= files lines cluster live banks study mfa
+ROOMS ?= files lines cluster live banks study mfa build
 test-windows: $(VENV)/ready ## run quick tests as Windows would: make test-windows ROOMS="files lines"
 	PYTHONPATH=tests $(BIN)/python -m pytest -p windows_lane -m "not full" $(addprefix tests/,$(ROOMS))
 

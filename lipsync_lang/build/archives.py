@@ -8,7 +8,7 @@ times are fixed.
 
 import struct
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path, PurePosixPath
 from shutil import copyfileobj
 from typing import BinaryIO, NamedTuple
@@ -133,7 +133,8 @@ def _opened(path: Path) -> Iterator[tuple[ZipFile, BinaryIO]]:
 def _write(
     path: Path, new: Mapping[str, NewMember], kept: Mapping[str, ZipInfo], old: BinaryIO | None
 ) -> None:
-    with atomic(path) as out, ZipFile(out, "w") as archive:
+    # The old archive is closed before the new one takes its place: Windows replaces no open file.
+    with atomic(path) as out, old or nullcontext(), ZipFile(out, "w") as archive:
         for name in sorted({*new, *kept}):
             if name in new:
                 put_member(archive, name, new[name])

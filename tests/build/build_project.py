@@ -1,11 +1,10 @@
 """A small project to build: lines with timings, whose phonemes are known."""
 
 import json
-import os
 from pathlib import Path
-from zlib import crc32
 
 from lipsync_lang.cli import main
+from lipsync_lang.files.temporary import temporary_name, this_process
 
 PROJECT = """\
 kind: project
@@ -37,14 +36,15 @@ bigrams:
 """
 
 
-DEAD = ".{}.{:08x}-4194305-00000000.lipsync-tmp"
-"""Name of a temporary file of an impossible process, whose number is too large."""
+DEAD = 4194305
+"""Number of an impossible process: too large."""
 
 
 def left_behind(folder, name="x.csv"):
     """Write a temporary file as a killed process of this machine leaves it."""
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / DEAD.format(name, crc32(os.uname().nodename.encode()))
+    machine = this_process().partition("-")[0]
+    path = folder / temporary_name(name, f"{machine}-{DEAD}")
     path.write_bytes(b"half")
     return path
 
