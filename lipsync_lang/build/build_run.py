@@ -45,8 +45,8 @@ MIN_SPREAD_TIMED_LINES = 200
 
 LOCK = "build.lock"
 
-MODEL_COPIES = "models"
-"""Folder, beside the record of builds, of models for the workers of a cluster."""
+FILE_COPIES = "copies"
+"""Folder, beside the record of builds, of models and lexicons for the workers of a cluster."""
 
 WAIT_SECONDS = 0.2
 """Pause between two attempts to lock a folder."""
@@ -151,7 +151,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
         workers = (workers or os.cpu_count()) if _pays(stale, maker, needs) else 1
     if scheduler is not None:
         pairs = {(step.line.language, step.line.character) for step in stale}
-        needs = with_seen_models({pair: needs[pair] for pair in pairs}, maker.folder)
+        needs = with_seen_files({pair: needs[pair] for pair in pairs}, maker.folder)
     _sweep(maker.folder, stale)
     keeper = OutputKeeper(maker.folder, records, {step.line.key: step for step in stale})
     done = 0
@@ -166,7 +166,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     with ExitStack() as stack:
         # Workers leave files that were not put in place, at the end or after an error.
         stack.callback(_sweep, maker.folder, stale, ended=maker.owner)
-        stack.callback(rmtree, record_folder(maker.folder) / MODEL_COPIES, ignore_errors=True)
+        stack.callback(rmtree, record_folder(maker.folder) / FILE_COPIES, ignore_errors=True)
         stack.enter_context(closing(running))  # type: ignore[type-var]  # a generator
         stack.enter_context(keeper)
         for found in running:
@@ -205,22 +205,28 @@ def _pays(stale: Sequence[PlannedStep], maker: LineMaker, needs: Needs) -> bool:
     return fresh >= MIN_SPREAD_LINES
 
 
-def with_seen_models(needs: Needs, folder: Path) -> Needs:
-    """Return needs whose models lie in the project's folder, which every machine sees."""
-    where, copies = record_folder(folder) / MODEL_COPIES, dict[Path, Path]()
-    seen = dict(needs)
-    for pair, one in needs.items():
-        model = one.performer.model
-        if not model or not model.is_file() or model.resolve().is_relative_to(folder.resolve()):
-            continue
-        if model not in copies:
-            copies[model] = where / f"{file_digest(model)}{model.suffix}"
-            where.mkdir(exist_ok=True)
-            with atomic(copies[model]) as stream, model.open("rb") as content:
+def with_seen_files(needs: Needs, folder: Path) -> Needs:
+    """Return needs whose models and lexicons lie in the project's folder, as every machine sees."""
+
+    def seen(path: str | None) -> str | None:
+        file = Path(path or "")
+        if not file.is_file() or file.resolve().is_relative_to(folder.resolve()):
+            return path
+        copy = record_folder(folder) / FILE_COPIES / f"{file_digest(file)}{file.suffix}"
+        if not copy.exists():
+            copy.parent.mkdir(exist_ok=True)
+            with atomic(copy) as stream, file.open("rb") as content:
                 copyfileobj(content, stream)
-        compiled = replace(one.performer.compiled, model=str(copies[model]))
-        seen[pair] = PairNeeds(replace(one.performer, compiled=compiled), one.settings)
-    return seen
+        return str(copy)
+
+    found = {}
+    for pair, one in needs.items():
+        compiled = one.performer.compiled
+        settings = compiled.manner["settings"]
+        manner = compiled.manner | {"settings": settings | {"file": seen(settings["file"])}}
+        compiled = replace(compiled, model=seen(compiled.model), manner=manner)
+        found[pair] = PairNeeds(replace(one.performer, compiled=compiled), one.settings)
+    return found
 
 
 def _refuse_full(results: Sequence[MadeLine], done: int, of: int) -> None:

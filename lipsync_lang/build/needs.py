@@ -7,6 +7,7 @@ whose needs all have the digests of the last build would be made the same again.
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -124,16 +125,22 @@ class PairNeeds:
     def speech(self) -> bytes:
         """Digest of the reading and speaking of texts: pairs that share it share schedules."""
         compiled = self.performer.compiled
-        manner = {name: value for name, value in compiled.manner.items() if name != "weak"}
-        return digest(manner, compiled.notations, compiled.nearest)
+        return digest(self._manner, compiled.notations, compiled.nearest)
+
+    @cached_property
+    def _manner(self) -> dict[str, Any]:
+        """Settings of reading and speaking; a lexicon counts by its content, not by its place."""
+        manner = self.performer.compiled.manner
+        path = manner["settings"]["file"]
+        file = file_digest(Path(path)) if path and Path(path).is_file() else path
+        known = {name: value for name, value in manner.items() if name != "weak"}
+        return known | {"settings": manner["settings"] | {"file": file}}
 
     @cached_property
     def _wide(self) -> dict[str, bytes]:
         """Digests of all that every line of the pair depends on."""
         performer, compiled = self.performer, self.performer.compiled
-        manner = {
-            name: value for name, value in compiled.manner.items() if name not in {"words", "weak"}
-        }
+        manner = {name: value for name, value in self._manner.items() if name != "words"}
         own = {f.name: getattr(compiled, f.name) for f in fields(compiled)}
         rules = {f.name: getattr(compiled.tables, f.name) for f in fields(compiled.tables)}
         face = {name: value for name, value in own.items() if name not in OF_LINES}

@@ -53,9 +53,7 @@ class TimingCache:
         cls, folder: Path, speech: bytes, speaker: Speaker, engine: str | None, *, reuse: bool
     ) -> "TimingCache":
         """Return the cache for a language; `speech` is its digest in `PairNeeds`."""
-        lexicon = speaker.manner.settings.file
-        words = file_digest(lexicon) if lexicon and lexicon.is_file() else None
-        reading = digest(speech.hex(), speaker.cleaning, engine, words, compiler(TIMERS))
+        reading = digest(speech.hex(), speaker.cleaning, engine, compiler(TIMERS))
         return cls(folder, reading.hex(), reuse)
 
     def has(self, line: PlannedLine) -> bool:

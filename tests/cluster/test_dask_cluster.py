@@ -10,14 +10,25 @@ from pathlib import Path
 
 import pytest
 import toy_work
-from build_project import left_behind
+from build_project import PROJECT, Game, left_behind
 from lanes import full
 from toy_work import WORKER_ENVIRONMENT, lines
 
 import lipsync_lang as ll
+from lipsync_lang.build import build_run
 from lipsync_lang.build.workers import run_batches
 from lipsync_lang.cluster import dask_cluster
 from lipsync_lang.errors import LipsyncError
+
+LANGUAGE = """\
+kind: language
+format: 1
+name: toki
+tag: tok
+g2p: {engine: lexicon, file: words.tsv, notation: ipa}
+notations:
+  ipa: {m: bmp, i: iy}
+"""
 
 # A cluster's answers, without one
 
@@ -62,6 +73,52 @@ def test_a_cluster_of_other_versions_or_without_workers_is_named(client, words):
 )
 def test_small_differences_of_a_cluster_are_none(client):
     dask_cluster.check_versions(client, "tcp://s:1")
+
+
+@pytest.fixture
+def spoken(tmp_path, tmp_path_factory, capsys, monkeypatch):
+    """A game in a language whose pack lies elsewhere, with a lexicon."""
+    game = Game(tmp_path, capsys)
+    game.packs = tmp_path_factory.mktemp("packs") / "languages"
+    game.packs.mkdir()
+    (game.packs / "toki.yaml").write_text(LANGUAGE)
+    (game.packs / "words.tsv").write_text("mi\tm i\n")
+    game.write("script.csv", "id,text\na,mi\n")
+    stated = PROJECT.replace("english", "toki").replace('timings: "vo/{id}.json"\n', "")
+    game.write("lipsync.yaml", stated)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LIPSYNC_LANG_PATH", str(game.packs.parent))
+    return game
+
+
+def test_lexicons_outside_the_project_travel_to_the_workers_of_a_cluster(spoken, monkeypatch):
+    lexicons = []
+
+    def cluster(work, batches, *, shared, folder, **_):
+        for batch in batches:
+            (pair,) = shared(batch).values()
+            lexicons.append(pair.performer.speaker.manner.settings.file)
+            assert lexicons[-1].is_relative_to(folder)
+            (spoken.packs / "words.tsv").rename(spoken.packs / "gone.tsv")  # as on another machine
+            yield work(batch, shared(batch))
+            (spoken.packs / "gone.tsv").rename(spoken.packs / "words.tsv")
+
+    monkeypatch.setattr(build_run, "run_batches", cluster)
+    assert spoken.build("--scheduler", "tcp://nobody:1", "--force").built == ["a"]
+    assert not lexicons[0].exists()
+    monkeypatch.undo()
+    monkeypatch.chdir(spoken.folder)
+    monkeypatch.setenv("LIPSYNC_LANG_PATH", str(spoken.packs.parent))
+    assert spoken.build().built == [], "the record is that of a build on this machine"
+
+
+def test_a_changed_lexicon_makes_its_lines_again_and_a_moved_one_does_not(spoken, monkeypatch):
+    assert spoken.build().built == ["a"]
+    spoken.packs.rename(spoken.folder / "languages")
+    monkeypatch.delenv("LIPSYNC_LANG_PATH")
+    assert spoken.build().built == []
+    spoken.write("languages/words.tsv", "mi\tm i m\n")
+    assert spoken.build().built == ["a"]
 
 
 def test_a_worker_that_does_not_see_the_folder_is_named(tmp_path):
