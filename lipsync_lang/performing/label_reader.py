@@ -71,8 +71,15 @@ class LabelReader:
         Raises
         ------
         ScheduleError
-            A label is in no notation of the language, or no label of a schedule has a sound.
+            A label is in no notation of the language, or no label of a schedule has a sound; or
+            one is no schedule.
         """
+        for one in schedules:
+            if not isinstance(one, Schedule):
+                raise ScheduleError(
+                    f"{one!a:.60} is no schedule: pass ll.speak(TEXT, LANGUAGE), "
+                    "ll.align(RECORDING, TEXT, LANGUAGE) or ll.read_schedule(FILE)"
+                )
         new = [one for one in schedules if one not in self._heard]
         if new:
             values, marks = self._read_all(new)

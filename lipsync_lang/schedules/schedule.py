@@ -6,7 +6,7 @@ Times are seconds. Phoneme i lasts from ``times[i]`` to ``times[i + 1]``.
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any, Self
 
@@ -60,6 +60,7 @@ class Word:
 
     `emphasis` opens the mouth wider over the word: 0 not at all, 1 as the pose set says, up to 2.
     `confidence` is the probability that the word is said there, in [0, 1]; None if unknown.
+    `start` and `end` are in seconds; the words of a schedule have them from its times.
     """
 
     text: str
@@ -67,6 +68,8 @@ class Word:
     stop: int
     emphasis: float = 0.0
     confidence: float | None = None
+    start: float = field(default=nan, compare=False)
+    end: float = field(default=nan, compare=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +124,9 @@ class Schedule:
             object.__setattr__(self, name, tuple(getattr(self, name)))
         _check(self.source, self.labels, times)
         _check_words(self.source, self.words, len(self.labels))
+        at = times.tolist()
+        timed = (replace(word, start=at[word.first], end=at[word.stop]) for word in self.words)
+        object.__setattr__(self, "words", tuple(timed))
         _check_stress(self.source, self.stress, len(self.labels))
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -129,6 +129,14 @@ def test_choices_are_checked():
         replace(ll.resolve("english", "facefx"), unknown=None)
 
 
+@pytest.mark.parametrize("given", ["Hello", Path("hello.wav"), None])
+def test_what_is_no_schedule_is_told_with_what_is(project, given):
+    performer = ll.resolve("parent", "face", paths=project)
+    for perform in (performer.perform, lambda one: performer.perform_many([one])):
+        with pytest.raises(ll.ScheduleError, match=r"is no schedule: pass ll\.speak\(TEXT"):
+            perform(given)
+
+
 def test_unknown_labels_are_asked_for_when_resolving(project):
     strange = ll.Schedule(("P", "strange"), [0, 0.1, 0.3], notation="first")
     with pytest.raises(ll.ScheduleError, match="strange"):

@@ -1,6 +1,7 @@
 """Schedules: refusals, words, and readers."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -91,6 +92,14 @@ def test_a_long_pause_is_no_mistake():
 def test_words_that_do_not_fit_are_refused(words, message):
     with pytest.raises(ScheduleError, match=f"^line: {message}"):
         make(words=words, source="line")
+
+
+def test_words_have_their_times():
+    found = ll.Schedule(("_", "M", "AA"), [0, 0.1, 0.3, 0.7], words=(ll.Word("ma", 1, 3),))
+    assert [(word.start, word.end) for word in found.words] == [(0.1, 0.7)]
+    (later,) = replace(found, times=found.times + 1).words
+    assert (later.start, later.end) == (1.1, 1.7)
+    assert found.words == (ll.Word("ma", 1, 3),)
 
 
 def test_words_are_found_by_phoneme():
