@@ -250,11 +250,11 @@ def test_godot_finds_shapes_of_any_name(godot):
 
 
 @full
-def test_the_face_keeps_time_with_its_sound(engine, tmp_path, monkeypatch, capsys):
+def test_the_face_keeps_time_with_its_sound(engine, tmp_path, monkeypatch):
     if importlib.util.find_spec("espeakng_loader") is None:
         pytest.skip("nothing speaks: espeakng_loader is an extra")
     monkeypatch.chdir(tmp_path)
-    follow_here(PAGE, capsys)
+    follow_here(PAGE)
     project = tmp_path / "project"
     project.mkdir()
     for name in ("hello.glb", "hello.wav", "speaking.gd"):

@@ -35,12 +35,15 @@ const overflow = (page) => page.evaluate(() => {
 /** The least contrast of text with the colour behind it (WCAG), of headings, paragraphs, cells and code. */
 const contrast = (page) => page.evaluate(() => {
   const canvas = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+  const seen = new Map(); // a page has thousands of texts and few colours
   const rgba = (colour) => {
+    if (seen.has(colour)) { return seen.get(colour); }
     canvas.clearRect(0, 0, 1, 1);
     canvas.fillStyle = colour;
     canvas.fillRect(0, 0, 1, 1);
     const [r, g, b, a] = canvas.getImageData(0, 0, 1, 1).data;
-    return [r, g, b, a / 255];
+    seen.set(colour, [r, g, b, a / 255]);
+    return seen.get(colour);
   };
   const over = (top, below) => top.slice(0, 3).map((c, n) => c * top[3] + below[n] * (1 - top[3]));
   const behind = (one) => one === null ? [255, 255, 255]
@@ -67,6 +70,11 @@ const url = (name) => String(pathToFileURL(join(folder, name)));
 
 const sizes = { phone: { width: 390, height: 844 }, desk: { width: 1440, height: 900 } };
 
+// Widths depend on the size and colours on the scheme, so that two views show both; pictures show all four.
+const views = pictures
+  ? [["phone", "light"], ["phone", "dark"], ["desk", "light"], ["desk", "dark"]]
+  : [["phone", "light"], ["desk", "dark"]];
+
 /** Look at a page that is open, in one size and colour scheme. */
 async function look(page, name, size, colorScheme) {
   await page.setViewportSize(sizes[size]);
@@ -86,9 +94,7 @@ try {
   const reader = await context({ viewport: sizes.phone, colorScheme: "light" });
   for (const name of pages) {
     await reader.goto(url(name));
-    for (const size of Object.keys(sizes)) {
-      for (const colorScheme of ["light", "dark"]) { await look(reader, name, size, colorScheme); }
-    }
+    for (const [size, colorScheme] of views) { await look(reader, name, size, colorScheme); }
   }
   const page = await context({ viewport: sizes.desk });
   await page.goto(url(pages[0]));

@@ -58,7 +58,7 @@ def chromium():
 
 def run(*command):
     """Return the JSON output of a script, or fail with its error output."""
-    done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=300, check=False)
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=900, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     return json.loads(done.stdout)
 

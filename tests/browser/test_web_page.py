@@ -25,13 +25,13 @@ APART_SECONDS = 0.02
 
 
 @pytest.fixture
-def played(tmp_path, monkeypatch, capsys):
+def played(tmp_path, monkeypatch):
     """Return the state of the page in a browser over time."""
     node, modules = found("three", "playwright-core")
     if importlib.util.find_spec("espeakng_loader") is None:
         pytest.skip("nothing speaks: espeakng_loader is an extra")
     monkeypatch.chdir(tmp_path)
-    follow_here(PAGE, capsys)
+    follow_here(PAGE)
     return run(node, HERE / "web.mjs", modules, chromium(), tmp_path, json.dumps(ASKED))
 
 
