@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from functools import partial
-from itertools import chain
 from pathlib import Path
 
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.build_run import BuildOutcome
-from lipsync_lang.build.build_tally import BuildHeading, BuildTally, share_of_limit
+from lipsync_lang.build.build_tally import BuildHeading, BuildTally, CountedLine, share_of_limit
 from lipsync_lang.build.planned_line import BuiltLine
 from lipsync_lang.build.project_build import ProjectBuild
 from lipsync_lang.build.records import Key
@@ -34,6 +33,8 @@ def report(
 
     Lines are `refused` if the packs of their pair have faults.
     """
+    lines = [*outcome.lines(), *map(CountedLine.of, refused)]
+    tally = BuildTally(lines)
     if paths:
         named = "name" in project.project.model_fields_set
         heading = BuildHeading(
@@ -46,10 +47,8 @@ def report(
         )
         linking = next((path for path in paths if path.suffix.lower() == f".{PAGE}"), None)
         pages = partial(_pages, project, outcome, linking) if linking else None
-        tally = write_report(paths, chain(outcome.lines(), refused), heading, pages=pages)
-    else:
-        tally = outcome.tally(refused)
-    return tally, [one for one in tally.worst() if one.failed or one.unsure][:most]
+        write_report(paths, lines, heading, tally, pages=pages)
+    return tally, [one for one in tally.worst if one.failed or one.unsure][:most]
 
 
 def pages_folder(report: Path) -> Path:

@@ -4,20 +4,21 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from multiprocessing import parent_process
 from pathlib import Path
 from shutil import copyfileobj, rmtree
 from time import monotonic, sleep
 from typing import Any
 
-from lipsync_lang.build.build_tally import UNSHOWN, BuildTally
+from lipsync_lang.build.build_tally import CountedLine
 from lipsync_lang.build.digests import file_digest
 from lipsync_lang.build.keeping import OutputKeeper, restored
 from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.build.needs import PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, Needs, PlannedStep
-from lipsync_lang.build.records import Records, record_folder
+from lipsync_lang.build.records import LineRecord, Records, record_folder
 from lipsync_lang.build.timing_cache import prune_timings
 from lipsync_lang.build.workers import LostBatch, run_batches
 from lipsync_lang.errors import LipsyncError, OutputError
@@ -60,6 +61,7 @@ class BuildOutcome:
     """The result of a build."""
 
     plan: BuildPlan
+    records: Records
     built: dict[tuple[str, str, str], BuiltLine] = field(default_factory=dict)
     """Lines made by this build, by key."""
     kept: list[str] = field(default_factory=list)
@@ -68,29 +70,19 @@ class BuildOutcome:
     """Remarks of writers on models, each once."""
     seconds: float = 0.0
 
-    def lines(self) -> Iterator[BuiltLine]:
-        """Yield every line of the project with its current result."""
-        for step in self.plan.steps:
-            made = self.built.get(step.line.key)
-            if made is not None:
-                yield made
-            elif step.record is not None:
-                yield restored(step.line, step.record)
-
-    def tally(self, refused: Iterable[BuiltLine]) -> BuildTally:
-        """Count all lines; figures that cannot fail a build are not decoded."""
-        tally = BuildTally()
+    def lines(self) -> Iterator[CountedLine]:
+        """Yield every line of the project as it stands; the record is open while they are used."""
         for step in self.plan.steps:
             made, record = self.built.get(step.line.key), step.record
             if made is not None:
-                tally.add(made)
-            elif record is not None and record.verdict in UNSHOWN:
-                tally.add_unshown(record.verdict)
+                yield CountedLine.of(made)
             elif record is not None:
-                tally.add(restored(step.line, record))
-        for one in refused:
-            tally.add(one)
-        return tally
+                figures = record.confidence, record.heading, record.figures
+                whole = partial(self._restored, step.line, record)
+                yield CountedLine(step.line, record.verdict == "failed", *figures, whole)
+
+    def _restored(self, line: PlannedLine, record: LineRecord) -> BuiltLine:
+        return restored(line, record, self.records.result(line.key))
 
 
 @contextmanager
@@ -144,7 +136,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     """
     begun = monotonic()
     stale = plan.stale
-    outcome = BuildOutcome(plan, kept=list(plan.kept))
+    outcome = BuildOutcome(plan, records, kept=list(plan.kept))
     if not stale:
         return outcome
     if scheduler is None:

@@ -1,14 +1,27 @@
-"""Counts over all lines of a build, and the worst lines, in constant memory.
+"""Counts over all lines of a build, and the worst lines.
 
 The badness of a figure is its value as a share of its limit: above 1 it is exceeded. A limit of 0
 has no shares; its figures have 1 and more, by their value.
 """
 
-import heapq
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from math import ceil, inf
+from functools import cached_property
+from math import inf, nan
+from typing import NamedTuple
 
-from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, Verdict
+import numpy as np
+
+from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.build.planned_line import (
+    LIMIT_FACTOR,
+    LIMIT_STEP,
+    BuiltLine,
+    JudgedFigure,
+    PlannedLine,
+)
+from lipsync_lang.build.records import packed_figures, unpacked_figures
+from lipsync_lang.schedules.schedule import DOUBTFUL
 
 BINS = 20
 """Number of bars of a histogram; for a figure with a limit, half of them are within it."""
@@ -17,9 +30,6 @@ MIDDLE = BINS // 2
 
 MAX_WORST = 500
 """Maximum number of lines that a report shows in full; it counts all others."""
-
-UNSHOWN: frozenset[Verdict] = frozenset(("passed", "doubted"))
-"""Verdicts of lines that are counted; a build without a report does not name them."""
 
 ZERO_SCALE = 10
 """Badness of a value of 1 if the limit is 0."""
@@ -39,15 +49,36 @@ class BuildHeading:
     seconds: float = 0.0
 
 
+class CountedLine(NamedTuple):
+    """What the counts need of a line; the rest is read for the worst lines alone."""
+
+    line: PlannedLine
+    failed: bool
+    confidence: float | None
+    heading: str
+    """Name, unit and binding of its figures; see `packed_figures`."""
+    figures: bytes
+    whole: Callable[[], BuiltLine]
+
+    @classmethod
+    def of(cls, built: BuiltLine) -> "CountedLine":
+        """Return a line for the counts."""
+        failed = built.outcome == "failed"
+        return cls(
+            built.line, failed, built.confidence, *packed_figures(built.figures), lambda: built
+        )
+
+
 @dataclass
 class Histogram:
     """Counts of lines by value."""
 
     counts: list[int] = field(default_factory=lambda: [0] * BINS)
 
-    def add(self, number: int) -> None:
-        """Count a line in a bar; values beyond the range are in the last one."""
-        self.counts[min(max(number, 0), BINS - 1)] += 1
+    def add(self, bars: Floats) -> None:
+        """Count lines by the numbers of their bars; values beyond the range are in the last one."""
+        more = np.bincount(bars.clip(0, BINS - 1).astype(int), minlength=BINS)
+        self.counts = [count + one for count, one in zip(self.counts, more.tolist(), strict=True)]
 
 
 @dataclass
@@ -59,7 +90,7 @@ class FigureTally:
     judged: int = 0
     over: int = 0
     worst: float = -inf
-    worst_line: BuiltLine | None = None
+    worst_line: PlannedLine | None = None
     limits: set[float] = field(default_factory=set)
     histogram: Histogram = field(default_factory=Histogram)
 
@@ -73,20 +104,22 @@ class FigureTally:
         """Number of bars within the limit."""
         return 1 if self.limit == 0 else MIDDLE
 
-    def add(self, line: BuiltLine, value: float, limit: float, *, passed: bool) -> None:
-        """Count the figure of a line."""
-        self.judged += 1
-        self.over += not passed
-        if value > self.worst:
-            self.worst, self.worst_line = value, line
-        if limit not in self.limits and len(self.limits) < 2:  # noqa: PLR2004 a second limit means that they vary
-            self.limits.add(limit)
-        if limit > 0:
-            bar = ceil(value / limit * MIDDLE) - 1
-            bar = min(bar, MIDDLE - 1) if passed else max(bar, MIDDLE)
+    def add(
+        self, lines: Sequence[CountedLine], values: Floats, limits: Floats, passed: Bools
+    ) -> None:
+        """Count the figure of (L,) lines."""
+        self.judged += len(values)
+        self.over += int(np.count_nonzero(~passed))
+        worst = int(values.argmax())
+        if values[worst] > self.worst:
+            self.worst, self.worst_line = float(values[worst]), lines[worst].line
+        self.limits |= {float(limits.min()), float(limits.max())}
+        if limits[0] > 0:
+            bars = np.ceil(values / limits * MIDDLE) - 1
+            bars = np.where(passed, np.minimum(bars, MIDDLE - 1), np.maximum(bars, MIDDLE))
         else:
-            bar = 0 if passed else 1 + int(value * (BINS - 1))
-        self.histogram.add(bar)
+            bars = np.where(passed, 0, 1 + np.floor(values * (BINS - 1)))
+        self.histogram.add(bars)
 
 
 @dataclass
@@ -104,57 +137,72 @@ class PairTally:
 class BuildTally:
     """Counts over all lines of a build, and the worst `most` lines in full."""
 
-    def __init__(self, most: int = MAX_WORST) -> None:
-        self.most = most
+    def __init__(self, lines: Iterable[CountedLine], most: int = MAX_WORST) -> None:
         self.lines = self.failed = self.over = self.doubtful = 0
         self.pairs: dict[tuple[str, str], PairTally] = {}
         self.figures: dict[tuple[str, bool], FigureTally] = {}
         self.confidence = Histogram()
-        self._worst: list[tuple[tuple[float, float, float], int, BuiltLine]] = []
+        groups: dict[tuple[str, str, str], list[tuple[int, CountedLine]]] = {}
+        for one in lines:
+            key = one.line.language, one.line.character, one.heading
+            groups.setdefault(key, []).append((self.lines, one))
+            self.lines += 1
+        ranks = [np.empty((0, 4))]
+        every: dict[int, CountedLine] = {}
+        for (*_, heading), numbered in groups.items():
+            order = self._add(heading, [one for _, one in numbered])
+            numbers = np.array([-number for number, _ in numbered])
+            rows = np.column_stack([*order, numbers])
+            rows = rows[np.lexsort(rows.T[::-1])[::-1][:most]]
+            ranks.append(rows)
+            kept = {-int(number) for number in rows[:, 3]}
+            every |= {number: one for number, one in numbered if number in kept}
+        ranked = np.concatenate(ranks)
+        worst = ranked[np.lexsort(ranked.T[::-1])[::-1][:most], 3]
+        self._worst = [every[-int(number)] for number in worst]
 
-    def add(self, line: BuiltLine) -> None:
-        """Count a line."""
-        self.lines += 1
-        exceeded = False
-        for figure in line.figures:
-            value, limit = figure.value, figure.limit
-            if value is None or limit is None:
-                continue
-            passed = figure.passed
-            exceeded = exceeded or not passed
-            key = figure.name, limit == 0
-            counted = self.figures.get(key)
-            if counted is None:
-                counted = self.figures[key] = FigureTally(figure.name, figure.unit)
-            counted.add(line, value, limit, passed=passed)
-        failed = line.outcome == "failed"
-        over = not failed and exceeded and bool(line.failed)
-        pair = self.pairs.setdefault((line.line.language, line.line.character), PairTally())
-        pair.lines += 1
-        pair.failed += failed
-        pair.over += over
-        self.failed += failed
-        self.over += over
-        self.doubtful += exceeded and not failed and not over
-        if line.confidence is not None:
-            pair.aligned += 1
-            pair.confidence += line.confidence
-            self.confidence.add(ceil(line.confidence * BINS) - 1)
-        entry = (badness(line), -self.lines, line)
-        if len(self._worst) < self.most:
-            heapq.heappush(self._worst, entry)
-        elif self.most and entry[:2] > self._worst[0][:2]:
-            heapq.heapreplace(self._worst, entry)
+    def _add(self, heading: str, lines: Sequence[CountedLine]) -> tuple[Floats, Floats, Floats]:
+        """Count (L,) lines of a pair with the same figures; return their `badness`."""
+        values, limits, heads = unpacked_figures(heading, [one.figures for one in lines])
+        failed = np.array([one.failed for one in lines])
+        stated = [nan if one.confidence is None else one.confidence for one in lines]
+        confidence = np.array(stated, float)
+        judged = ~(np.isnan(values) | np.isnan(limits))
+        with np.errstate(all="ignore"):
+            over = judged & (values > limits * LIMIT_FACTOR + LIMIT_STEP)
+            share = np.where(
+                limits > 0, values / limits, np.where(over, 1 + ZERO_SCALE * values, 0)
+            )
+        share = np.where(judged, share, 0.0)
+        for column, (name, unit, _) in enumerate(heads):
+            for zero in (False, True):
+                at = np.flatnonzero(judged[:, column] & ((limits[:, column] == 0) == zero))
+                if at.size:
+                    tally = self.figures.setdefault((name, zero), FigureTally(name, unit))
+                    own = values[at, column], limits[at, column], ~over[at, column]
+                    tally.add([lines[number] for number in at.tolist()], *own)
+        bad = over & np.array([binding for *_, binding in heads], bool)
+        beyond, aligned = bad.any(axis=1), ~np.isnan(confidence)
+        pair = self.pairs.setdefault((lines[0].line.language, lines[0].line.character), PairTally())
+        pair.lines += len(lines)
+        pair.failed += int(failed.sum())
+        pair.over += int(beyond.sum())
+        pair.aligned += int(aligned.sum())
+        pair.confidence += float(confidence[aligned].sum())
+        self.failed += int(failed.sum())
+        self.over += int(beyond.sum())
+        self.doubtful += int((over.any(axis=1) & ~failed & ~beyond).sum())
+        self.confidence.add(np.ceil(confidence[aligned] * BINS) - 1)
+        most = np.where(bad | ~beyond[:, None], share, 0.0).max(axis=1, initial=0.0)
+        doubt = 1 - np.where(aligned, confidence, 1.0)
+        unsure = ~failed & (doubt > 1 - DOUBTFUL)
+        rank = np.where(failed, 3.0, np.where(unsure, 2.0, np.where(beyond, 1.0, 0.0)))
+        return rank, np.where(unsure, doubt, most), np.where(unsure, most, doubt)
 
-    def add_unshown(self, verdict: Verdict) -> None:
-        """Count a line of no report by its verdict, one of `UNSHOWN`, without its figures."""
-        self.lines += 1
-        self.doubtful += verdict == "doubted"
-
+    @cached_property
     def worst(self) -> list[BuiltLine]:
-        """Return the worst lines first; equally bad lines stay in order."""
-        ordered = sorted(self._worst, key=lambda entry: entry[:2], reverse=True)
-        return [line for _, _, line in ordered]
+        """The worst lines first; equally bad lines stay in order."""
+        return [one.whole() for one in self._worst]
 
     @property
     def aligned(self) -> int:

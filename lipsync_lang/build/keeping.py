@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isnan
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from lipsync_lang.build.archives import rewrite, split_archive
 from lipsync_lang.build.making import MadeLine
@@ -15,7 +16,8 @@ from lipsync_lang.build.records import (
     OutputRecord,
     Records,
     as_json,
-    from_json,
+    packed_figures,
+    unpacked_figures,
     unusable,
 )
 from lipsync_lang.build.standing import StandingOutputs
@@ -74,14 +76,15 @@ class OutputKeeper:
                 self.records.packed(one.needs),
                 outputs,
                 one.built.verdict,
+                one.built.confidence,
+                *packed_figures(one.built.figures),
                 as_json(
-                    {
-                        "outcome": one.built.outcome,
-                        "message": one.built.message,
-                        "seconds": one.built.seconds,
-                        "confidence": one.built.confidence,
-                        "figures": one.built.figures,
-                    }
+                    (
+                        one.built.outcome,
+                        one.built.message,
+                        one.built.seconds,
+                        [(figure.at, figure.words) for figure in one.built.figures],
+                    )
                 ),
             )
             self._rows.append((one.built.line.key, row))
@@ -119,18 +122,19 @@ def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
     return deleted
 
 
-def restored(line: PlannedLine, record: LineRecord) -> BuiltLine:
-    """Return a line of an earlier build from its record."""
-    result = from_json(record.result)
+def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> BuiltLine:
+    """Return a line of an earlier build from its record and `Records.result`."""
     try:
-        return BuiltLine(
-            line,
-            result["outcome"],
-            result["message"],
-            result["seconds"],
-            result["confidence"],
-            tuple(map(JudgedFigure._make, result["figures"])),
-            {path: one.digest for path, one in record.outputs.items()},
-        )
-    except (KeyError, TypeError, ValueError):
+        outcome, message, seconds, notes = result
+        values, limits, heads = unpacked_figures(record.heading, [record.figures])
+        known = ([None if isnan(one) else one for one in row.tolist()] for row in (values[0], limits[0]))
+        rows = zip(heads, *known, notes, strict=True)
+        figures = [
+            JudgedFigure(name, value, unit, limit, at, words, binding)
+            for (name, unit, binding), value, limit, (at, words) in rows
+        ]
+        written = {path: one.digest for path, one in record.outputs.items()}
+        stated = outcome, message, seconds, record.confidence, tuple(figures)
+        return BuiltLine(line, *stated, written)
+    except (TypeError, ValueError):
         raise unusable() from None

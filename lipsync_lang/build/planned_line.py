@@ -7,6 +7,9 @@ from typing import Literal, NamedTuple
 
 from lipsync_lang.schedules.schedule import DOUBTFUL
 
+LIMIT_FACTOR, LIMIT_STEP = 1.001, 1e-9
+"""Factor and step by which a value may pass its limit, since values are rounded."""
+
 CONFIDENCE = "confidence"
 """Limit of a project that is a minimum: the confidence of an alignment."""
 
@@ -66,7 +69,9 @@ class JudgedFigure(NamedTuple):
     @property
     def passed(self) -> bool:
         """False if the value exceeds its limit."""
-        return self.value is None or self.limit is None or self.value <= self.limit * 1.001 + 1e-9
+        if self.value is None or self.limit is None:
+            return True
+        return self.value <= self.limit * LIMIT_FACTOR + LIMIT_STEP
 
 
 @dataclass(frozen=True)

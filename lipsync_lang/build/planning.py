@@ -110,7 +110,6 @@ def plan(  # noqa: PLR0913 the lines, records and options
     *,
     force: bool = False,
     overwrite: bool = False,
-    figures: bool = True,
 ) -> BuildPlan:
     """Find the lines whose outputs are not up to date.
 
@@ -119,9 +118,8 @@ def plan(  # noqa: PLR0913 the lines, records and options
     lines : of the project, each with a key of its own
     force : make every line
     overwrite : write outputs that somebody changed, too
-    figures : keep the figures of all lines, for reports
     """
-    known = records.lines(figures=figures)
+    known = records.lines()
     planner = _Planner(folder, needs, force, overwrite, StandingOutputs(folder))
     changed = _changed_needs(lines, known, records, needs)
     steps = tuple(

@@ -184,7 +184,6 @@ class ProjectBuild:
         *,
         force: bool = False,
         overwrite: bool = False,
-        figures: bool = True,
     ) -> BuildPlan:
         """Compare the lines with the record of the last build; see `planning.plan`."""
         sound = [line for line in self.lines if (line.language, line.character) in self.pairs]
@@ -195,7 +194,6 @@ class ProjectBuild:
             self.pairs,
             force=force,
             overwrite=overwrite,
-            figures=figures,
         )
         stated = {line.key for line in self.lines}
         gone = tuple(one for one in made.gone if not self.selection and one[0] not in stated)

@@ -7,7 +7,7 @@ that was there before. So a build killed at any moment can tell its own files fr
 import json
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +15,8 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.build.planned_line import Verdict
+from lipsync_lang.arrays import Floats
+from lipsync_lang.build.planned_line import JudgedFigure, Verdict
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.reach import refuse_outside
 
@@ -24,7 +25,10 @@ FOLDER = ".lipsync_lang"
 
 RECORDS_FILE = "build.sqlite"
 
-RECORDS_VERSION = 2
+ROWS = 1000
+"""Number of rows to read at once."""
+
+RECORDS_VERSION = 3
 """Form of the tables; a record of another form is put aside."""
 
 Key = tuple[str, str, str]
@@ -38,11 +42,16 @@ CREATE TABLE IF NOT EXISTS need (number INTEGER PRIMARY KEY, name TEXT NOT NULL 
 CREATE TABLE IF NOT EXISTS line (
   language TEXT NOT NULL, character TEXT NOT NULL, name TEXT NOT NULL,
   at INTEGER NOT NULL, inputs TEXT NOT NULL, contents TEXT NOT NULL, needs BLOB NOT NULL,
-  outputs TEXT NOT NULL, verdict TEXT NOT NULL, result TEXT NOT NULL,
+  outputs TEXT NOT NULL, verdict TEXT NOT NULL, confidence REAL,
+  heading TEXT NOT NULL, figures BLOB NOT NULL, result TEXT NOT NULL,
   PRIMARY KEY (language, character, name)
 ) WITHOUT ROWID;
 """
 
+
+SELECT_RESULT = "SELECT result FROM line WHERE language = ? AND character = ? AND name = ?"
+
+DELETE_LINE = "DELETE FROM line WHERE language = ? AND character = ? AND name = ?"
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
 
@@ -68,7 +77,8 @@ class LineRecord:
     contents : digest of each file that it was made from, by path; JSON
     needs : bytes of (n,) `NEED`: needs with their digests
     outputs : by path from the project's folder
-    result : figures for a report, as JSON that only a report decodes; empty without one
+    heading, figures : figures of quality, as `packed_figures` has them
+    result : the rest of a `BuiltLine` as JSON, which is read by `Records.result` alone
     at : time of its making in nanoseconds
     """
 
@@ -77,7 +87,10 @@ class LineRecord:
     needs: bytes
     outputs: Mapping[str, OutputRecord]
     verdict: Verdict
-    result: str
+    confidence: float | None
+    heading: str
+    figures: bytes
+    result: str = ""
     at: int = 0
 
 
@@ -131,28 +144,35 @@ class Records:
             except sqlite3.DatabaseError as error:
                 raise _damaged(path, error) from None
 
-    def lines(self, *, figures: bool = True) -> dict[Key, LineRecord]:
-        """Return every record; results of lines that are only counted are left out on request."""
-        rows = self._base.execute(
-            "SELECT language, character, name, at, inputs, contents, needs, outputs, verdict, "
-            "CASE WHEN ? OR verdict NOT IN ('passed', 'doubted') THEN result ELSE '' END FROM line",
-            (figures,),
-        ).fetchall()
+    def lines(self) -> dict[Key, LineRecord]:
+        """Return every record, without results."""
+        cursor = self._base.execute(
+            "SELECT language, character, name, outputs, at, inputs, contents, needs, verdict, "
+            "confidence, heading, figures FROM line"
+        )
+        found: dict[Key, LineRecord] = {}
+        headings: dict[str, str] = {}
         try:
-            # All outputs at once take half the time.
-            outputs = json.loads(f"[{','.join([row[7] for row in rows])}]")
-            found: dict[Key, LineRecord] = {}
-            for row, written in zip(rows, outputs, strict=True):
-                language, character, name, at, inputs, contents, needs, _, verdict, result = row
-                if type(at) is not int or type(needs) is not bytes or len(needs) % NEED.itemsize:
-                    raise unusable()
-                paths = {path: OutputRecord(*one) for path, one in written.items()}
-                found[language, character, name] = LineRecord(
-                    inputs, contents, needs, paths, verdict, result, at
-                )
+            while rows := cursor.fetchmany(ROWS):
+                # Many outputs at once take half the time.
+                outputs = json.loads(f"[{','.join([row[3] for row in rows])}]")
+                for row, written in zip(rows, outputs, strict=True):
+                    at, inputs, contents, needs, verdict, confidence, heading, figures = row[4:]
+                    types = type(at), type(needs), type(figures), type(confidence or 0.0)
+                    if types != (int, bytes, bytes, float) or len(needs) % NEED.itemsize:
+                        raise unusable()
+                    paths = {path: OutputRecord(*one) for path, one in written.items()}
+                    heading = headings.setdefault(heading, heading)
+                    known = inputs, contents, needs, paths, verdict, confidence
+                    found[row[:3]] = LineRecord(*known, heading, figures, "", at)
         except (ValueError, TypeError, AttributeError, RecursionError):
             raise unusable() from None
         return found
+
+    def result(self, key: Key) -> Any:
+        """Return the result of a line."""
+        row = self._base.execute(SELECT_RESULT, key).fetchone()
+        return from_json(row and row[0], list)
 
     def name(self, number: int) -> str:
         """Return the name of a need."""
@@ -180,10 +200,10 @@ class Records:
         """Write records in one transaction, safe from a loss of power."""
         now = time.time_ns()
         self._base.executemany(
-            "INSERT OR REPLACE INTO line VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+            "INSERT OR REPLACE INTO line VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
             [
                 (*key, now, one.inputs, one.contents, one.needs, as_json(one.outputs),
-                 one.verdict, one.result)
+                 one.verdict, one.confidence, one.heading, one.figures, one.result)
                 for key, one in records
             ],
         )  # fmt: skip
@@ -191,9 +211,7 @@ class Records:
 
     def forget(self, keys: Iterable[Key]) -> None:
         """Delete records."""
-        self._base.executemany(
-            "DELETE FROM line WHERE language = ? AND character = ? AND name = ?", list(keys)
-        )
+        self._base.executemany(DELETE_LINE, list(keys))
         self._base.commit()
 
 
@@ -210,15 +228,34 @@ def as_json(value: object) -> str:
     return _ENCODER.encode(value)
 
 
-def from_json(text: Any) -> dict[str, Any]:
-    """Return a mapping from the JSON of `as_json`; a record may be damaged, or a stranger's."""
+def from_json(text: Any, kind: type = dict) -> Any:
+    """Return a value from the JSON of `as_json`; a record may be damaged, or a stranger's."""
     try:
         value = json.loads(text)
     except (ValueError, TypeError, RecursionError):
         raise unusable() from None
-    if not isinstance(value, dict):
+    if not isinstance(value, kind):
         raise unusable()
     return value
+
+
+def packed_figures(figures: Sequence[JudgedFigure]) -> tuple[str, bytes]:
+    """Return name, unit and binding of figures as JSON, and bytes of their values and limits."""
+    numbers = [one.value for one in figures], [one.limit for one in figures]
+    heading = as_json([(one.name, one.unit, one.binding) for one in figures])
+    return heading, np.array(numbers, "<f8").tobytes()  # None is not a number
+
+
+def unpacked_figures(
+    heading: str, figures: Sequence[bytes]
+) -> tuple[Floats, Floats, list[tuple[str, str, bool]]]:
+    """Return (L, F) values and limits of L lines with the same heading, and the heading."""
+    try:
+        heads = [(str(name), str(unit), bool(own)) for name, unit, own in json.loads(heading)]
+        numbers = np.frombuffer(b"".join(figures), "<f8").reshape(len(figures), 2, len(heads))
+    except (ValueError, TypeError, RecursionError):
+        raise unusable() from None
+    return numbers[:, 0], numbers[:, 1], heads
 
 
 def unusable(

@@ -6,9 +6,9 @@ from dataclasses import replace
 from io import TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Protocol, TextIO
+from typing import Protocol, TextIO, runtime_checkable
 
-from lipsync_lang.build.build_tally import BuildHeading, BuildTally
+from lipsync_lang.build.build_tally import BuildHeading, BuildTally, CountedLine
 from lipsync_lang.build.planned_line import BuiltLine
 from lipsync_lang.build.records import Key
 from lipsync_lang.errors import OutputError
@@ -22,28 +22,34 @@ BUILD_FORMAT = "lipsync-lang build 1"
 
 
 class ReportForm(Protocol):
-    """A form of a report: it gets all lines, then is written."""
-
-    def add(self, line: BuiltLine) -> None:
-        """Take a line."""
+    """A form of a report."""
 
     def write(self, out: TextIO, tally: BuildTally) -> None:
         """Write the whole report, with the counts over all lines."""
 
 
+@runtime_checkable
+class RowReport(ReportForm, Protocol):
+    """A form with each line: it gets all of them, then is written."""
+
+    def add(self, line: BuiltLine) -> None:
+        """Take a line."""
+
+
 def write_report(
     paths: Iterable[Path],
-    built: Iterable[BuiltLine],
+    lines: Iterable[CountedLine],
     heading: BuildHeading,
+    tally: BuildTally,
     *,
     pages: MakePages | None = None,
-) -> BuildTally:
-    """Write reports of a build, and count its lines; the folders of the reports are made.
+) -> None:
+    """Write reports of a build; the folders of the reports are made.
 
     Parameters
     ----------
     paths : files to write: `.html`, `.xml` for JUnit, `.json`
-    built : all lines of the project as they stand now; read once
+    lines : all lines of the project as they stand now; read in full only for forms that name each
     pages : called with the worst lines; returns pages of lines (`-o line.html`) by the line's key
 
     Raises
@@ -64,11 +70,11 @@ def write_report(
             raise OutputError(
                 f"{path}: a report cannot be written as '{suffix}'; use .html, .xml or .json"
             )
-    tally = BuildTally()
-    for line in built:
-        tally.add(line)
-        for _, form in forms:
-            form.add(line)
+    full = [form.add for _, form in forms if isinstance(form, RowReport)]
+    for line in lines if full else ():
+        whole = line.whole()
+        for add in full:
+            add(whole)
     for path, form in forms:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -81,7 +87,6 @@ def write_report(
             form.write(text, tally)
             text.flush()
             text.detach()
-    return tally
 
 
 class JsonReport:

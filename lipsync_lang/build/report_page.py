@@ -133,12 +133,9 @@ class PageReport:
     def __init__(self, heading: BuildHeading, folder: Path, pages: MakePages | None) -> None:
         self._heading, self._folder, self._pages = heading, folder, pages
 
-    def add(self, line: BuiltLine) -> None:
-        """Ignore a line, since a page needs only the counts."""
-
     def write(self, out: TextIO, tally: BuildTally) -> None:
         """Write the page."""
-        worst = tally.worst()
+        worst = tally.worst
         pages = self._pages(worst) if self._pages is not None else {}
         rows = [WorstRow(one, pages.get(one.line.key), self._folder) for one in worst]
         figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))

@@ -122,7 +122,6 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
             records,
             force=options.force,
             overwrite=options.overwrite,
-            figures=bool(reports) and not options.dry_run,
         )
         if options.dry_run:
             return _listed(plan, project, as_events=options.json)
@@ -131,8 +130,8 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
             workers=options.workers, scheduler=options.scheduler, tell=teller,
         )  # fmt: skip
         deleted = prune(plan, project.folder, records) if options.prune else []
-    wipe()
-    figures, over, passed = _report(options, project, outcome, reports, deleted)
+        wipe()
+        figures, over, passed = _report(options, project, outcome, reports, deleted)
     if options.json:
         teller("end", figures)
     elif outcome.built or remarks.changed or not options.watch:

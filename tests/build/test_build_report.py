@@ -14,11 +14,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipsync_lang.build import build_tally
-from lipsync_lang.build.build_tally import BINS, BuildHeading, BuildTally, badness
+from lipsync_lang.build.build_tally import BINS, BuildHeading, BuildTally, CountedLine, badness
 from lipsync_lang.build.making import TIMING_DOUBT
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.report_files import write_report
 from lipsync_lang.errors import OutputError
+from lipsync_lang.files.quoting import shell_command
 from lipsync_lang.schedules.schedule import DOUBTFUL
 
 LANGUAGES, CHARACTERS = ("english", "german"), ("facefx", "crab", "arkit")
@@ -50,13 +51,22 @@ def made(number=0, *, lips=0.0, speed=10.0, confidence=None, failed=False, **pla
     return BuiltLine(line, "built", "", 3.0, confidence, figures)
 
 
+def write(*paths_lines_heading, pages=None):
+    """Count lines and write reports of them; return the counts."""
+    *paths, lines, heading = paths_lines_heading
+    counted = [*map(CountedLine.of, lines)]
+    tally = BuildTally(counted)
+    write_report(paths, counted, heading, tally, pages=pages)
+    return tally
+
+
 @pytest.fixture
 def report(tmp_path):
     """Write a report of lines and return its text."""
 
     def written(lines, suffix=".html", heading=HEADING, pages=None):
         path = tmp_path / "build" / f"report{suffix}"
-        write_report([path], lines, heading, pages=pages and (lambda _: pages))
+        write(path, lines, heading, pages=pages and (lambda _: pages))
         return path.read_text("utf-8")
 
     return written
@@ -74,9 +84,7 @@ def test_a_build_fails_by_a_failed_line_or_a_limit():
         ([made(lips=0.1)], False),
         ([made(failed=True)], False),
     ):
-        tally = BuildTally()
-        for line in lines:
-            tally.add(line)
+        tally = BuildTally(map(CountedLine.of, lines))
         assert tally.passed() is passed
 
 
@@ -95,9 +103,7 @@ def test_a_build_fails_by_a_failed_line_or_a_limit():
     st.integers(0, 8),
 )
 def test_every_line_is_counted_and_the_worst_are_the_worst(lines, most):
-    tally = BuildTally(most)
-    for line in lines:
-        tally.add(line)
+    tally = BuildTally(map(CountedLine.of, lines), most)
     assert tally.lines == len(lines) == sum(pair.lines for pair in tally.pairs.values())
     assert tally.failed == sum(line.outcome == "failed" for line in lines)
     assert tally.over == sum(bool(line.failed) for line in lines)
@@ -107,26 +113,22 @@ def test_every_line_is_counted_and_the_worst_are_the_worst(lines, most):
         assert sum(counts[figure.within :]) == figure.over
     assert sum(tally.confidence.counts) == tally.aligned
     expected = sorted(lines, key=badness, reverse=True)[:most]
-    assert list(map(badness, tally.worst())) == list(map(badness, expected))
+    assert list(map(badness, tally.worst)) == list(map(badness, expected))
 
 
 def test_failed_lines_come_first_then_those_farthest_over_a_limit():
     lines = [
         made(0), made(1, speed=13.0), made(2, lips=0.5), made(3, failed=True), made(4, speed=30.0),
     ]  # fmt: skip
-    tally = BuildTally(5)
-    for line in lines:
-        tally.add(line)
-    assert [line.line.name for line in tally.worst()] == ["l3", "l2", "l4", "l1", "l0"]
+    tally = BuildTally(map(CountedLine.of, lines), 5)
+    assert [line.line.name for line in tally.worst] == ["l3", "l2", "l4", "l1", "l0"]
 
 
 def test_limits_of_different_faces_share_a_chart():
     lines = [made(0), made(1)]
     slower = lines[1].figures[1]._replace(limit=6.0)
     lines[1] = replace(lines[1], figures=(slower,))
-    tally = BuildTally()
-    for line in lines:
-        tally.add(line)
+    tally = BuildTally(map(CountedLine.of, lines))
     speed = tally.figures["speed", False]
     assert (speed.limit, speed.judged, speed.over) == (None, 2, 1)
 
@@ -245,7 +247,8 @@ def test_a_page_leads_to_the_pages_of_lines_or_gives_their_commands(report, tmp_
     page = Read(report([worst, said], pages=pages))
     assert [link["href"] for link in page.every("a")] == ["report/german/l%20%C3%BC.html"]
     (command,) = [one["data-command"] for one in page.every("span") if "data-command" in one]
-    assert command == ("lipsync-lang run -l german -c crab -o l1.html -- 'It'\"'\"'s -o; rm -rf'")
+    parts = ["lipsync-lang", *"run -l german -c crab -o l1.html --".split(), "It's -o; rm -rf"]
+    assert command == shell_command(parts)
 
 
 def test_a_page_does_not_grow_with_its_lines(report, monkeypatch):
@@ -274,13 +277,9 @@ def test_a_page_of_no_lines_and_of_sound_lines_says_so(report):
 
 
 def test_what_only_the_face_advises_fails_nothing(report):
-    class Advised(BuiltLine):
-        @property
-        def failed(self):
-            return ()
-
     line = made(1, speed=20.0)
-    text = report([Advised(**{name: getattr(line, name) for name in vars(line)})])
+    advice = tuple(figure._replace(binding=False) for figure in line.figures)
+    text = report([replace(line, figures=advice)])
     assert "The build fails." not in text
     assert "it exceeds the recommended limits of the pose set" in text
 
@@ -290,7 +289,7 @@ def test_what_only_the_face_advises_fails_nothing(report):
 
 def test_every_form_is_written_in_one_pass(tmp_path):
     paths = [tmp_path / "a" / "b" / name for name in ("r.html", "r.xml", "r.json")]
-    tally = write_report(paths, iter(LINES), HEADING)
+    tally = write(*paths, LINES, HEADING)
     assert all(path.stat().st_size for path in paths)
     assert (tally.lines, tally.failed, tally.over) == (33, 1, 2)
 
@@ -298,23 +297,21 @@ def test_every_form_is_written_in_one_pass(tmp_path):
 def test_a_suffix_that_no_report_has_is_named_before_anything_is_written(tmp_path):
     paths = [tmp_path / "r.html", tmp_path / "r.pdf"]
     with pytest.raises(OutputError, match=r"a report cannot be written as '.pdf'; use .html"):
-        write_report(paths, [made()], HEADING)
+        write(*paths, [made()], HEADING)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="file: cannot be made: "):
-        write_report([tmp_path / "file" / "r.xml"], [made()], HEADING)
+        write(tmp_path / "file" / "r.xml", [made()], HEADING)
 
 
 def test_bars_of_few_lines_are_seen():
     from lipsync_lang.build.report_page import LEAST_BAR, figure_bars
 
-    tally = BuildTally()
-    for number in range(2000):
-        tally.add(made(number))
-    tally.add(made(1, speed=13.0))
+    lines = [*map(made, range(2000)), made(1, speed=13.0)]
+    tally = BuildTally(map(CountedLine.of, lines))
     bars = figure_bars(tally.figures["speed", False])
     assert f"v-{LEAST_BAR}h8" in bars.over
     assert bars.within.count("M") + bars.over.count("M") <= BINS
@@ -332,10 +329,8 @@ def aligned(number, confidence, **figures):
 
 def test_lines_unlike_their_recordings_come_first_by_confidence(report):
     lines = [aligned(1, 0.9, speed=12.6), aligned(2, 0.4), aligned(3, 0.0), aligned(4, 0.02)]
-    tally = BuildTally()
-    for line in [*lines, made(5, lips=0.9), made(6, failed=True)]:
-        tally.add(line)
-    assert [one.line.name for one in tally.worst()] == ["l6", "l3", "l4", "l2", "l5", "l1"]
+    tally = BuildTally(map(CountedLine.of, [*lines, made(5, lips=0.9), made(6, failed=True)]))
+    assert [one.line.name for one in tally.worst] == ["l6", "l3", "l4", "l2", "l5", "l1"]
     assert tally.unsure == 3
     rows = [float(row["data-badness"]) for row in Read(report(lines)).every("tr")
             if "data-badness" in row]  # fmt: skip
