@@ -98,9 +98,10 @@ def read_rows(
             )
             return
         index = next(iter(file.languages))
-        lines = list(
-            read_lines(file.path, encoding=file.encoding, remark=remark, cleaning=file.cleaning)
-        )
+        lines = list(read_lines(
+            file.path, encoding=file.encoding, remark=remark, cleaning=file.cleaning,
+            speaker=columns.speaker,
+        ))  # fmt: skip
         for line, name in zip(lines, _identifiers(lines), strict=True):
             number = line.place.rpartition(":")[2]
             timings = file.path if line.schedule is not None else None

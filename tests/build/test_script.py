@@ -124,6 +124,14 @@ def test_a_file_for_each_language_holds_the_lines_of_that_language(game):
     assert "has one language" in refusal(game, lines="loc/de.po")
 
 
+def test_comments_of_gettext_name_the_speaker_in_the_form_that_a_project_states(game):
+    put(game, "de.po", text='#. [bob] sadly\nmsgctxt "a"\nmsgid "Hello."\nmsgstr "Hallo."\n')
+    stated = {"lines": "de.po", "languages": "[german]"}
+    lines = planned(game, columns='{speaker: "[{speaker}]"}', **stated)
+    assert [one.speaker for one in lines] == ["bob"] * len(lines)
+    assert {one.speaker for one in planned(game, columns=None, **stated)} == {""}
+
+
 def test_names_of_lines_without_an_id_do_not_depend_on_their_order(game):
     entries = ['msgid "Yes"\nmsgstr "Ja"\n', 'msgid "No"\nmsgstr "Nein"\n']
     entries += ['msgctxt "x/y"\nmsgid "A"\nmsgstr "B"\n']

@@ -117,7 +117,8 @@ class ScriptColumns(Strict):
     id: Text | None = None
     """The line's own name, which names its files. By default the first of `id`, `key` and such."""
     speaker: Text | None = None
-    """The speaker. By default the first of `speaker`, `character` and such."""
+    """The speaker. By default the first of `speaker`, `character` and such. In comments of gettext,
+    the word before the name, or the form of the comment, such as `[{speaker}]`."""
 
 
 class Project(PackModel):
