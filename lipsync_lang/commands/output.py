@@ -8,7 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import STANDARD_STREAM, read_input
+from lipsync_lang.files import STANDARD_STREAM
+from lipsync_lang.files.reading import input_text
 from lipsync_lang.terminal import progress, wipe
 
 MAX_LINES_BYTES = 16 * 2**20
@@ -56,13 +57,7 @@ def lines_of(file: Path | None) -> list[str]:
     """Return the non-blank lines of a file or of standard input."""
     if file is None:
         raise LipsyncError("give a TEXT, or a file of lines with --file FILE")
-    content = read_input(file, MAX_LINES_BYTES, mend="give it in parts")
-    try:
-        lines = content.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise LipsyncError(
-            f"{file}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-        ) from None
+    lines = input_text(file, MAX_LINES_BYTES, mend="give it in parts").splitlines()
     return [line for line in lines if line.strip()]
 
 

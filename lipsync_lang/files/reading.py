@@ -40,6 +40,17 @@ def read_input(
     return content
 
 
+def input_text(
+    path: Path, max_bytes: int, *, error: type[LipsyncError] = LipsyncError, mend: str
+) -> str:
+    """Return the text of a file in UTF-8, or of standard input, as `read_input` does."""
+    try:
+        return read_input(path, max_bytes, error=error, mend=mend).decode("utf-8-sig")
+    except UnicodeDecodeError as fault:
+        what = f"is not UTF-8 text (byte {fault.start}); save it as UTF-8"
+        raise error(f"{path}: {what}") from None
+
+
 def _blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
     """Yield the bytes in blocks; one `read` of the whole limit would allocate all of it."""
     left = max_bytes

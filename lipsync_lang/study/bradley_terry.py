@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats
-from lipsync_lang.study.comparisons import ALL_CHARACTERS, Choice
+from lipsync_lang.study.comparisons import ALL_CHARACTERS, Choice, cells
 from lipsync_lang.study.distributions import Interval, chi_square_tail, t_quantile
 
 FLIPS, FLIPS_AT_ONCE = 20_000, 1_000
@@ -63,21 +63,9 @@ def ranked(choices: Sequence[Choice], methods: Sequence[str]) -> list[Ranking]:
     """Rank the methods by question and character; two methods need no ranking."""
     if len(methods) <= 2:  # noqa: PLR2004 a pair
         return []
-    characters = sorted({one.character for one in choices})
-    cells = [*characters, *([ALL_CHARACTERS] if len(characters) > 1 else [])]
     return [
-        ranking(
-            [
-                o
-                for o in choices
-                if o.question == question and character in (ALL_CHARACTERS, o.character)
-            ],
-            methods,
-            character=character,
-            question=question,
-        )
-        for question in sorted({one.question for one in choices})
-        for character in cells
+        ranking(given, methods, character=character, question=question)
+        for question, character, given in cells(choices)
     ]
 
 
@@ -106,11 +94,14 @@ def ranking(
         return Ranking(character, question, (), None, freedom, None, None, problem)
     strengths = fitted_strengths(wins)
     ratio = 2 * (_log_likelihood(wins, strengths) - _log_likelihood(wins, np.zeros(len(methods))))
+    given: dict[str, list[Choice]] = defaultdict(list)
+    for one in choices:
+        given[one.rater].append(one)
+    by_rater = [win_matrix(own, index) for own in given.values()]
     found = sorted(
-        _described(choices, methods, wins, strengths), key=lambda one: (-one.strength, one.method)
+        _described(methods, wins, strengths, by_rater), key=lambda one: (-one.strength, one.method)
     )
-    tail = chi_square_tail(ratio, freedom)
-    flips = flipped_raters(_by_rater(choices, index), wins)
+    tail, flips = chi_square_tail(ratio, freedom), flipped_raters(by_rater, wins)
     return Ranking(character, question, tuple(found), max(ratio, 0.0), freedom, tail, flips)
 
 
@@ -134,14 +125,6 @@ def flipped_raters(by_rater: Sequence[Floats], wins: Floats) -> float:
         signs = chance.choice((-1.0, 1.0), (FLIPS_AT_ONCE, len(gradients)))
         reached += int((scores(signs @ gradients) >= observed * (1 - GRADIENT_TOLERANCE)).sum())
     return reached / (FLIPS + 1)
-
-
-def _by_rater(choices: Iterable[Choice], index: dict[str, int]) -> list[Floats]:
-    """Return the win matrix of each rater."""
-    by_rater: dict[str, list[Choice]] = defaultdict(list)
-    for one in choices:
-        by_rater[one.rater].append(one)
-    return [win_matrix(given, index) for given in by_rater.values()]
 
 
 def win_matrix(choices: Iterable[Choice], index: dict[str, int]) -> Floats:
@@ -194,14 +177,13 @@ def _information(wins: Floats, strengths: Floats) -> Floats:
 
 
 def _described(
-    choices: Sequence[Choice], methods: Sequence[str], wins: Floats, strengths: Floats
+    methods: Sequence[str], wins: Floats, strengths: Floats, by_rater: Sequence[Floats]
 ) -> list[MethodStrength]:
     """Describe each method, with intervals by raters if there are several raters.
 
     The standard errors are a sandwich of the information around the gradients of raters, and no
     smaller than those of independent choices.
     """
-    by_rater = _by_rater(choices, {method: number for number, method in enumerate(methods)})
     raters = len(by_rater)
     intervals: list[Interval | None] = [None] * len(methods)
     if raters > 1:
@@ -232,7 +214,4 @@ def _named(methods: Sequence[str], among: Bools) -> str:
 
 def _reachable(edges: Bools) -> Bools:
     """Return the nodes that each node reaches along edges, including itself."""
-    reached: Bools = edges | np.eye(len(edges), dtype=bool)
-    for middle in range(len(edges)):
-        reached |= np.outer(reached[:, middle], reached[middle])
-    return reached
+    return np.linalg.matrix_power(edges | np.eye(len(edges), dtype=bool), len(edges))

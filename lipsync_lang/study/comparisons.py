@@ -6,7 +6,7 @@ do not. Intervals of shares and strengths are by raters.
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import sqrt
@@ -110,25 +110,27 @@ class Comparison:
     """Agreement of the raters; None if no pair has two raters."""
 
 
+def cells(choices: Sequence[Choice]) -> Iterator[tuple[str, str, list[Choice]]]:
+    """Yield the choices of each question on each character, and on all if there are several."""
+    characters = sorted({one.character for one in choices})
+    for question in sorted({one.question for one in choices}):
+        asked = [one for one in choices if one.question == question]
+        for character in characters:
+            yield question, character, [one for one in asked if one.character == character]
+        if len(characters) > 1:
+            yield question, ALL_CHARACTERS, asked
+
+
 def compared(choices: Sequence[Choice], methods: Sequence[str]) -> list[Comparison]:
     """Compare each pair of methods by question and character, and over several characters."""
-    cells: dict[tuple[str, str, str, str], list[Choice]] = defaultdict(list)
-    characters = sorted({one.character for one in choices})
-    rank = {method: number for number, method in enumerate(methods)}
-    for one in choices:
-        first, second = sorted((one.chosen, one.other), key=rank.__getitem__)
-        cells[one.question, one.character, first, second].append(one)
-        if len(characters) > 1:
-            cells[one.question, ALL_CHARACTERS, first, second].append(one)
-    order = [*characters, ALL_CHARACTERS]
-    questions = sorted({one.question for one in choices})
-    return [
-        _comparison(cells[key], character, question, first, second)
-        for question in questions
-        for first, second in combinations(methods, 2)
-        for character in order
-        if (key := (question, character, first, second)) in cells
+    found = [
+        _comparison(own, character, question, *pair)
+        for question, character, given in cells(choices)
+        for pair in combinations(methods, 2)
+        if (own := [one for one in given if {one.chosen, one.other} == {*pair}])
     ]
+    rank = {method: number for number, method in enumerate(methods)}
+    return sorted(found, key=lambda one: (one.question, rank[one.first], rank[one.second]))
 
 
 def _comparison(

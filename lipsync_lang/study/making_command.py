@@ -20,14 +20,13 @@ from lipsync_lang.commands.shared_options import (
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 from lipsync_lang.files import argument_path
+from lipsync_lang.files.reading import input_text
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.study.methods import Method, StudyCharacter
     from lipsync_lang.study.study_maker import StudyPlan
-    from lipsync_lang.study.study_page import PageTexts
-
 MAX_CONSENT_BYTES = 100_000
 
 MAX_PAGE_BYTES = 60 * 10**6
@@ -229,6 +228,7 @@ def _plan(options: Namespace) -> "StudyPlan":
     from lipsync_lang.study.methods import parse_methods
     from lipsync_lang.study.study_lines import study_lines
     from lipsync_lang.study.study_maker import StudyPlan
+    from lipsync_lang.study.study_page import CONSENT, PageTexts, parse_asked
 
     def remark(text: str) -> None:
         print(text, file=sys.stderr)
@@ -241,35 +241,18 @@ def _plan(options: Namespace) -> "StudyPlan":
         remark=remark,
         cleaning=cleaning(options),
     )
-    return StudyPlan(
-        study_lines(found, options.text, options.audio, remark),
-        tuple(_cast(options, name) for name in dict.fromkeys(options.character)),
-        methods,
-        options.title,
-        _texts(options),
-        tuple(dict.fromkeys(options.question)) or StudyPlan.questions,
-        options.pairs,
-        options.checks,
-        options.raters_see,
-        options.seed,
-        options.tts,
-    )
-
-
-def _texts(options: Namespace) -> "PageTexts":
-    from lipsync_lang.files import read_input
-    from lipsync_lang.study.study_page import CONSENT, PageTexts, parse_asked
-
+    lines = study_lines(found, options.text, options.audio, remark)
+    characters = tuple(_cast(options, name) for name in dict.fromkeys(options.character))
     consent = CONSENT
     if options.consent is not None:
-        content = read_input(options.consent, MAX_CONSENT_BYTES, mend="shorten it")
-        try:
-            consent = content.decode("utf-8-sig").replace("\r\n", "\n")
-        except UnicodeDecodeError as error:
-            raise LipsyncError(
-                f"{options.consent}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-            ) from None
-    return PageTexts(consent, tuple(map(parse_asked, options.ask)), options.post)
+        consent = input_text(options.consent, MAX_CONSENT_BYTES, mend="shorten it")
+        consent = consent.replace("\r\n", "\n")
+    texts = PageTexts(consent, tuple(map(parse_asked, options.ask)), options.post)
+    questions = tuple(dict.fromkeys(options.question)) or StudyPlan.questions
+    return StudyPlan(
+        lines, characters, methods, options.title, texts, questions, options.pairs, options.checks,
+        options.raters_see, options.seed, options.tts,
+    )  # fmt: skip
 
 
 def _cast(options: Namespace, name: str) -> "StudyCharacter":

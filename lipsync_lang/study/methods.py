@@ -11,11 +11,16 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.files import read_input
+from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.quality.baselines import BASELINES
 from lipsync_lang.quality.fitting import on_model, read_for
 from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timed_words import TimedWords
+from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.study.study_lines import files_by_stem, only_file
 
 OURS = "ours"
@@ -150,20 +155,15 @@ class StudyCharacter:
 
     def _read(self, method: Method, path: Path, schedule: Schedule) -> Animation:
         """Read an animation, or timings that a plain method animates."""
-        from lipsync_lang.animations.animation_readers import ANIMATION_READERS
-        from lipsync_lang.schedules.timed_words import TimedWords
-        from lipsync_lang.schedules.timing_readers import read_timings
-
+        refused: LipsyncError | None = None
         if path.suffix.lower() in ANIMATION_READERS.suffixes():
             try:
                 made, _ = read_for(self.performer, path, schedule)
             except LipsyncError as error:
-                refused: LipsyncError | None = error
+                refused = error
             else:
                 _refuse_apart(path, float(made.times[-1]), schedule)
                 return made
-        else:
-            refused = None
         try:
             timings = read_timings(path)
         except LipsyncError as error:
@@ -179,9 +179,6 @@ def with_bank(
     performer: Performer, name: str, bank: Path, resolved: Callable[[Path], Performer]
 ) -> Performer:
     """Return the performer of a character with another bank, which precedes its own banks."""
-    from lipsync_lang.files import read_input
-    from lipsync_lang.packs.library import Library
-
     library = Library(performer.paths)
     character = library.character(name)
     plain = character.model.model_dump(mode="json", exclude_defaults=True)

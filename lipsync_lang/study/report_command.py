@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, w
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_json_form
 from lipsync_lang.errors import LipsyncError, OutputError, did_you_mean
-from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 
 if TYPE_CHECKING:
     from lipsync_lang.study.study_report import StudyReport
@@ -103,7 +104,6 @@ def add_power(action: Add) -> None:
 
 def report(options: Namespace) -> int:
     """Print or write the report of a study; no choices to count are a fault."""
-    from lipsync_lang.files import write_all
     from lipsync_lang.study.answer_sorting import SortingRules
     from lipsync_lang.study.study_report import report_study
 
@@ -115,12 +115,7 @@ def report(options: Namespace) -> int:
         value = getattr(options, name)
         if value is not None and not 0 <= value < float("inf"):
             raise LipsyncError(f"--{name.replace('_', '-')} {value:g}: give 0 or more")
-    rules = SortingRules(
-        failed_checks=options.failed_checks,
-        keep_unfinished=options.keep_unfinished,
-        least_seconds=options.least_seconds,
-        one_side=options.one_side,
-    )
+    rules = SortingRules(*(getattr(options, field.name) for field in fields(SortingRules)))
     with working("reading answers"):
         found = report_study(options.study, options.answers, rules)
     text = _written(options, found, form)
@@ -163,16 +158,9 @@ def power(options: Namespace) -> int:
     from lipsync_lang.study.power import PowerQuestion, plan_study
     from lipsync_lang.study.study_text import plan_text
 
-    plan = plan_study(
-        PowerQuestion(
-            share=options.share,
-            raters=options.raters,
-            pairs=options.pairs,
-            power=options.power,
-            alpha=options.alpha,
-            correlation=options.correlation,
-        )
-    )
+    # The options have the names of the fields.
+    asked = (getattr(options, field.name) for field in fields(PowerQuestion))
+    plan = plan_study(PowerQuestion(*asked))
     if options.json:
         print(as_json(plan.to_dict()))
     else:

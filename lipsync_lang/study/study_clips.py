@@ -96,12 +96,7 @@ def render_clips(
         for number, (path, clip) in enumerate(missing.items(), 1):
             _render(clip, path)
             told(number, len(missing))
-    else:
-        _in_processes(missing, count, told)
-    return len(missing)
-
-
-def _in_processes(missing: dict[Path, Clip], count: int, told: Callable[[int, int], None]) -> None:
+        return len(missing)
     pool = child_pool(count)
     try:
         with deaf_to_interrupts():
@@ -109,6 +104,7 @@ def _in_processes(missing: dict[Path, Clip], count: int, told: Callable[[int, in
         for number, future in enumerate(as_completed(futures), 1):
             future.result()
             told(number, len(missing))
+        return len(missing)
     except BrokenProcessPool:
         raise OutputError(
             "a process that rendered clips died (out of memory?); start again, with one worker "

@@ -66,25 +66,21 @@ def study_lines(
     name, count = Counter(line.name for line in lines).most_common(1)[0]
     if count > 1:
         raise LipsyncError(f"{count} lines have the name '{name}'; give each line its own name")
-    return tuple(lines) if recordings is None else _recorded(lines, recordings, remark)
-
-
-def _recorded(
-    lines: list[StudyLine], folder: Path, remark: Callable[[str], None]
-) -> tuple[StudyLine, ...]:
-    """Return the lines with a recording, and add it to each."""
-    files = files_by_stem(folder)
+    if recordings is None:
+        return tuple(lines)
+    files = files_by_stem(recordings)
     without = [line.name for line in lines if line.name not in files]
     if without:
         some = shortlist(without, MAX_LISTED_LINES)
-        remark(f"{folder}: has no recordings with the names {some}; these lines are left out")
-    found = [line for line in lines if line.name in files]
-    if not found:
+        remark(f"{recordings}: has no recordings with the names {some}; these lines are left out")
+    if len(without) == len(lines):
         raise LipsyncError(
-            f"{folder}: has no recording with the name of a line; "
+            f"{recordings}: has no recording with the name of a line; "
             "name each recording after its line"
         )
-    return tuple(replace(line, recording=only_file(files[line.name])) for line in found)
+    return tuple(
+        replace(line, recording=only_file(files[line.name])) for line in lines if line.name in files
+    )
 
 
 def files_by_stem(folder: Path) -> dict[str, list[Path]]:
