@@ -109,7 +109,24 @@ Sets: TypeAlias = dict[str, dict[DiphonePair, Diphone]]
 def read_smartbody(path: Path, remarks: ImportRemarks) -> Sets:
     """Read a bank, a script or a text export; `remarks` collects unsupported content."""
     name = visible(str(path))
-    text = _text(path, name)
+    try:
+        if path.stat().st_size > MAX_SCRIPT_BYTES:
+            raise PackError(
+                f"{name}: has more than {MAX_SCRIPT_BYTES // 1_000_000} MB, which no bank needs; "
+                "give the script or text that holds the bank alone"
+            )
+        with path.open("rb") as stream:
+            content = stream.read(MAX_SCRIPT_BYTES + 1)
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise PackError(f"{name}: cannot be read: {why}") from None
+    try:
+        text, why = content.decode("utf-8-sig"), "it has a zero byte"
+    except UnicodeDecodeError as error:
+        text, why = "\0", f"byte {error.start} is not UTF-8"
+    if "\0" in text or len(content) > MAX_SCRIPT_BYTES:
+        raise PackError(f"{name}: is not a script or text of SmartBody: {why}")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
     words = next((line.split() for line in text.split("\n") if line.strip()), [""])
     if words[0] in {"Map", "Diphone"}:
         return _Export(name, remarks).read(text)
@@ -129,30 +146,6 @@ def visible(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
-
-
-def _text(path: Path, shown: str) -> str:
-    """Return the text of a file with normalised line ends."""
-    try:
-        if path.stat().st_size > MAX_SCRIPT_BYTES:
-            raise PackError(
-                f"{shown}: has more than {MAX_SCRIPT_BYTES // 1_000_000} MB, which no bank needs; "
-                "give the script or text that holds the bank alone"
-            )
-        with path.open("rb") as stream:
-            content = stream.read(MAX_SCRIPT_BYTES + 1)
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise PackError(f"{shown}: cannot be read: {why}") from None
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        text, why = "\0", f"byte {error.start} is not UTF-8"
-    else:
-        why = "it has a zero byte"
-    if "\0" in text or len(content) > MAX_SCRIPT_BYTES:
-        raise PackError(f"{shown}: is not a script or text of SmartBody: {why}")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 class _Statement(NamedTuple):
@@ -244,8 +237,7 @@ class _Script:
     def _assign(self, names: list[str], value: ast.expr) -> bool:
         self._forget(names)
         if isinstance(value, ast.Call) and _called(value) == "createDiphone":
-            made = self._create(value)
-            self.made.update(dict.fromkeys(names, made))
+            self.made.update(dict.fromkeys(names, self._create(value)))
             return True
         for name in names:
             self.made.pop(name, None)
@@ -360,6 +352,7 @@ def _statements(text: str) -> Iterator[_Statement]:
         source = "\n".join(lines[head.first - 1 : head.last])
         return _Statement(head.first, source, frozenset(names) if body else None)
 
+    fault: Exception | None = None
     try:
         for line in _lines(text):
             if line.depth:
@@ -369,12 +362,12 @@ def _statements(text: str) -> Iterator[_Statement]:
                 if head:
                     yield statement(head)
                 head, names, body = line, line.names, False
-    except (tokenize.TokenError, SyntaxError):  # earlier statements remain valid
-        if head:
-            yield statement(head)
-        raise
+    except (tokenize.TokenError, SyntaxError) as error:  # earlier statements remain valid
+        fault = error
     if head:
         yield statement(head)
+    if fault is not None:
+        raise fault
 
 
 def _lines(text: str) -> Iterator[_LogicalLine]:

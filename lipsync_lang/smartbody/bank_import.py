@@ -40,7 +40,7 @@ from lipsync_lang.smartbody.bank_files import (
     read_smartbody,
     visible,
 )
-from lipsync_lang.smartbody.conversion import BankNames, Conversion, ImportedCurves
+from lipsync_lang.smartbody.conversion import Conversion, ImportedCurves
 
 STATUS = "edited"
 """Status of imported bigrams, because SmartBody banks are drawn manually."""
@@ -119,17 +119,18 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     imported.
     """
     poseset = library.poseset(library.character(character).model.poseset).model
-    names = _names(library.common().model, poseset, mapped or {})
+    common = library.common().model
+    sounds, poses = _names(common, poseset, mapped or {})
     remarks = ImportRemarks()
     chosen, pairs = _chosen([read_smartbody(path, remarks) for path in files], style, remarks)
     shapes = dict.fromkeys(shape for diphone in pairs.values() for shape in diphone.shapes)
-    if shapes and names.poses.keys().isdisjoint(shapes):
+    if shapes and poses.keys().isdisjoint(shapes):
         raise LipsyncError(
             f"no shape of this bank is a pose of {poseset.name}; select its pose set, or map its "
             f"shapes with --map THEIRS=OURS. Its shapes: {shortlist(map(visible, shapes), FEW)}. "
             f"The poses of {poseset.name}: {', '.join(poseset.poses)}"
         )
-    found = Conversion(names, remarks).fit(pairs)
+    found = Conversion(sounds, poses, common.silence, remarks).fit(pairs)
     if not found:
         raise LipsyncError(_nothing(remarks))
     manner = style or (NEUTRAL if chosen in USUAL else chosen)
@@ -138,7 +139,15 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     made = BankBigrams(poseset.name, found, STATUS, manner, interpolation)
     origin = ", ".join(visible(file.name) for file in files)
     origin += f", set '{visible(chosen)}'" if chosen else ""
-    new = _write(library, path, made, f"# Imported from SmartBody: {origin}.\n")
+    make_room(path)
+    if path.exists():
+        new = add_bigrams(library, path, made)
+    elif not NAME.fullmatch(path.stem):
+        raise OutputError(f"{path}: the name of a bank may have only letters, digits, '-' and '_'")
+    else:
+        new, head = list(found), f"# Imported from SmartBody: {origin}.\n"
+        with atomic(path, durable=True) as stream:
+            stream.write(f"{head}{bank_yaml(made, path.stem)}".encode())
     kept = tuple(key for key in found if key not in new)
     reach = _reach(found, interpolation)
     return BankImport(path, poseset.name, chosen, manner, tuple(new), kept, reach, remarks)
@@ -163,7 +172,7 @@ def _reach(found: Mapping[str, ImportedCurves], interpolation: Interpolation) ->
 
 def _names(
     common: models.Phonemes, poseset: models.PoseSet, mapped: Mapping[str, str]
-) -> BankNames:
+) -> tuple[dict[str, str], dict[str, str]]:
     """Return the maps of labels and shapes to phonemes and poses; `mapped` has precedence."""
     sounds = {label.casefold(): common.silence for label in common.rests}
     for name, phoneme in common.phonemes.items():
@@ -181,7 +190,7 @@ def _names(
             sounds[theirs.casefold()] = our
         if our in poseset.poses:
             poses[theirs] = our
-    return BankNames(sounds, poses, common.silence)
+    return sounds, poses
 
 
 def _chosen(
@@ -212,15 +221,3 @@ def _nothing(remarks: ImportRemarks) -> str:
     """Return the message for an empty import, with the first remarks."""
     why = [f"\n  {remark}" for remark in remarks.kept[:FEW]]
     return f"no bigram can be imported from these files{''.join(why)}"
-
-
-def _write(library: Library, path: Path, made: BankBigrams, header: str) -> list[str]:
-    """Write a new bank or extend an existing one, and return the keys of new bigrams."""
-    make_room(path)
-    if path.exists():
-        return add_bigrams(library, path, made)
-    if not NAME.fullmatch(path.stem):
-        raise OutputError(f"{path}: the name of a bank may have only letters, digits, '-' and '_'")
-    with atomic(path, durable=True) as stream:
-        stream.write(f"{header}{bank_yaml(made, path.stem)}".encode())
-    return list(made.bigrams)

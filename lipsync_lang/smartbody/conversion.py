@@ -4,7 +4,6 @@ Times and weights are clipped to [0, 1], times sorted, both rounded to `DECIMALS
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 
 from lipsync_lang.banks.write import CurvePoints
@@ -25,22 +24,21 @@ LONGEST, HINTS = 40, 100
 ImportedCurves = dict[str, CurvePoints]
 
 
-@dataclass(frozen=True)
-class BankNames:
-    """Phonemes and poses for the labels and shapes of another program."""
-
-    sounds: Mapping[str, str]
-    """Common phonemes by label in lower case."""
-    poses: Mapping[str, str]
-    """Poses by shape, in the order of the pose set."""
-    silence: str
-
-
 class Conversion:
-    """A foreign bank during its conversion to a bank pack."""
+    """A foreign bank during its conversion to a bank pack.
 
-    def __init__(self, names: BankNames, remarks: ImportRemarks) -> None:
-        self.names, self.remarks = names, remarks
+    `sounds` are common phonemes by label in lower case, and `poses` those of shapes, in the order
+    of the pose set.
+    """
+
+    def __init__(
+        self,
+        sounds: Mapping[str, str],
+        poses: Mapping[str, str],
+        silence: str,
+        remarks: ImportRemarks,
+    ) -> None:
+        self.sounds, self.poses, self.silence, self.remarks = sounds, poses, silence, remarks
         self.bigrams: dict[str, ImportedCurves] = {}
         self.strays: list[tuple[float, str, Diphone]] = []
         """Bigrams with keys outside [0, 1]: the largest distance, a sentence, and the diphone."""
@@ -51,7 +49,7 @@ class Conversion:
         """Return curves by bigram; of duplicates, the pair with more of our own labels wins."""
         ours = {pair: self._pair(pair, diphone) for pair, diphone in pairs.items()}
         known = [(pair, key) for pair, key in ours.items() if key]
-        known.sort(key=lambda one: sum(self.names.sounds[label] != label for label in one[0]))
+        known.sort(key=lambda one: sum(self.sounds[label] != label for label in one[0]))
         taken: dict[str, DiphonePair] = {}
         for pair, key in known:
             if key in taken:
@@ -63,7 +61,7 @@ class Conversion:
                 taken[key] = pair
                 self.bigrams[key] = curves
         for (kind, name), diphones in self.unknown.items():
-            own = self.names.sounds if kind == "phoneme" else self.names.poses
+            own = self.sounds if kind == "phoneme" else self.poses
             count = "1 bigram" if len(diphones) == 1 else f"{len(diphones)} bigrams"
             lost = "skipped" if kind == "phoneme" else "without it"
             label = visible(name[:LONGEST])
@@ -81,17 +79,17 @@ class Conversion:
 
     def _pair(self, pair: DiphonePair, diphone: Diphone) -> str:
         """Map a pair to a bigram key; empty without a key."""
-        if ALONE in pair and ALONE not in self.names.sounds:
+        if ALONE in pair and ALONE not in self.sounds:
             what = f"{_shown(pair)} is skipped: the curve of a single phoneme is not a bigram"
             self._tell("alone", diphone, what)
             return ""
-        missing = [label for label in dict.fromkeys(pair) if label not in self.names.sounds]
+        missing = [label for label in dict.fromkeys(pair) if label not in self.sounds]
         for label in missing:
             self.unknown.setdefault(("phoneme", label), []).append(diphone)
         if missing:
             return ""
-        first, second = (self.names.sounds[label] for label in pair)
-        if first == second == self.names.silence:
+        first, second = (self.sounds[label] for label in pair)
+        if first == second == self.silence:
             what = f"{_shown(pair)} is skipped: silence has no curves"
             self._tell("alone", diphone, what)
             return ""
@@ -103,7 +101,7 @@ class Conversion:
         if not shapes:
             self._tell("empty", diphone, f"{key} is skipped: it has no keys, so its draft is used")
             return None
-        known = {shape: points for shape, points in shapes.items() if shape in self.names.poses}
+        known = {shape: points for shape, points in shapes.items() if shape in self.poses}
         for shape in shapes.keys() - known.keys():
             self.unknown.setdefault(("pose", shape), []).append(diphone)
         if not known:
@@ -115,8 +113,8 @@ class Conversion:
             self._tell("keys", diphone, what)
             return None
         curves: ImportedCurves = {}
-        for shape in sorted(known, key=list(self.names.poses).index):
-            pose, points = self.names.poses[shape], self._points(key, diphone, shape)
+        for shape in sorted(known, key=list(self.poses).index):
+            pose, points = self.poses[shape], self._points(key, diphone, shape)
             if len(points) < FEWEST_KEYS:
                 what = f"{key}: '{visible(shape)}' is skipped: a curve needs more than one key"
                 self._tell("empty", diphone, what)
