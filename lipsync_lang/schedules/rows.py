@@ -113,27 +113,22 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
     whole = _without_gaps(source, phones)
     for row in spans:
         _check_order(source, row)
-    times = [0.0, *(row.end for row in whole)]
+    lines: list[int] = []
+    if all(row.line is not None for row in whole if row.label != SILENCE):
+        # A filled gap has the line of the row after it.
+        below = next((row.line for row in whole[::-1] if row.line is not None), 1)
+        lines = [below := row.line or below for row in whole[::-1]][::-1]
     schedule = Schedule(
         tuple(row.label for row in whole),
-        np.array(times),
+        np.array([0.0, *(row.end for row in whole)]),
         notation=notation,
         source=str(source.path),
-        lines=_lines(whole),
+        lines=tuple(lines),
         remarks=told,
     )
     found = words_from_spans(schedule, [(row.label, row.start, row.end) for row in spans])
     heard = [w for w in found if set(schedule.labels[w.first : w.stop]) != {SILENCE}]
     return replace(schedule, words=tuple(heard)) if heard else schedule
-
-
-def _lines(rows: Sequence[LabelRow]) -> tuple[int, ...]:
-    """Return the line of every row; a filled gap has the line of the row after it."""
-    if any(row.line is None for row in rows if row.label != SILENCE):
-        return ()
-    below = next((row.line for row in rows[::-1] if row.line is not None), 1)
-    found = [below := row.line or below for row in rows[::-1]]
-    return tuple(found[::-1])
 
 
 def guessed_rate(

@@ -127,7 +127,17 @@ class Schedule:
         at = times.tolist()
         timed = (replace(word, start=at[word.first], end=at[word.stop]) for word in self.words)
         object.__setattr__(self, "words", tuple(timed))
-        _check_stress(self.source, self.stress, len(self.labels))
+        if self.stress and len(self.stress) != len(self.labels):
+            raise ScheduleError(
+                f"{self.source}: {len(self.stress)} stresses for {len(self.labels)} phonemes; give "
+                "each one"
+            )
+        for number, one in enumerate(self.stress):
+            if isinstance(one, bool) or one not in STRESSES:
+                raise ScheduleError(
+                    f"{self.source}: phoneme {number}: stress is {one!r}; it is 0 (none), 1 "
+                    "(primary), 2 (secondary) or null"
+                )
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by fields, so that a copy's times are read-only as well."""
@@ -155,8 +165,7 @@ class Schedule:
         times: list[float] = []
         for number, (label, start, end) in enumerate(rows):
             here = f"{source}: phoneme {number} ({label!r})"
-            _check_number(here, start)
-            _check_number(here, end)
+            _check_numbers(here, start, end)
             if times and start > times[-1] + SNAP_SECONDS:
                 raise ScheduleError(
                     f"{here} starts at {start:g} s, but the previous one ends at {times[-1]:g} s: "
@@ -164,9 +173,8 @@ class Schedule:
                 )
             if times and start < times[-1] - SNAP_SECONDS:
                 raise ScheduleError(
-                    f"{here} starts at {start:g} s, before the previous one ends at "
-                    f"{times[-1]:g} s: "
-                    "they overlap. Move one of the two boundaries, or put the rows in order"
+                    f"{here} starts at {start:g} s, before the previous one ends at {times[-1]:g} "
+                    "s: they overlap. Move one of the two boundaries, or put the rows in order"
                 )
             _check_length(here, times[-1] if times else start, end)
             times = times or [start]
@@ -245,8 +253,7 @@ def words_from_spans(
     words: list[Word] = []
     for number, (text, start, end) in enumerate(spans):
         here = f"{schedule.source}: word {number} ({text!r})"
-        _check_number(here, start)
-        _check_number(here, end)
+        _check_numbers(here, start, end)
         if end < start:
             _check_length(here, start, end)
         first, stop = (int(i) for i in middles.searchsorted([start, end]))
@@ -259,17 +266,17 @@ def words_from_spans(
     return tuple(words)
 
 
-def _check_number(here: str, seconds: object) -> None:
-    if isinstance(seconds, (bool, np.complexfloating)) or not isinstance(
-        seconds, (int, float, np.number)
-    ):
-        raise ScheduleError(f"{here}: {seconds!r} is not a time; times are numbers of seconds")
-    try:
-        finite = isfinite(float(seconds))
-    except OverflowError:
-        finite = False
-    if not finite:
-        raise ScheduleError(f"{here}: time is {seconds}; every time must be a finite number")
+def _check_numbers(here: str, *times: Any) -> None:
+    for one in times:
+        number = isinstance(one, (int, float, np.number))
+        if not number or isinstance(one, (bool, np.complexfloating)):
+            raise ScheduleError(f"{here}: {one!r} is not a time; times are numbers of seconds")
+        try:
+            finite = isfinite(float(one))
+        except OverflowError:
+            finite = False
+        if not finite:
+            raise ScheduleError(f"{here}: time is {one}; every time must be a finite number")
 
 
 def _check_length(here: str, start: float, end: float) -> None:
@@ -315,17 +322,6 @@ def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -
             f"{source}: its sounds last {np.median(sounds):g} s each; write times in seconds, "
             "not in milliseconds, samples or frames"
         )
-
-
-def _check_stress(source: str, stress: Sequence[object], count: int) -> None:
-    if stress and len(stress) != count:
-        raise ScheduleError(f"{source}: {len(stress)} stresses for {count} phonemes; give each one")
-    for number, one in enumerate(stress):
-        if isinstance(one, bool) or one not in STRESSES:
-            raise ScheduleError(
-                f"{source}: phoneme {number}: stress is {one!r}; it is 0 (none), 1 (primary), "
-                "2 (secondary) or null"
-            )
 
 
 def _check_words(source: str, words: Sequence[Word], count: int) -> None:

@@ -132,19 +132,15 @@ def read_tiers(
         told.append(f"{source.path}: skipped tiers: {_list(others)}")
     told += remarks
     schedule = schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=told)
-    return _rated(schedule, sure[0].spoken) if sure else schedule
-
-
-def _rated(schedule: Schedule, rows: Sequence[LabelRow]) -> Schedule:
-    """Return a schedule whose words have the confidence that a row at their middle states."""
-    found = {}
-    for word in schedule.words:
+    if not sure:
+        return schedule
+    rated = []
+    for word in schedule.words:  # a row at the middle of a word states its confidence
         middle = (schedule.times[word.first] + schedule.times[word.stop]) / 2
-        label = next((row.label for row in rows if row.start <= middle <= row.end), "")
-        if PROBABILITY.fullmatch(label.strip()):
-            found[word] = float(label)
-    words = (replace(word, confidence=found.get(word)) for word in schedule.words)
-    return replace(schedule, words=tuple(words))
+        label = next((r.label for r in sure[0].spoken if r.start <= middle <= r.end), "").strip()
+        stated = float(label) if PROBABILITY.fullmatch(label) else None
+        rated.append(replace(word, confidence=stated))
+    return replace(schedule, words=tuple(rated))
 
 
 def only(source: TimingFile, tiers: Sequence[Tier], what: str) -> Tier:

@@ -41,35 +41,28 @@ WORD_SCRIPTS = (("\u3400", "\u9fff"), ("\uac00", "\ud7a3"))
 class TimedWord:
     """A word, or several with one pair of times, such as the text of a subtitle.
 
-    Parameters
-    ----------
-    text : as in the file
-    start, end : in the file's unit for `timed_words_of`, in seconds in `TimedWords`
-    confidence : the probability that it is said there, in [0, 1]; None if unknown
-    line : its line in the file, for messages
+    Times are in the file's unit for `timed_words_of`, and seconds in `TimedWords`.
     """
 
     text: str
     start: float
     end: float
     confidence: float | None = None
+    """Probability that it is said there, in [0, 1]; None if unknown."""
     line: int | None = None
+    """Its line in the file, for messages."""
 
 
 @dataclass(frozen=True)
 class TimedWords:
-    """Words in order of time, not overlapping, each with a length; the rest is silence.
-
-    Parameters
-    ----------
-    words : at least one; times in seconds, from 0 on
-    source : name of the file in messages
-    remarks : doubts about the file
-    """
+    """Words in order of time, not overlapping, each with a length; the rest is silence."""
 
     words: tuple[TimedWord, ...]
+    """At least one; times in seconds, from 0 on."""
     source: str
+    """Name of the file in messages."""
     remarks: tuple[str, ...] = ()
+    """Doubts about the file."""
 
     @property
     def text(self) -> str:

@@ -55,24 +55,18 @@ XML_ENCODING = re.compile(rb"""\s*<\?xml\s[^>]{0,200}?\bencoding\s*=\s*["']([A-Z
 
 @dataclass(frozen=True, eq=False)
 class TimingFile:
-    """A file of timings, with the options for reading it.
-
-    Parameters
-    ----------
-    path : the file, for messages
-    content : its bytes
-    tier : name of the tier, speaker or channel to read; None if the file has only one
-    rate : units per second of its times; None for the format's own
-    encoding : encoding of its text; None to detect it
-    silences : labels that are silence in this file, besides blank ones, in small letters
-    """
+    """A file of timings, with the options for reading it."""
 
     path: Path
     content: bytes
     tier: str | None = None
+    """Name of the tier, speaker or channel to read; None if the file has only one."""
     rate: float | None = None
+    """Units per second of its times; None for the format's own."""
     encoding: str | None = None
+    """Encoding of its text; None to detect it."""
     silences: Collection[str] = ()
+    """Labels that are silence in this file, besides blank ones, in small letters."""
 
     def fault(self, what: str, line: int | None = None, column: int | None = None) -> ScheduleError:
         """Return an error at a place of the file; `what` is the mistake and the cure."""

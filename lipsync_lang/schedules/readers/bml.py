@@ -7,23 +7,13 @@ both ends of a shape, and ``<sync time="0.17"/>If`` when a word starts. A reply 
 time, as for characters whose shapes are layered, the one articulated most strongly is read.
 """
 
-from collections.abc import Iterator
 from itertools import pairwise
-from typing import NamedTuple
+from math import inf
 
 from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimingFile, reader
 from lipsync_lang.schedules.rows import shapes_of, until_next
 
 SMARTBODY_NOTATION = "smartbody"
-
-
-class LipShape(NamedTuple):
-    """A shape with its times and the weight of its articulation; replies give no end."""
-
-    label: str
-    start: float
-    end: float | None
-    weight: float
 
 
 def sniff(source: TimingFile) -> bool:
@@ -34,21 +24,32 @@ def sniff(source: TimingFile) -> bool:
 @reader("bml", ".bml", ".xml", sniff=sniff)
 def read_bml(source: TimingFile) -> Schedule:
     """SmartBody's BML with lips, and the replies of its speech relays with visemes."""
-    shapes = list(_shapes(source))
-    if not shapes and source.xml.find(".//curve") is not None:
+    strongest: dict[float, tuple[float, str, float | None]] = {}  # by start: weight, label and end
+    weaker = 0
+    for element in source.xml.iter():
+        if element.tag not in ("lips", "viseme"):
+            continue
+        stated_end = element.tag == "lips"  # a reply gives no end
+        name = "viseme" if stated_end else "type"
+        label, weight = element.get(name), element.get("articulation")
+        if label is None:
+            raise source.fault(f"a <{element.tag}> has no `{name}`; export it again")
+        start = source.time(element.get("start"))
+        end = source.time(element.get("end")) if stated_end else None
+        shape = (source.time(weight) if weight is not None else 1.0, label, end)
+        weaker += start in strongest
+        if shape[0] > strongest.get(start, (-inf,))[0]:
+            strongest[start] = shape
+    if not strongest and source.xml.find(".//curve") is not None:
         raise source.fault("has finished curves, not visemes; no timings can be read")
-    strongest: dict[float, LipShape] = {}
-    for shape in shapes:
-        before = strongest.setdefault(shape.start, shape)
-        if shape.weight > before.weight:
-            strongest[shape.start] = shape
     told = []
-    if len(strongest) < len(shapes):
-        weaker = len(shapes) - len(strongest)
+    if weaker:
         told.append(
             f"{source.path}: {weaker} weaker shapes start with a stronger one and are left out"
         )
-    stated = [LabelRow(s.label, s.start, s.end) for s in strongest.values() if s.end is not None]
+    stated = [
+        LabelRow(label, at, end) for at, (_, label, end) in strongest.items() if end is not None
+    ]
     marks = [
         (source.time(mark.get("time")), (mark.tail or "").strip())
         for mark in source.xml.iter("sync")
@@ -58,23 +59,7 @@ def read_bml(source: TimingFile) -> Schedule:
         LabelRow(text, at, end) for (at, text), (end, _) in pairwise(marks) if text and at < end
     ]
     ends = [source.time(word.get("end")) for word in source.xml.iter("word")]
-    open_ended = [(s.label, s.start, None) for s in strongest.values() if s.end is None]
+    open_ended = [(label, at, None) for at, (_, label, end) in strongest.items() if end is None]
     rows, guessed = until_next(source, open_ended, rest=SILENCE, end=max(ends, default=None))
     rows, told = stated + rows, told + guessed
     return shapes_of(source, rows, words=words, notation=SMARTBODY_NOTATION, remarks=told)
-
-
-def _shapes(source: TimingFile) -> Iterator[LipShape]:
-    for element in source.xml.iter():
-        if element.tag not in ("lips", "viseme"):
-            continue
-        name = "viseme" if element.tag == "lips" else "type"
-        label, weight = element.get(name), element.get("articulation")
-        if label is None:
-            raise source.fault(f"a <{element.tag}> has no `{name}`; export it again")
-        yield LipShape(
-            label,
-            source.time(element.get("start")),
-            source.time(element.get("end")) if element.tag == "lips" else None,
-            source.time(weight) if weight is not None else 1.0,
-        )

@@ -33,7 +33,16 @@ def read_bournemouth(source: TimingFile) -> Schedule:
     for segment in source.objects(source.json, "segments", BOURNEMOUTH_FORM):
         spans = _rows(source, segment, "words_ts", "word")
         phones = _rows(source, segment, "phoneme_ts", "ipa_label", "phoneme_label")
-        joined = _joined(phones, spans)
+        # The last word that starts before a phone's middle is the phone's, unless it has ended.
+        starts = [word.start for word in spans]
+        middles = [(phone.start + phone.end) / 2 for phone in phones]
+        numbers = [bisect_right(starts, middle) - 1 for middle in middles]
+        inside = [n >= 0 and at < spans[n].end for n, at in zip(numbers, middles, strict=True)]
+        joined = list(phones)
+        for at in range(len(phones) - 1):
+            together = inside[at] and inside[at + 1] and numbers[at] == numbers[at + 1]
+            if together and phones[at].end < phones[at + 1].start:
+                joined[at] = phones[at]._replace(end=phones[at + 1].start)
         if joined != phones:
             told.add(
                 f"{source.path}: there are gaps between the sounds of a word; each sound is "
@@ -42,22 +51,6 @@ def read_bournemouth(source: TimingFile) -> Schedule:
         rows += joined
         words += spans
     return schedule_of(source, rows, words=words, rate=MILLISECONDS_PER_SECOND, remarks=told)
-
-
-def _joined(phones: list[LabelRow], words: list[LabelRow]) -> list[LabelRow]:
-    """Let each phone last until the next one of its word."""
-    starts = [word.start for word in words]
-    stops = [word.end for word in words]
-    # The last word that starts before a phone's middle is the phone's, unless it has ended.
-    middles = [(phone.start + phone.end) / 2 for phone in phones]
-    numbers = [bisect_right(starts, middle) - 1 for middle in middles]
-    inside = [n >= 0 and middle < stops[n] for n, middle in zip(numbers, middles, strict=True)]
-    joined = list(phones)
-    for at in range(len(phones) - 1):
-        together = inside[at] and inside[at + 1] and numbers[at] == numbers[at + 1]
-        if together and phones[at].end < phones[at + 1].start:
-            joined[at] = phones[at]._replace(end=phones[at + 1].start)
-    return joined
 
 
 def _rows(source: TimingFile, segment: Json, name: str, *labels: str) -> list[LabelRow]:

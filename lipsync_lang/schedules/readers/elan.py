@@ -5,7 +5,7 @@ between their neighbours evenly, as ELAN shows them. An annotation that refers t
 time; several that refer to one share it evenly, in their order.
 """
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
@@ -87,8 +87,20 @@ def _spans(source: TimingFile, document: "Element", tiers: list["Element"]) -> d
     for tier in tiers:
         found = list(_annotations(tier))
         spans |= _aligned(found, slots)
-        references |= _references(found)
-    _refer(source, references, spans)
+        parents = [(_id(one), ref) for one in found if (ref := one.get("ANNOTATION_REF"))]
+        counts = Counter(parent for _, parent in parents)
+        places: Counter[str] = Counter()
+        for name, parent in parents:
+            references[name] = (parent, places[parent], counts[parent])
+            places[parent] += 1
+    waiting = {name: [parent] for name, (parent, _, _) in references.items() if name not in spans}
+    told = "annotation '{}' refers to itself; delete it in ELAN, and create it again"
+    for name in _parents_first(source, waiting, "ANNOTATION_ID", told):
+        parent, place, among = references.get(name, ("", 0, 0))
+        if name in waiting and parent in spans:
+            start, end = spans[parent]
+            step = (end - start) / among
+            spans[name] = (start + place * step, start + (place + 1) * step)
     return spans
 
 
@@ -113,29 +125,3 @@ def _aligned(annotations: list["Element"], slots: dict[str, float]) -> dict[str,
                 spans |= dict(zip(chain, zip([start, *ends], ends, strict=False), strict=True))
             chain, start, due = [], slots[last], None
     return spans
-
-
-def _references(annotations: list["Element"]) -> dict[str, Reference]:
-    """Return what a tier's annotations refer to, by their ID."""
-    parents = [(_id(one), ref) for one in annotations if (ref := one.get("ANNOTATION_REF"))]
-    counts = Counter(parent for _, parent in parents)
-    places: defaultdict[str, int] = defaultdict(int)
-    found = {}
-    for name, parent in parents:
-        found[name] = (parent, places[parent], counts[parent])
-        places[parent] += 1
-    return found
-
-
-def _refer(
-    source: TimingFile, references: dict[str, Reference], spans: dict[str, TimeSpan]
-) -> None:
-    """Add the spans of annotations that refer to others."""
-    waiting = {name: [parent] for name, (parent, _, _) in references.items() if name not in spans}
-    told = "annotation '{}' refers to itself; delete it in ELAN, and create it again"
-    for name in _parents_first(source, waiting, "ANNOTATION_ID", told):
-        parent, place, among = references.get(name, ("", 0, 0))
-        if name in waiting and parent in spans:
-            start, end = spans[parent]
-            step = (end - start) / among
-            spans[name] = (start + place * step, start + (place + 1) * step)

@@ -44,7 +44,16 @@ def read_papagayo(source: TimingFile) -> Schedule:
     """Papagayo's .pgo and .pg2: mouth shapes or sounds by frames, with words; one voice."""
     written = source.holds("voices", "fps")
     fps, notation, voices = _of_json(source) if written else _of_text(source)
-    words = _voice(source, voices)
+    speaking = [name for name, spoken in voices.items() if spoken]
+    if source.tier is not None:
+        if source.tier not in voices:
+            hint = did_you_mean(source.tier, voices)
+            raise source.fault(f"no voice is named {source.tier!r}; {hint}")
+        speaking = [source.tier]
+    if len(speaking) > 1:
+        names = ", ".join(map(repr, voices))
+        raise source.fault(f"has several voices: {names}; choose one (`tier={speaking[0]!r}`)")
+    words = sorted(voices[speaking[0]] if speaking else [], key=lambda word: word.first)
     rows, spans = [], []
     for number, word in enumerate(words):
         following = words[number + 1].first if number + 1 < len(words) else float("inf")
@@ -57,20 +66,6 @@ def read_papagayo(source: TimingFile) -> Schedule:
     if notation is None:
         return schedule_of(source, rows, words=spans, rate=fps)
     return shapes_of(source, rows, words=spans, notation=notation, rate=fps)
-
-
-def _voice(source: TimingFile, voices: Voices) -> list[PapagayoWord]:
-    """Return the words of the voice named by ``source.tier``, or of the only one that speaks."""
-    speaking = [name for name, words in voices.items() if words]
-    names = ", ".join(map(repr, voices))
-    if source.tier is not None:
-        if source.tier not in voices:
-            hint = did_you_mean(source.tier, voices)
-            raise source.fault(f"no voice is named {source.tier!r}; {hint}")
-        speaking = [source.tier]
-    if len(speaking) > 1:
-        raise source.fault(f"has several voices: {names}; choose one (`tier={speaking[0]!r}`)")
-    return sorted(voices[speaking[0]], key=lambda word: word.first) if speaking else []
 
 
 class _PapagayoLines:
@@ -119,18 +114,15 @@ def _of_text(source: TimingFile) -> tuple[float, str, Voices]:
         for _ in range(lines.count()):
             for _ in range(3):  # a phrase, its first and its last frame
                 lines.next()
-            words += [_word(lines) for _ in range(lines.count())]
+            for _ in range(lines.count()):
+                text, first, last, count = lines.fields(4)
+                at, start, end = lines.number, lines.count(first), lines.count(last)
+                starts: list[Start] = []
+                for _ in range(lines.count(count)):
+                    frame, label = lines.fields(2)
+                    starts.append((label, lines.count(frame), lines.number))
+                words.append(PapagayoWord(text, start, end, starts, at))
     return fps, PRESTON_BLAIR_NOTATION, voices
-
-
-def _word(lines: _PapagayoLines) -> PapagayoWord:
-    text, first, last, count = lines.fields(4)
-    at, start, end = lines.number, lines.count(first), lines.count(last)
-    starts: list[Start] = []
-    for _ in range(lines.count(count)):
-        frame, label = lines.fields(2)
-        starts.append((label, lines.count(frame), lines.number))
-    return PapagayoWord(text, start, end, starts, at)
 
 
 def _of_json(source: TimingFile) -> tuple[float, str | None, Voices]:

@@ -94,7 +94,14 @@ def read_subtitles(source: TimingFile) -> Timings:
         before = {_plain(text) for _, text in rows}
         repeated += len(rows) - len(fresh)
         text = joined(fresh)
-        speakers[speaker_of(text)] += _words(source, text, start, end, line)
+        first, *rest = STAMP.split(text)
+        starts = [start, *(_seconds(source, stamp, line) for stamp in rest[::2])]
+        spans = zip([first, *rest[1::2]], starts, [*starts[1:], end], strict=True)
+        speakers[speaker_of(text)] += [
+            LabelRow(label, begins, ends, line)
+            for said, begins, ends in spans
+            if (label := _plain(said))
+        ]
     told = f"{source.path}: rows that repeat the previous cue are left out: {repeated}"
     return read_speakers(source, speakers, [told] if repeated else ())
 
@@ -115,17 +122,6 @@ def _whole(source: TimingFile) -> Iterator[tuple[list[tuple[int, str]], tuple[st
 
 def _plain(text: str) -> str:
     return " ".join(unescape(CUE_TAG.sub("", text)).split())
-
-
-def _words(
-    source: TimingFile, text: str, start: float, end: float, line: int | None
-) -> Iterator[LabelRow]:
-    """Yield the parts of a cue between its times."""
-    first, *rest = STAMP.split(text)
-    starts = [start, *(_seconds(source, stamp, line) for stamp in rest[::2])]
-    for said, begins, ends in zip([first, *rest[1::2]], starts, [*starts[1:], end], strict=True):
-        if label := _plain(said):
-            yield LabelRow(label, begins, ends, line)
 
 
 def _seconds(source: TimingFile, clock: str, line: int | None) -> float:

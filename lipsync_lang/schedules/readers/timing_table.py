@@ -70,8 +70,19 @@ def _tiers(source: TimingFile) -> list[Tier]:
         rows = chain([(line, first)], rows)
     only_words = columns["label"] == columns.get("word")
     tiers: dict[str, list[LabelRow]] = defaultdict(list)
+    needed = max(columns[what] for what in columns.keys() & {"label", "start", "end"})
     for line, cells in rows:
-        row = _row(source, columns, line, cells)
+        if len(cells) <= needed:
+            what = f"has {len(cells)} cells, too few for the columns; add the missing ones"
+            raise source.fault(what, line)
+        start, end, length = (
+            source.time(_cell(cells, columns, what).replace(",", "."), line)
+            if what in columns
+            else 0.0
+            for what in ("start", "end", "duration")
+        )
+        end = end if "end" in columns else start + length
+        row = LabelRow(plain_text(cells[columns["label"]]), start, end, line)
         kind = _cell(cells, columns, "type") or ("words" if only_words else "phones")
         who = [name] if (name := _cell(cells, columns, "speaker")) else []
         tiers[" - ".join([*who, kind])].append(row)
@@ -84,25 +95,6 @@ def _tiers(source: TimingFile) -> list[Tier]:
                 word = word._replace(start=words.pop().start)
             words.append(word)
     return [Tier(name, tuple(found)) for name, found in tiers.items()]
-
-
-def _row(
-    source: TimingFile, columns: Mapping[str, int], line: int, cells: Sequence[str]
-) -> LabelRow:
-    if len(cells) <= max(columns[what] for what in columns.keys() & {"label", "start", "end"}):
-        raise source.fault(
-            f"has {len(cells)} cells, too few for the columns; add the missing ones", line
-        )
-    start, end, length = (
-        source.time(_cell(cells, columns, what).replace(",", "."), line) if what in columns else 0.0
-        for what in ("start", "end", "duration")
-    )
-    return LabelRow(
-        plain_text(cells[columns["label"]]),
-        start,
-        end if "end" in columns else start + length,
-        line,
-    )
 
 
 def _cell(cells: Sequence[str], columns: Mapping[str, int], what: str) -> str:

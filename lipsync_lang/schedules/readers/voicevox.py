@@ -5,8 +5,6 @@ the sum of those lengths, as the engine computes it: silence before and after, p
 divided by the speed, and each sound rounded to a whole frame. A question lengthens its last vowel.
 """
 
-from collections.abc import Iterator
-
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimingFile, reader, schedule_of
 from lipsync_lang.schedules.timing_file import plain_fields
@@ -43,10 +41,19 @@ def read_voicevox(source: TimingFile) -> Schedule:
     sounds = 0
     for phrase in _objects(source, query, "accentphrases"):
         moras = _objects(source, phrase, "moras")
+        spoken: list[TimedSound] = []
+        for mora in moras:
+            if mora.get("consonant"):
+                length = _number(source, mora, "consonantlength", 0.0)
+                spoken.append((str(mora["consonant"]), length))
+            spoken.append((str(mora.get("vowel", "")), _number(source, mora, "vowellength", 0.0)))
+        asks = moras and phrase.get("isinterrogative")
+        if asks and _number(source, moras[-1], "pitch", 0.0) > 0:
+            spoken.append((str(moras[-1].get("vowel", "")), QUESTION_SECONDS))
         start = at
-        for sound in _spoken(source, phrase, moras):
+        for sound in spoken:
             at = _add(rows, sound, at, speed)
-            sounds += 1
+        sounds += len(spoken)
         text = "".join(str(mora.get("text", "")) for mora in moras)
         words.append(LabelRow(text, start / VOICEVOX_FPS, at / VOICEVOX_FPS))
         if isinstance(phrase.get("pausemora"), dict):
@@ -73,16 +80,6 @@ def _add(rows: list[LabelRow], sound: TimedSound, at: int, speed: float) -> int:
 def _frames(seconds: float) -> int:
     """Round to whole frames, halves to even ones, as the engine does."""
     return round(seconds * VOICEVOX_FPS)
-
-
-def _spoken(source: TimingFile, phrase: Json, moras: list[Json]) -> Iterator[TimedSound]:
-    """Yield the sounds of an accent phrase."""
-    for mora in moras:
-        if mora.get("consonant"):
-            yield str(mora["consonant"]), _number(source, mora, "consonantlength", 0.0)
-        yield str(mora.get("vowel", "")), _number(source, mora, "vowellength", 0.0)
-    if moras and phrase.get("isinterrogative") and _number(source, moras[-1], "pitch", 0.0) > 0:
-        yield str(moras[-1].get("vowel", "")), QUESTION_SECONDS
 
 
 def _objects(source: TimingFile, whole: Json, name: str) -> list[Json]:
