@@ -75,17 +75,6 @@ def together(changes: Sequence[Change], data: Data) -> list[Change]:
     return [*made, *(((field,), entries) for field, entries in fields.items())]
 
 
-def removals(items: Sequence[str], data: Data) -> list[Change]:
-    """Return the changes that remove items from a character's file, and empty fields with them."""
-    made: list[Change] = []
-    for loc in (loc for item in items for loc in (split_item(item), ("fitted", item))):
-        if get(data, loc) is not ABSENT:
-            data = put(data, loc, ABSENT)
-            last = not data[loc[0]]
-            made.append((loc[:1] if last else loc, ABSENT))
-    return made
-
-
 @dataclass(frozen=True)
 class ReviewedItem:
     """An item of a fit with its state for one character."""
@@ -198,7 +187,19 @@ def accept_fit(  # noqa: PLR0913 the items, the character and options
     if not wanted and not every:
         return Acceptance(shelf.character.path, rows)
     if not proposal.verdict.accepted and not anyway:
-        raise LipsyncError(_refusal(proposal))
+        verdict = proposal.verdict
+        folds = [
+            f"\n  without {fold.by} {fold.held_out}: error {fold.before:.3f} before, "
+            f"{fold.after:.3f} after the fit"
+            for fold in verdict.folds[:MAX_SHOWN_FOLDS]
+        ]
+        more = len(verdict.folds) - len(folds)
+        folds += [f"\n  and {more} more"] * (more > 0)
+        why = f": {verdict.why}" if verdict.why else ""
+        raise LipsyncError(
+            f"the fit does not generalise to held-out lines{why}{''.join(folds)}\n"
+            "  capture more lines, or accept the fit with --anyway"
+        )
     _refuse_unknown(wanted, [row.item.item for row in rows])
     asked = [row for row in rows if every or row.item.item in wanted]
     taken = [
@@ -221,23 +222,6 @@ def _refuse_unknown(wanted: Sequence[str], known: Sequence[str]) -> None:
             raise LipsyncError(f"unknown item '{name}' in this fit; {did_you_mean(name, known)}")
 
 
-def _refusal(proposal: FitProposal) -> str:
-    """Return the message for a fit that does not generalise, with its numbers."""
-    verdict = proposal.verdict
-    folds = [
-        f"\n  without {fold.by} {fold.held_out}: error {fold.before:.3f} before, "
-        f"{fold.after:.3f} after the fit"
-        for fold in verdict.folds[:MAX_SHOWN_FOLDS]
-    ]
-    more = len(verdict.folds) - len(folds)
-    folds += [f"\n  and {more} more"] * (more > 0)
-    why = f": {verdict.why}" if verdict.why else ""
-    return (
-        f"the fit does not generalise to held-out lines{why}{''.join(folds)}\n"
-        "  capture more lines, or accept the fit with --anyway"
-    )
-
-
 def remove_fit(
     library: Library, character: str, wanted: Sequence[str] = (), *, write: bool = True
 ) -> Acceptance:
@@ -246,8 +230,13 @@ def remove_fit(
     there = list(fitted_items(pack.model))
     _refuse_unknown(wanted, there)
     gone = [item for item in there if not wanted or item in wanted]
+    data, made = pack.source.data, []
+    for loc in (loc for item in gone for loc in (split_item(item), ("fitted", item))):
+        if get(data, loc) is not ABSENT:
+            data = put(data, loc, ABSENT)
+            made.append((loc if data[loc[0]] else loc[:1], ABSENT))  # a field that is empty goes
     if write:
-        _write(pack.path, removals(gone, pack.source.data))
+        _write(pack.path, made)
     return Acceptance(pack.path, (), tuple(gone))
 
 

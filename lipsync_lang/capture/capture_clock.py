@@ -18,15 +18,12 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints
-from lipsync_lang.capture.fit_lines import CapturedLine, resampled
+from lipsync_lang.capture.fit_lines import EDGE_SECONDS, CapturedLine, resampled
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import Schedule
 
 CLOCK_FPS = 50.0
 """Frames per second of the comparison."""
-
-EDGE_SECONDS = 0.15
-"""Seconds before the first sound and after the last sound in the comparison."""
 
 PAUSE_EDGE_SECONDS = 0.5
 """Seconds at each end of a pause in the comparison."""
@@ -209,24 +206,18 @@ def read_clock(performer: Performer, line: CapturedLine) -> tuple[ClockReading, 
     far = int(np.where(near, -2, alike).argmax())
     apart = near & (np.abs(offsets - offsets[best]) > APART_SECONDS)
     drifts = np.arange(-2 * DRIFT_SECONDS, 2 * DRIFT_SECONDS + 1e-9, 2 * DRIFT_STEP_SECONDS)
-    late, lost = _every(float(offsets[best]) + SEARCHED_OFFSETS_SECONDS, drifts)
+    searched = np.meshgrid(float(offsets[best]) + SEARCHED_OFFSETS_SECONDS, drifts)
+    late, lost = (one.ravel().tolist() for one in searched)
     drifted = own.likenesses(late, lost)[:, 0].tolist()
     drifting, _, drift = max(zip(drifted, (-abs(one) for one in lost), lost, strict=True))
     few = np.arange(-NEAR_SECONDS, NEAR_SECONDS + 1e-9, DRIFT_STEP_SECONDS)
     chance = motion.likenesses(few.tolist())[:, 1:].max(axis=0)
-    reading = ClockReading(
-        float(alike[len(offsets) // 2]),
-        float(alike[best]),
-        float(offsets[best]),
-        float(alike[apart].max()),
-        float(alike[far]),
-        float(offsets[far]),
-        drifting,
-        drift,
-        float(chance.mean()),
-        max(float(chance.std()), LEAST_SPREAD),
+    found = (
+        *(alike[len(offsets) // 2], alike[best], offsets[best], alike[apart].max()),
+        *(alike[far], offsets[far], drifting, drift),
+        *(chance.mean(), max(chance.std(), LEAST_SPREAD)),
     )
-    return reading, own
+    return ClockReading(*map(float, found)), own
 
 
 def _shuffles(performer: Performer, line: CapturedLine) -> list[Schedule]:
@@ -240,16 +231,3 @@ def _shuffles(performer: Performer, line: CapturedLine) -> list[Schedule]:
             labels[place] = line.schedule.labels[source]
         out.append(replace(line.schedule, labels=tuple(labels), words=(), stress=()))
     return out
-
-
-def best_speed(motion: ComparedMotion) -> tuple[float, float]:
-    """Return the best likeness with another speed of the clock, and that speed."""
-    late, speeds = _every(SEARCHED_OFFSETS_SECONDS, np.array(SPEEDS))
-    alike = motion.likenesses(late, speeds=speeds)[:, 0]
-    return max(zip(alike.tolist(), speeds, strict=True))
-
-
-def _every(one: Floats, other: Floats) -> tuple[list[float], list[float]]:
-    """Return all pairs of values of two arrays."""
-    first, second = np.meshgrid(one, other)
-    return first.ravel().tolist(), second.ravel().tolist()

@@ -69,7 +69,16 @@ def find_captures(
     folder, such as `*/{speaker}/*`; by default, the speaker is the first folder below the searched
     one.
     """
-    pattern = None if speaker is None else _pattern(speaker)
+    pattern = None
+    if speaker is not None:  # `*` is any text, `{speaker}` the speaker
+        before, mark, after = speaker.partition("{speaker}")
+        if not mark or speaker.count("*") > MAX_WILDCARDS or "{speaker}" in after:
+            raise LipsyncError(
+                f"{speaker}: a pattern has `{{speaker}}` once and at most four `*`, as in "
+                "`{speaker}_*`"
+            )
+        parts = (".*".join(map(re.escape, part.split("*"))) for part in (before, after))
+        pattern = re.compile("([^/]+?)".join(parts))
     found: dict[str, CaptureFiles] = {}
     aside: list[SetAside] = []
     for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):
@@ -95,17 +104,6 @@ def find_captures(
     return tuple(_uniquely_named(found.values(), pattern)), aside
 
 
-def _pattern(text: str) -> re.Pattern[str]:
-    """Return the regular expression of a pattern: `*` is any text, `{speaker}` the speaker."""
-    before, mark, after = text.partition("{speaker}")
-    if not mark or text.count("*") > MAX_WILDCARDS or "{speaker}" in after:
-        raise LipsyncError(
-            f"{text}: a pattern has `{{speaker}}` once and at most four `*`, as in `{{speaker}}_*`"
-        )
-    parts = (".*".join(map(re.escape, part.split("*"))) for part in (before, after))
-    return re.compile("([^/]+?)".join(parts))
-
-
 def _uniquely_named(
     found: Collection[CaptureFiles], pattern: re.Pattern[str] | None
 ) -> Iterator[CaptureFiles]:
@@ -128,7 +126,6 @@ def _uniquely_named(
 
 def _below(root: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
     """Yield the captures below a folder in order, with the fields of the tables that list them."""
-    stated: dict[str, CaptureFiles] = {}
     beside: list[CaptureFiles] = []
     for at, folders, names in os.walk(root):
         folders.sort()
@@ -137,14 +134,12 @@ def _below(root: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
         for name in sorted(names):
             path = here / name
             if _lists_captures(path):
-                for one in _stated(path, folder, root, aside):
-                    stated.setdefault(os.path.realpath(one.capture), one)
+                yield from _stated(path, folder, root, aside)
             elif folder.is_capture(path):
                 beside.append(folder.files_of(path, root))
         if len(beside) > MAX_CAPTURES:
             raise LipsyncError(f"{root}: holds more than {MAX_CAPTURES} captures; give fewer")
-    yield from stated.values()
-    yield from (one for one in beside if os.path.realpath(one.capture) not in stated)
+    yield from beside  # last, because the first of equal captures is kept
 
 
 def _head(path: Path) -> str:
@@ -178,29 +173,19 @@ def _stated(
         if not any(cells.values()):
             continue
         try:
-            yield _row(path, cells, folder, root)
+            stated = [what for what in ("capture", "timings", "audio") if cells.get(what)]
+            files = {what: _inside(path.parent, cells[what]) for what in stated}
+            if "capture" not in files:
+                raise LipsyncError("the first column is empty; write the capture there")  # noqa: TRY301
+            one = folder.files_of(files["capture"], root)
+            if cells.get("text") or "timings" in files:
+                one = replace(one, timings=files.get("timings"), text=cells.get("text") or None)
+            start, fps = _number(cells, "start", 0.0), _number(cells, "fps", None)
+            audio, speaker = files.get("audio", one.audio), cells.get("speaker", "")
+            yield replace(one, audio=audio, speaker=speaker, start=start, fps=fps)
         except LipsyncError as error:
             place = f"{path}:{number}"
             aside.append(SetAside(line=cells[LIST_COLUMNS[0]] or place, why=f"{place}: {error}"))
-
-
-def _row(path: Path, cells: dict[str, str], folder: "_Neighbours", root: Path) -> CaptureFiles:
-    files = {
-        what: _inside(path.parent, cells[what]) for what in LIST_COLUMNS[:2] if cells.get(what)
-    }
-    audio = _inside(path.parent, cells["audio"]) if cells.get("audio") else None
-    if LIST_COLUMNS[0] not in files:
-        raise LipsyncError("the first column is empty; write the capture there")
-    one = folder.files_of(files[LIST_COLUMNS[0]], root)
-    if cells.get("text") or "timings" in files:
-        one = replace(one, timings=files.get("timings"), text=cells.get("text") or None)
-    return replace(
-        one,
-        audio=audio or one.audio,
-        speaker=cells.get("speaker", ""),
-        start=_number(cells, "start", 0.0),
-        fps=_number(cells, "fps", None),
-    )
 
 
 def _inside(folder: Path, name: str) -> Path:

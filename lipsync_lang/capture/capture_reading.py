@@ -27,7 +27,12 @@ from lipsync_lang.animations.readers.csv import table_of
 from lipsync_lang.animations.readers.live_link import fits
 from lipsync_lang.arrays import Floats
 from lipsync_lang.capture.capture_files import CaptureFiles, find_captures
-from lipsync_lang.capture.capture_timings import SILENT_SCHEDULE, CaptureTimings, readable
+from lipsync_lang.capture.capture_timings import (
+    SILENT_SCHEDULE,
+    aligned_captures,
+    readable,
+    timed_capture,
+)
 from lipsync_lang.capture.fit_file import SetAside
 from lipsync_lang.capture.fit_lines import CapturedLine, resampled
 from lipsync_lang.errors import AnimationError, LipsyncError, did_you_mean
@@ -132,7 +137,7 @@ def read_captures(  # noqa: PLR0913 facts that files may lack
     speaker: str | None = None,
     aligner: str | None = None,
     notation: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> Captures:
     """Read captures (`find_captures`) with their phonemes, as signals of a performer's face.
 
@@ -143,17 +148,15 @@ def read_captures(  # noqa: PLR0913 facts that files may lack
     found, aside = find_captures(paths, speaker=speaker)
     stated = None if readout is None else load_readout(Path(readout))
     load = cache(load_readout)
-    timed = CaptureTimings(performer, aligner, notation)
     lines = []
-    spoken = timed.aligned([one for one in found if one.timings is None])
+    spoken = aligned_captures(performer, found, aligner)
     for number, files in enumerate(found, 1):
         try:
             own = load(files.readout) if stated is None and files.readout else stated
-            lines.append(_line(performer, files, own, timed, spoken.get(files.name)))
+            lines.append(_line(performer, files, own, notation, spoken.get(files.name)))
         except (LipsyncError, OSError) as error:
             aside.append(SetAside(line=files.name, why=str(error)))
-        if progress is not None:
-            progress(number, len(found))
+        progress(number, len(found))
     return Captures(tuple(lines), tuple(aside))
 
 
@@ -161,26 +164,11 @@ def _line(
     performer: Performer,
     files: CaptureFiles,
     readout: ReadOut | None,
-    timed: CaptureTimings,
+    notation: str | None,
     spoken: Schedule | LipsyncError | None,
 ) -> CapturedLine:
-    """Read one capture."""
-    line = _motion(performer, files, readout)
-    fps = (len(line.times) - 1) / float(line.times[-1] - line.times[0])
-    if files.fps is not None and abs(fps / files.fps - 1) > FPS_TOLERANCE:
-        raise AnimationError(
-            f"{files.capture}: its times have {fps:.4g} frames per second, but the list states "
-            f"{files.fps:g}; correct the wrong one"
-        )
-    own = None if line.schedule is SILENT_SCHEDULE else line.schedule
-    schedule, more = readable(performer, timed.schedule(files, readout, spoken or own))
-    remarks = (*line.remarks, *schedule.remarks, *more)
-    times, name, who = line.times + files.start, files.name, files.speaker
-    return replace(line, name=name, schedule=schedule, times=times, speaker=who, remarks=remarks)
-
-
-def _motion(performer: Performer, files: CaptureFiles, readout: ReadOut | None) -> CapturedLine:
-    """Read the motion of sensors if a read-out has the columns, or else of poses or channels."""
+    """Read one capture: of sensors if the read-out has the columns, or else poses or channels."""
+    line: CapturedLine | None = None
     may_be_sensors = files.capture.suffix.lower() == ".csv"
     if may_be_sensors:  # unless it is a take of Live Link Face
         with files.capture.open("rb") as stream:
@@ -188,13 +176,25 @@ def _motion(performer: Performer, files: CaptureFiles, readout: ReadOut | None) 
     if readout is not None and may_be_sensors:
         sensed = read_sensors(files.capture, readout)
         if sensed is not None:
-            return _measured(performer, files.capture, sensed)
+            line = _measured(performer, files.capture, sensed)
     try:
-        return _weighted(performer, read_animation(files.capture))
+        line = line or _weighted(performer, read_animation(files.capture))
     except AnimationError as error:
         if readout is not None or not may_be_sensors:
             raise
         raise AnimationError(f"{error} (for a table of sensors, give a read-out)") from None
+    fps = (len(line.times) - 1) / float(line.times[-1] - line.times[0])
+    if files.fps is not None and abs(fps / files.fps - 1) > FPS_TOLERANCE:
+        raise AnimationError(
+            f"{files.capture}: its times have {fps:.4g} frames per second, but the list states "
+            f"{files.fps:g}; correct the wrong one"
+        )
+    own = None if line.schedule is SILENT_SCHEDULE else line.schedule
+    found = timed_capture(performer, files, readout, notation, spoken or own)
+    schedule, more = readable(performer, found)
+    remarks = (*line.remarks, *schedule.remarks, *more)
+    times, name, who = line.times + files.start, files.name, files.speaker
+    return replace(line, name=name, schedule=schedule, times=times, speaker=who, remarks=remarks)
 
 
 def _measured(performer: Performer, path: Path, sensed: SensorSignals) -> CapturedLine:

@@ -1,14 +1,14 @@
 """Timings of captures, from files beside them or by alignment with their sound."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from lipsync_lang.capture.capture_files import CaptureFiles
 from lipsync_lang.errors import LipsyncError, ScheduleError
-from lipsync_lang.files import read_input
+from lipsync_lang.files.reading import input_text
 from lipsync_lang.packs.models import ReadOut
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.quality.fitting import some_names
@@ -31,69 +31,59 @@ MAX_UNKNOWN_SHARE = 0.1
 MAX_TEXT_BYTES = 2**20
 
 
-@dataclass(frozen=True, eq=False)
-class CaptureTimings:
-    """Timings of captures, in the language of a performer."""
+def timed_capture(
+    performer: Performer,
+    files: CaptureFiles,
+    readout: ReadOut | None,
+    notation: str | None,
+    spoken: Schedule | LipsyncError | None,
+) -> Schedule:
+    """Return the phonemes of a capture: from its timings, alignment or own file."""
+    if files.timings is not None:
+        from lipsync_lang.speech.filling import filled
 
-    performer: Performer
-    aligner: str | None
-    notation: str | None
+        quiet = {*performer.compiled.silences, *(readout.silences if readout else ())}
+        silences = frozenset(one.casefold() for one in quiet)
+        content = timing_bytes(files.timings)
+        found = timings_of(TimingFile(files.timings, content, silences=silences))
+        if isinstance(found, TimedWords):
+            return filled(performer.speaker, found, audio=files.audio)
+        notation = notation or (readout.notation if readout else None) or found.notation
+        return replace(found, notation=notation)
+    if isinstance(spoken, LipsyncError):
+        raise spoken
+    if spoken is not None:
+        return spoken
+    near = files.capture.with_name(files.name.rpartition("/")[2])
+    has = "a text, but no sound" if files.text is not None else "no timings"
+    raise ScheduleError(
+        f"{files.capture}: has {has}; put {near.name}.TextGrid beside it, or "
+        f"{near.name}.txt and {near.name}.wav"
+    )
 
-    def schedule(
-        self,
-        files: CaptureFiles,
-        readout: ReadOut | None,
-        spoken: "Schedule | LipsyncError | None",
-    ) -> Schedule:
-        """Return the phonemes of a capture: from its timings, alignment or own file."""
-        if files.timings is not None:
-            from lipsync_lang.speech.filling import filled
 
-            quiet = {*self.performer.compiled.silences, *(readout.silences if readout else ())}
-            silences = frozenset(one.casefold() for one in quiet)
-            content = timing_bytes(files.timings)
-            found = timings_of(TimingFile(files.timings, content, silences=silences))
-            if isinstance(found, TimedWords):
-                return filled(self.performer.speaker, found, audio=files.audio)
-            notation = self.notation or (readout.notation if readout else None) or found.notation
-            return replace(found, notation=notation)
-        if isinstance(spoken, LipsyncError):
-            raise spoken
-        if spoken is not None:
-            return spoken
-        near = files.capture.with_name(files.name.rpartition("/")[2])
-        has = "a text, but no sound" if files.text is not None else "no timings"
-        raise ScheduleError(
-            f"{files.capture}: has {has}; put {near.name}.TextGrid beside it, or "
-            f"{near.name}.txt and {near.name}.wav"
-        )
+def aligned_captures(
+    performer: Performer, captures: Sequence[CaptureFiles], aligner: str | None
+) -> dict[str, Schedule | LipsyncError]:
+    """Align captures that have a text and a sound, but no timings; return results by name."""
+    from lipsync_lang.speech.hearing.alignment import align_many
 
-    def aligned(self, files: Sequence[CaptureFiles]) -> "dict[str, Schedule | LipsyncError]":
-        """Align the captures that have a text and a sound; return schedules or errors by name."""
-        from lipsync_lang.speech.hearing.alignment import align_many
-
-        pairs: dict[str, tuple[Path, str]] = {}
-        out: dict[str, Schedule | LipsyncError] = {}
-        for one in files:
-            text = one.text
-            if text is None or one.audio is None:
-                continue
-            try:
-                if isinstance(text, Path):
-                    content = read_input(text, MAX_TEXT_BYTES, mend="give the text of one line")
-                    text = content.decode("utf-8-sig").strip()
-                pairs[one.name] = one.audio, text
-            except LipsyncError as error:
-                out[one.name] = error
-            except UnicodeDecodeError as error:
-                out[one.name] = LipsyncError(
-                    f"{one.text}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-                )
-        if pairs:
-            speaker = self.performer.speaker
-            found = align_many(speaker, pairs.values(), aligner=self.aligner)
-            out |= zip(pairs, found, strict=True)
-        return out
+    pairs: dict[str, tuple[Path, str]] = {}
+    out: dict[str, Schedule | LipsyncError] = {}
+    for one in captures:
+        text = one.text
+        if text is None or one.audio is None or one.timings is not None:
+            continue
+        try:
+            if isinstance(text, Path):
+                text = input_text(text, MAX_TEXT_BYTES, mend="give the text of one line").strip()
+            pairs[one.name] = one.audio, text
+        except LipsyncError as error:
+            out[one.name] = error
+    if pairs:
+        found = align_many(performer.speaker, pairs.values(), aligner=aligner)
+        out |= zip(pairs, found, strict=True)
+    return out
 
 
 def readable(performer: Performer, schedule: Schedule) -> tuple[Schedule, tuple[str, ...]]:

@@ -22,7 +22,6 @@ from lipsync_lang.capture.fit_file import (
 from lipsync_lang.capture.fit_folds import FitShares, FitTask, Fold, choose, errors, folds, run_fits
 from lipsync_lang.capture.fit_items import fit_items
 from lipsync_lang.capture.fit_lines import CapturedLine, fit_rate, lay_lines
-from lipsync_lang.capture.fit_steps import MotionGroups
 from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.capture.judging import outlying_lines
 from lipsync_lang.capture.shown_lines import ShownLine, shown_lines
@@ -77,19 +76,18 @@ def without_rest(performer: Performer, captured: Sequence[CapturedLine]) -> list
         elif len(speech):
             level = float(np.quantile(speech, LOWEST_SHARE))
         levels[key] = level if LEAST_LEVEL <= level <= MOST_LEVEL else 0.0
-    return [line if line.free else _lowered(line, levels) for line in captured]
-
-
-def _lowered(line: CapturedLine, levels: dict[tuple[str, str], float]) -> CapturedLine:
-    own = np.array([levels[line.speaker, name] for name in line.signals])
-    if not own.any():
-        return line
-    named = ", ".join(
-        f"{name} {level:.2f}" for name, level in zip(line.signals, own, strict=True) if level
-    )
-    who = f" of {line.speaker}" if line.speaker else ""
-    told = f"weights at rest{who} that were subtracted: {named}"
-    return replace(line, values=line.values - own, remarks=(*line.remarks, told))
+    out = []
+    for line in captured:
+        own = np.array([levels[line.speaker, name] for name in line.signals])
+        if line.free or not own.any():
+            out.append(line)
+            continue
+        each = zip(line.signals, own, strict=True)
+        named = ", ".join(f"{name} {level:.2f}" for name, level in each if level)
+        who = f" of {line.speaker}" if line.speaker else ""
+        told = f"weights at rest{who} that were subtracted: {named}"
+        out.append(replace(line, values=line.values - own, remarks=(*line.remarks, told)))
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +183,15 @@ def _without_strays(
         raise LipsyncError(
             "the captures have no motion during the speech; check that the timings belong to them"
         )
-    task = FitTask(FitFace.of(pair, lines), lines, motion_groups(pair))
+    soft: dict[str, list[int]] = defaultdict(list)  # poses by region
+    ahead: dict[str, list[int]] = defaultdict(list)
+    for number, pose in enumerate(pair.shelf.face.poses.values()):
+        if pose.region and pose.softness is None:
+            soft[pose.region].append(number)
+        if pair.compiled.tables.anticipate[number] > 0:
+            ahead[pose.region].append(number)
+    groups = ({region: np.array(one) for region, one in by.items()} for by in (soft, ahead))
+    task = FitTask(FitFace.of(pair, lines), lines, *groups)
     full = task.fit(range(len(lines)))
     names = [line.captured.name for line in lines]
     strays = outlying_lines({name: task.error(full, [n]) for n, name in enumerate(names)})
@@ -193,23 +199,8 @@ def _without_strays(
         return task, full, ()
     aside = {one.line for one in strays}
     kept = tuple(line for line in lines if line.captured.name not in aside)
-    task = FitTask(FitFace.of(pair, kept), kept, task.groups)
+    task = replace(task, face=FitFace.of(pair, kept), lines=kept)
     return task, task.fit(range(len(kept))), strays
-
-
-def motion_groups(pair: OpenPair) -> MotionGroups:
-    """Return by region the poses with a common softness, and the poses with anticipation."""
-    soft: dict[str, list[int]] = {}
-    ahead: dict[str, list[int]] = {}
-    for number, pose in enumerate(pair.shelf.face.poses.values()):
-        if pose.region and pose.softness is None:
-            soft.setdefault(pose.region, []).append(number)
-        if pair.compiled.tables.anticipate[number] > 0:
-            ahead.setdefault(pose.region, []).append(number)
-    return MotionGroups(
-        {region: np.array(poses) for region, poses in soft.items()},
-        {region: np.array(poses) for region, poses in ahead.items()},
-    )
 
 
 def _verdict(

@@ -4,15 +4,16 @@ Conventions: an error is a root mean square over all recorded values, in weights
 without a scale are in units of the curves before the fit.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
+from lipsync_lang.arrays import Ints
 from lipsync_lang.capture.fit_lines import FitLine
-from lipsync_lang.capture.fit_steps import MotionGroups, fit_bigrams, fit_motion, fit_targets
+from lipsync_lang.capture.fit_steps import fit_bigrams, fit_motion, fit_targets
 from lipsync_lang.capture.fit_values import FitFace, FitValues, with_mentions
 from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
@@ -42,7 +43,10 @@ class FitTask:
 
     face: FitFace
     lines: tuple[FitLine, ...]
-    groups: MotionGroups
+    softness: Mapping[str, Ints]
+    """Poses that take the softness of their region, by region."""
+    anticipate: Mapping[str, Ints]
+    """Poses with anticipation, by region."""
 
     def fit(self, kept: Sequence[int]) -> FitValues:
         """Fit targets, then motion, then bigrams to some of the lines."""
@@ -51,7 +55,8 @@ class FitTask:
         named = with_mentions(self.face, found, lines)
         if named is not found:
             found = fit_targets(self.face, named, lines)
-        found = fit_motion(self.face, found, lines, self.groups)
+        groups = self.softness.values(), self.anticipate.values()
+        found = fit_motion(self.face, found, lines, *groups)
         return fit_bigrams(self.face, found, lines)
 
     def error(self, values: FitValues, tested: Sequence[int]) -> float:

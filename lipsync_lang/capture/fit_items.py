@@ -44,24 +44,19 @@ class _Evidence:
     """(T, S) errors of each line."""
     after: list[Floats]
 
-    def of(self, chosen: Sequence[Bools]) -> tuple[float | None, float | None]:
-        """Return the errors over some frames of each line, before and after the fit; (T,) each."""
-        found = []
-        for errors in (self.before, self.after):
+    def of(self, chosen: Sequence[Bools], occurrences: int) -> dict[str, Any]:
+        """Return fields of an item: the errors over some frames of each line; (T,) each."""
+        every = [line.seen for line in self.task.lines]
+        count = sum(int(seen[some].sum()) for some, seen in zip(chosen, every, strict=True))
+        fields: dict[str, Any] = {"occurrences": occurrences}
+        for name, errors in (("residual_before", self.before), ("residual_after", self.after)):
             parts = [
                 (error[some & seen.any(axis=1)] ** 2).sum(axis=0)
-                for error, some, seen in zip(errors, chosen, self._seen, strict=True)
+                for error, some, seen in zip(errors, chosen, every, strict=True)
             ]
             total = float(sum(part.sum() for part in parts))
-            count = sum(
-                int(seen[some].sum()) for some, seen in zip(chosen, self._seen, strict=True)
-            )
-            found.append(round((total / count) ** 0.5, VALUE_DECIMALS) if count else None)
-        return found[0], found[1]
-
-    @property
-    def _seen(self) -> list[Bools]:
-        return [line.seen for line in self.task.lines]
+            fields[name] = round((total / count) ** 0.5, VALUE_DECIMALS) if count else None
+        return fields
 
 
 def fit_items(
@@ -104,7 +99,6 @@ def _target_items(
             continue
         meant = {n for n, p in enumerate(shelf.numbered) if shelf.targeted(p) == name}
         chosen, count = _frames(evidence.task, [meant])
-        before, after = evidence.of(chosen)
         was = []
         for step in shelf.face.targets[name]:
             stated: Any = dict(step.dominance) or step.overall
@@ -113,14 +107,12 @@ def _target_items(
             item=f"targets.{name}",
             value=_target(pair, face, number, values),
             was=was,
-            occurrences=count,
-            residual_before=before,
-            residual_after=after,
             confidence=confidence(
                 start.weights[number].ravel(),
                 values.weights[number].ravel(),
                 [one.weights[number].ravel() for one in others],
             ),
+            **evidence.of(chosen, count),
         )
 
 
@@ -181,28 +173,25 @@ def _motion_items(
         now, then, *rest = (float(getattr(one, kind)[pose]) for one in each)
         changed[name] = (now, then, rest, least)
 
-    for region, some in task.groups.softness.items():
+    for region, some in task.softness.items():
         put(f"softness.{region}", "softness", int(some[0]), LEAST_SECONDS)
-    for some in task.groups.anticipate.values():
+    for some in task.anticipate.values():
         for pose in some.tolist():
             put(f"anticipate.{poses[pose]}", "anticipate", pose, LEAST_SECONDS)
     speeds = [one.speed for one in others]
     changed["motion.speed_limit"] = (start.speed, values.speed, speeds, LEAST_SPEED_CHANGE)
     everything = [np.ones(line.frames.count, bool) for line in task.lines]
-    before, after = evidence.of(everything)
-    count = sum(len(line.track.ids) for line in task.lines)
+    seen = evidence.of(everything, sum(len(line.track.ids) for line in task.lines))
     for name, (was, value, rest, least) in changed.items():
         if abs(value - was) >= least:
             yield FitItem(
                 item=name,
                 value=round(value, ITEM_DECIMALS),
                 was=round(was, 6),
-                occurrences=count,
-                residual_before=before,
-                residual_after=after,
                 confidence=confidence(
                     np.array([was]), np.array([value]), [np.array([one]) for one in rest]
                 ),
+                **seen,
             )
 
 
@@ -220,7 +209,8 @@ def _bigram_items(
     for row, change in sorted(values.bigrams.items()):
         first, second = pair.rows.every[row - 1].origin.pair
         chosen, count = _frames(task, [numbers[first], numbers[second]])
-        before, after = own.of(chosen)
+        seen = own.of(chosen, count)
+        before, after = seen["residual_before"], seen["residual_after"]
         if before is None or after is None or after > BIGRAM_GAIN * before:
             continue
         still = np.zeros(change.shape)
@@ -233,8 +223,6 @@ def _bigram_items(
         yield FitItem(
             item=f"bigrams.{first}-{second}",
             value={"boundary": 0.5, "curves": curves},
-            occurrences=count,
-            residual_before=before,
-            residual_after=after,
             confidence=confidence(still.ravel(), change.ravel(), rest),
+            **seen,
         )

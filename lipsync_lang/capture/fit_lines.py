@@ -7,24 +7,21 @@ Conventions: T samples or frames, S signals, P poses; times are seconds on the s
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.performing.batch import LineDelivery
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.drive import Rig, drive
+from lipsync_lang.pipeline.levels import Dial
+from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Frames, Performance, lay_frames
 from lipsync_lang.pipeline.prepare import channel_kernel, prepare
+from lipsync_lang.pipeline.tables import Tables
+from lipsync_lang.pipeline.track import Track
 from lipsync_lang.rigs.driver import Driver
 from lipsync_lang.schedules.schedule import Schedule
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.pipeline.levels import Dial
-    from lipsync_lang.pipeline.motion import Motion
-    from lipsync_lang.pipeline.tables import Tables
-    from lipsync_lang.pipeline.track import Track
 
 GAP_SHARE = 1e-6
 """Minimum share of a lost value between two samples; a smaller one is rounding."""
@@ -39,17 +36,13 @@ MOST_FRAMES = 24_000
 """Frames above which a fit lowers its rate."""
 
 EDGE_SECONDS = 0.15
-"""Seconds before the first sound and after the last sound that are fitted; any farther motion is
-ignored."""
+"""Seconds before the first sound and after the last sound that are compared and fitted."""
 
 LONG_PAUSE_SECONDS = 0.5
 """Minimum length of a long pause, which is fitted only next to sounds."""
 
 FREE_SPREAD = 0.2
 """Standard deviation of signals without a scale after scaling, in weights of a pose."""
-
-PLAIN_OPTIONS = {"styles": None, "dials": None, "intensity": 0.0}
-"""Options of a performance without styles and dials."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,51 +88,35 @@ def resampled(times: Floats, old: Floats, values: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class DrivenChannels:
-    """Some channels of a rig, driven by poses."""
-
-    rig: Rig
-    columns: Ints
-    """(S,)"""
-
-    @classmethod
-    def of(cls, performer: "Performer", names: "Sequence[str]") -> Self:
-        """Find channels of a performer's rig by their names."""
-        compiled = performer.compiled
-        driver = Driver.from_plain(compiled.rig or {}, performer.poses, compiled.tables.floors)
-        order = [channel.name for channel in driver.channels]
-        return cls(driver.rig, np.array([order.index(name) for name in names]))
-
-    def driven(self, weights: Floats, motion: "Motion", fps: float) -> Floats:
-        """Return the channels for (T, P) weights of poses: (T, S)."""
-        kernel = channel_kernel(motion, fps)
-        return drive(weights, self.rig, motion.speed_limit / fps, kernel)[:, self.columns]
-
-
-@dataclass(frozen=True, eq=False)
 class FitLine:
     """A captured line, prepared for performance and comparison."""
 
     captured: CapturedLine
-    track: "Track"
+    track: Track
     frames: Frames
-    dials: "tuple[Dial, ...]"
+    dials: tuple[Dial, ...]
     wanted: Floats
     """(T, S) recorded values in units of the poses; NaN for lost values."""
     gains: Floats
     """(S, P)"""
-    rig: "DrivenChannels | None" = None
+    rig: Rig | None = None
     """The rig whose channels the signals are; None for sums of poses."""
+    columns: Ints | None = None
+    """(S,) numbers of those channels."""
 
-    def perform(self, tables: "Tables", motion: "Motion") -> Performance:
+    def perform(self, tables: Tables, motion: Motion) -> Performance:
         """Return the performance of the line with other tables."""
         prepared = prepare(tables, motion, self.frames.fps)
         return Performance(tables, self.track, motion, self.frames, prepared, (), (), self.dials)
 
-    def signals(self, weights: Floats, motion: "Motion") -> Floats:
+    def signals(self, weights: Floats, motion: Motion) -> Floats:
         """Return the signals for (T, P) weights of poses: (T, S)."""
-        sums: Floats = weights @ self.gains.T
-        return sums if self.rig is None else self.rig.driven(weights, motion, self.frames.fps)
+        if self.rig is None:
+            sums: Floats = weights @ self.gains.T
+            return sums
+        fps = self.frames.fps
+        kernel = channel_kernel(motion, fps)
+        return drive(weights, self.rig, motion.speed_limit / fps, kernel)[:, self.columns]
 
     def errors(self, shown: Floats) -> Floats:
         """Return performed minus recorded signals: (T, S); 0 for lost values."""
@@ -161,7 +138,7 @@ def fit_rate(lines: Iterable[CapturedLine]) -> float:
 
 
 def lay_lines(
-    performer: "Performer", captured: Sequence[CapturedLine], fps: float
+    performer: Performer, captured: Sequence[CapturedLine], fps: float
 ) -> tuple[FitLine, ...]:
     """Prepare captured lines for a fit; scale signals without a scale like the performer's curves.
 
@@ -170,7 +147,7 @@ def lay_lines(
     """
     tables, motion = performer.compiled.tables, performer.motion
     tables = tables.papers if motion.thresholds == "paper" else tables
-    asked = {**PLAIN_OPTIONS, "intensity": None}
+    asked = {"styles": None, "dials": None, "intensity": None}
     laid = []
     for line, sounds in zip(
         captured, performer.labels.read([one.schedule for one in captured]), strict=True
@@ -191,12 +168,16 @@ def lay_lines(
         for start, end in zip(starts[counts], ends[counts], strict=True):
             spoken |= (times >= start - EDGE_SECONDS) & (times <= end + EDGE_SECONDS)
         wanted[~spoken] = np.nan
-        rig = DrivenChannels.of(performer, line.signals) if line.rigged else None
-        laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains, rig))
+        rig, at = None, None
+        if line.rigged and performer.compiled.rig:
+            driver = Driver.from_plain(performer.compiled.rig, performer.poses, tables.floors)
+            order = [channel.name for channel in driver.channels]
+            rig, at = driver.rig, np.array([order.index(name) for name in line.signals])
+        laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains, rig, at))
     return _scaled(tuple(laid), tables, motion)
 
 
-def _scaled(lines: tuple[FitLine, ...], tables: "Tables", motion: "Motion") -> tuple[FitLine, ...]:
+def _scaled(lines: tuple[FitLine, ...], tables: Tables, motion: Motion) -> tuple[FitLine, ...]:
     """Return the lines with their free signals in units of the poses."""
     free = [line for line in lines if line.captured.free]
     shown = {id(line): line.perform(tables, motion).weights() @ line.gains.T for line in free}
@@ -227,11 +208,3 @@ def _scaled(lines: tuple[FitLine, ...], tables: "Tables", motion: "Motion") -> t
             wanted[:, number] = (wanted[:, number] * factor + offset) * factors[number]
         out.append(replace(line, wanted=wanted, gains=line.gains * factors[:, None]))
     return tuple(out)
-
-
-def occurrences(lines: Iterable[FitLine], rows: int) -> Ints:
-    """Count the occurrences of each table row: (rows,)."""
-    out = np.zeros(rows, np.intp)
-    for line in lines:
-        np.add.at(out, line.track.rows, 1)
-    return out

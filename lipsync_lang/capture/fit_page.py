@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
 from lipsync_lang.capture.fit_file import FitProposal
 from lipsync_lang.capture.shown_lines import ShownLine, SignalFigures
 from lipsync_lang.reports.pages import PageEnvironment
@@ -42,9 +41,6 @@ DRAWN_MARGIN_SECONDS = 0.1
 WIDTH, HEIGHT = 1_000, 100
 """Width and height of a drawing in its own units; it stretches."""
 
-OPEN_LINES = 3
-"""Number of drawings that are initially open."""
-
 
 def fit_page(lines: Sequence[ShownLine], proposal: FitProposal | None = None) -> str:
     """Return a fit as one self-contained HTML page; None is for a page of lines only."""
@@ -55,7 +51,6 @@ def fit_page(lines: Sequence[ShownLine], proposal: FitProposal | None = None) ->
         "WIDTH": WIDTH,
         "HEIGHT": HEIGHT,
         "MAX_ROWS": MAX_TABLE_ROWS,
-        "OPEN_LINES": OPEN_LINES,
         "MAX_DRAWN_SIGNALS": MAX_DRAWN_SIGNALS,
     }
     worst = sorted(lines, key=lambda line: (-line.rms_after, line.name))
@@ -115,18 +110,14 @@ def _signal(line: ShownLine, figures: SignalFigures, start: float, end: float) -
     known = np.concatenate([one[np.isfinite(one)] for one in curves])
     low, high = float(known.min()), float(known.max())
     span = high - low or 1.0  # a signal at rest lies at the foot
-    paths = (_path(x, (low + span - one) / span * HEIGHT) for one in curves)
-    drawn = dict(zip(("captured", "before", "after"), paths, strict=True))
-    return {"figures": figures, "low": low, "high": high, **drawn}
-
-
-def _path(x: Floats, y: Floats) -> str:
-    """Return an SVG path through points, with gaps at missing values."""
-    parts, pen = [], "M"
-    for here, there in zip(x.tolist(), y.tolist(), strict=True):
-        if not np.isfinite(there):
-            pen = "M"
-            continue
-        parts.append(f"{pen}{here:.1f} {there:.1f}")
-        pen = "L"
-    return "".join(parts)
+    drawn: dict[str, Any] = {"figures": figures, "low": low, "high": high}
+    for name, curve in zip(("captured", "before", "after"), curves, strict=True):
+        parts, pen = [], "M"
+        y = (low + span - curve) / span * HEIGHT
+        for here, there in zip(x.tolist(), y.tolist(), strict=True):
+            known_here = np.isfinite(there)
+            if known_here:
+                parts.append(f"{pen}{here:.1f} {there:.1f}")
+            pen = "L" if known_here else "M"  # a gap at a missing value
+        drawn[name] = "".join(parts)
+    return drawn

@@ -7,7 +7,7 @@ Conventions: N targets of at most M steps, P poses, K parameters. The first and 
 value of a bigram are always at rest.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.banks.draft import TIMES
-from lipsync_lang.capture.fit_lines import FitLine, occurrences
+from lipsync_lang.capture.fit_lines import FitLine
 from lipsync_lang.capture.fit_slopes import control_slopes, draft_slopes, robust_cost, solve
 from lipsync_lang.capture.fit_values import MOST_DOMINANCE, PASSIVE_LOG, FitFace, FitValues
 from lipsync_lang.pipeline.motion import LEAST_SPEED
@@ -155,24 +155,20 @@ def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
     return parameters.values(solved, base)
 
 
-@dataclass(frozen=True, eq=False)
-class MotionGroups:
-    """Groups of poses with a common value of motion."""
-
-    softness: Mapping[str, Ints]
-    """Poses that take the softness of their region, by region."""
-    anticipate: Mapping[str, Ints]
-    """Poses with anticipation, by region."""
-
-
 def fit_motion(
-    face: FitFace, base: FitValues, lines: Sequence[FitLine], groups: MotionGroups
+    face: FitFace,
+    base: FitValues,
+    lines: Sequence[FitLine],
+    soft: Iterable[Ints],
+    ahead: Iterable[Ints],
 ) -> FitValues:
-    """Return values with the motion of the lowest error on some lines."""
+    """Return values with the motion of the lowest error on some lines.
+
+    `soft` and `ahead` are groups of poses with one softness, and with anticipation.
+    """
     from scipy.optimize import minimize_scalar
 
     seen = seen_poses(lines)
-    soft, ahead = groups.softness.values(), groups.anticipate.values()
     changes = [
         *(("softness", poses, 0.0, MOST_SOFTNESS) for poses in soft if seen[poses].any()),
         *(("anticipate", poses, 0.0, MOST_ANTICIPATION) for poses in ahead if seen[poses].any()),
@@ -202,13 +198,13 @@ def _changed(values: FitValues, name: str, poses: Ints, value: float) -> FitValu
     return replace(values, **{name: changed})  # type: ignore[arg-type]  # a field by name
 
 
-def fit_bigrams(
-    face: FitFace, base: FitValues, lines: Sequence[FitLine], enough: int = ENOUGH_OCCURRENCES
-) -> FitValues:
+def fit_bigrams(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> FitValues:
     """Return values with fitted curves for bigrams with enough occurrences."""
     from scipy import sparse
 
-    often = occurrences(lines, len(face.tables.curves))[face.rows] >= enough
+    spoken = np.concatenate([line.track.rows for line in lines])
+    counts = np.bincount(spoken, minlength=len(face.tables.curves))
+    often = counts[face.rows] >= ENOUGH_OCCURRENCES
     rows = np.flatnonzero(often)
     if not rows.size:
         return base

@@ -7,19 +7,17 @@ occurrences. Weights are in [0, 1], dominance is kept as its natural logarithm.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft, shape
+from lipsync_lang.capture.fit_lines import FitLine
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
-
-if TYPE_CHECKING:
-    from lipsync_lang.capture.fit_lines import FitLine
-    from lipsync_lang.resolver.layers import PairPacks
-    from lipsync_lang.resolver.retouch import OpenPair
+from lipsync_lang.resolver.layers import PairPacks
+from lipsync_lang.resolver.retouch import OpenPair
 
 MOST_DOMINANCE = 12.0
 """Maximum fitted dominance; a neighbour's share is then invisible."""
@@ -98,7 +96,7 @@ class FitFace:
     """The values before the fit."""
 
     @classmethod
-    def of(cls, pair: "OpenPair", lines: "Iterable[FitLine]") -> Self:
+    def of(cls, pair: OpenPair, lines: Iterable[FitLine]) -> Self:
         """Find the targets and drafted rows that some lines use."""
         shelf, every, compiled = pair.shelf, pair.rows.every, pair.compiled
         tables = compiled.tables
@@ -155,48 +153,39 @@ class FitFace:
 
     def moved(self, values: FitValues) -> Tables:
         """Return tables with curves and motion from some values."""
-        motion = values.softness.tobytes(), values.anticipate.tobytes()
-        if motion not in self._bases:
-            self._bases.clear()
+        latest, motion = self._latest, (values.softness.tobytes(), values.anticipate.tobytes())
+        if latest["motion"] != motion:
             base = replace(self.tables, softness=values.softness, anticipate=values.anticipate)
-            self._bases[motion] = base
+            latest |= {"motion": motion, "base": base}
         # The search for motion leaves the curves as they are.
         key = values.weights, values.dominance, values.bigrams
-        if not self._latest or any(a is not b for a, b in zip(key, self._latest[0], strict=True)):
+        if any(a is not b for a, b in zip(key, latest["values"], strict=True)):
             curves = self.tables.curves.copy()
             if len(self.rows):
-                sampled = self.controls(values) @ self._basis
+                sampled = self.controls(values) @ shape(np.linspace(0, 1, RESOLUTION + 1))
                 curves[self.rows] = sampled.swapaxes(1, 2).clip(0, 1)
-            self._latest[:] = [key, curves]
-        return self._bases[motion].with_curves(self._latest[1])
+            latest |= {"values": key, "curves": curves}
+        found: Tables = latest["base"].with_curves(latest["curves"])
+        return found
 
     @cached_property
-    def _latest(self) -> list[Any]:
-        """Cache of the latest targets and bigrams, with their curves."""
-        return []
+    def _latest(self) -> dict[str, Any]:
+        """Cache of the latest tables by motion, and the latest curves by targets and bigrams."""
+        return {"motion": None, "values": (None, None, None)}
 
     def motion(self, values: FitValues) -> Motion:
         """Return the pair's motion with the speed limit of some values."""
         return replace(self.plain, speed_limit=values.speed)
 
-    def shown(self, values: FitValues, lines: "Sequence[FitLine]") -> list[Floats]:
+    def shown(self, values: FitValues, lines: Sequence[FitLine]) -> list[Floats]:
         """Perform lines with some values through every stage; return their signals, (T, S) each."""
         tables, motion = self.moved(values), self.motion(values)
         return [line.signals(line.perform(tables, motion).weights(), motion) for line in lines]
 
-    def errors(self, values: FitValues, lines: "Sequence[FitLine]") -> Floats:
+    def errors(self, values: FitValues, lines: Sequence[FitLine]) -> Floats:
         """Return performed minus recorded values of all lines in sequence: (O,)."""
         shown = self.shown(values, lines)
         return np.concatenate([one.errors(w).ravel() for one, w in zip(lines, shown, strict=True)])
-
-    @cached_property
-    def _basis(self) -> Floats:
-        return shape(np.linspace(0, 1, RESOLUTION + 1))
-
-    @cached_property
-    def _bases(self) -> dict[tuple[bytes, bytes], Tables]:
-        """Cache of the tables of the latest softness and anticipation, with derived settings."""
-        return {}
 
     def __getstate__(self) -> dict[str, Any]:
         """Return only the fields, for pickling."""
@@ -204,7 +193,7 @@ class FitFace:
 
 
 def _start_values(
-    shelf: "PairPacks", known: Mapping[str, Target], tables: Tables, motion: Motion
+    shelf: PairPacks, known: Mapping[str, Target], tables: Tables, motion: Motion
 ) -> FitValues:
     """Return the values of a pair with some targets by name."""
     targets, poses = list(known.values()), len(shelf.poses)
@@ -223,7 +212,7 @@ def _start_values(
     )  # fmt: skip
 
 
-def with_mentions(face: FitFace, values: FitValues, lines: "Sequence[FitLine]") -> FitValues:
+def with_mentions(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -> FitValues:
     """Return values with the poses added that the lines show beyond the curves.
 
     Only signals of a single pose count, because a sum of poses does not identify one.
@@ -256,7 +245,7 @@ def with_mentions(face: FitFace, values: FitValues, lines: "Sequence[FitLine]") 
 
 
 def _occurrences(
-    face: FitFace, values: FitValues, lines: "Sequence[FitLine]"
+    face: FitFace, values: FitValues, lines: Sequence[FitLine]
 ) -> Iterator[tuple[Ints, Ints, Floats]]:
     """Yield targets (O,), poses (S,), and mean weights above the curves (O, S) of each line."""
     target = face.targeted

@@ -20,9 +20,10 @@ import numpy as np
 from lipsync_lang.arrays import Bools
 from lipsync_lang.capture.capture_clock import (
     NEAR_SECONDS,
+    SEARCHED_OFFSETS_SECONDS,
+    SPEEDS,
     ClockReading,
     ComparedMotion,
-    best_speed,
     read_clock,
     sounds_of,
     spoken_span,
@@ -101,7 +102,7 @@ def judge_captures(
     performer: Performer,
     captures: Captures,
     *,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> Captures:
     """Set unsound captures aside, and correct the offsets of the others.
 
@@ -123,8 +124,7 @@ def judge_captures(
             kept.append(_judged(performer, line))
         except LipsyncError as error:
             aside.append(SetAside(line=line.name, why=str(error)))
-        if progress is not None:
-            progress(number, len(captures.lines))
+        progress(number, len(captures.lines))
     strays = _unlike_the_others(kept)
     lines = (line for line, _ in kept if line.name not in {one.line for one in strays})
     return Captures(tuple(lines), (*aside, *strays))
@@ -266,7 +266,10 @@ def _check_words(reading: ClockReading, motion: ComparedMotion, chances: float) 
         )
     if best >= needed:
         return
-    likeness, speed = best_speed(motion)
+    searched = np.meshgrid(SEARCHED_OFFSETS_SECONDS, SPEEDS)
+    offsets, speeds = (one.ravel().tolist() for one in searched)
+    alike = motion.likenesses(offsets, speeds=speeds)[:, 0].tolist()
+    likeness, speed = max(zip(alike, speeds, strict=True))
     if likeness > max(needed, best + CLEARLY):
         raise AnimationError(
             f"its frame rate is wrong: the motion fits at {speed:.3g} times its speed (likeness "

@@ -95,14 +95,10 @@ def signal_figures(
         known = np.isfinite(captured[:, number])
         if known.any():
             wanted, old, new = (one[known, number] for one in (captured, before, after))
-            r_before, r_after = _r(wanted, old), _r(wanted, new)
-            rms = _rms(wanted, old), _rms(wanted, new)
-            found.append(SignalFigures(signal, r_before, r_after, *rms, float(wanted.std())))
+            r = _r(wanted, old), _r(wanted, new)
+            rms = [float(np.sqrt(np.mean((wanted - one) ** 2))) for one in (old, new)]
+            found.append(SignalFigures(signal, *r, rms[0], rms[1], float(wanted.std())))
     return tuple(sorted(found, key=lambda one: -one.rms_after))
-
-
-def _rms(wanted: Floats, shown: Floats) -> float:
-    return float(np.sqrt(np.mean((wanted - shown) ** 2)))
 
 
 def _r(wanted: Floats, shown: Floats) -> float | None:
