@@ -114,31 +114,6 @@ def title_of(schedule: Schedule) -> str:
 def _page(view: View) -> "Figure":
     from matplotlib.figure import Figure
 
-    title = title_of(view.animation.schedule)
-    height = layout.HEAD + view.strips * (view.height + layout.AXIS) + layout.FOOT
-    figure = Figure(figsize=(layout.WIDTH, height))
-    figure.text(
-        layout.LEFT / layout.WIDTH, 1 - 0.12 / height, title, size=13, weight="bold", va="top"
-    )
-    figure.text(
-        layout.LEFT / layout.WIDTH, 1 - 0.4 / height, _subtitle(view), size=10, color=INK, va="top"
-    )
-    _legend(figure, view, 1 - 0.64 / height)
-    edges = np.linspace(view.begin, view.end, view.strips + 1).tolist()
-    for number, limits in enumerate(pairwise(edges)):
-        bottom = height - layout.HEAD - (number + 1) * view.height - number * layout.AXIS
-        place = (view.left / layout.WIDTH, bottom / height)
-        size = (1 - (view.left + layout.RIGHT) / layout.WIDTH, view.height / height)
-        axes = figure.add_axes((*place, *size), xlim=limits, ylim=(view.height, 0))
-        for draw in (
-            _scales, _grounds, layout.draw_doubts, layout.draw_waveform, layout.draw_spectrogram,
-            _labels, _bigrams, _curves,
-        ):  # fmt: skip
-            draw(axes, view)
-    return figure
-
-
-def _subtitle(view: View) -> str:
     animation, motion = view.animation, view.performance.motion
     parts = [view.performer.language, view.performer.character, f"{animation.fps:g} fps"]
     named = [name for name, preset in PRESETS.items() if preset == motion != Motion()]
@@ -153,7 +128,25 @@ def _subtitle(view: View) -> str:
         parts.append(f"the first {layout.SHOWN:g} s of {animation.times[-1] - view.begin:.1f} s")
     if view.resting:
         parts.append(f"at rest: {shorten(', '.join(view.resting), TITLE_CHARS, placeholder=' …')}")
-    return "   ·   ".join(parts)
+    title, subtitle = title_of(animation.schedule), "   ·   ".join(parts)
+    left = layout.LEFT / layout.WIDTH
+    height = layout.HEAD + view.strips * (view.height + layout.AXIS) + layout.FOOT
+    figure = Figure(figsize=(layout.WIDTH, height))
+    figure.text(left, 1 - 0.12 / height, title, size=13, weight="bold", va="top")
+    figure.text(left, 1 - 0.4 / height, subtitle, size=10, color=INK, va="top")
+    _legend(figure, view, 1 - 0.64 / height)
+    edges = np.linspace(view.begin, view.end, view.strips + 1).tolist()
+    for number, limits in enumerate(pairwise(edges)):
+        bottom = height - layout.HEAD - (number + 1) * view.height - number * layout.AXIS
+        place = (view.left / layout.WIDTH, bottom / height)
+        size = (1 - (view.left + layout.RIGHT) / layout.WIDTH, view.height / height)
+        axes = figure.add_axes((*place, *size), xlim=limits, ylim=(view.height, 0))
+        for draw in (
+            _scales, _grounds, layout.draw_doubts, layout.draw_waveform, layout.draw_spectrogram,
+            _labels, _bigrams, _curves,
+        ):  # fmt: skip
+            draw(axes, view)
+    return figure
 
 
 def _legend(figure: "Figure", view: View, top: float) -> None:

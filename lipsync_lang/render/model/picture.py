@@ -153,7 +153,10 @@ class Artist:
         cut = self._cut[faces.names]
         cost = np.abs(area(faces.corners)).clip(0, keys.size) / 2 + OVERHEAD
         for some in (~cut, cut):
-            for own in _batches(np.flatnonzero(some), cost, COVERED):
+            numbers = np.flatnonzero(some)
+            # Batches are small enough for the processor cache.
+            edges = np.flatnonzero(np.diff(np.cumsum(cost[numbers]) // COVERED)) + 1
+            for own in np.split(numbers, edges) if len(numbers) else ():
                 seen = partial(self._opaque, faces, own) if some is cut else None
                 fill(flat, window, faces.corners[own], faces.depth[own], faces.names[own], seen)
         rank = np.empty(len(self._scene.triangles), np.intp)
@@ -190,12 +193,6 @@ class Artist:
             picked = Samples(*(values[one] for values in samples))
             u, v, near = _at(faces, picked, slice(4, 7))
             yield one, material, material.texels(u / near, v / near)
-
-
-def _batches(numbers: Ints, cost: Floats, most: int) -> list[Ints]:
-    """Split triangles into batches small enough for the processor cache."""
-    batch = np.cumsum(cost[numbers]) // most
-    return np.split(numbers, np.flatnonzero(np.diff(batch)) + 1) if len(numbers) else []
 
 
 def _at(faces: Faces, samples: Samples, part: slice) -> Singles:
