@@ -50,6 +50,26 @@ limits: {contacts: 0}
 
 MISTAKES = [
     ("open double quote", LANGUAGE, "title: Ours", 'title: "Ours', "P008", 5, 'write " at its end'),
+    ("curly quotes", LANGUAGE, "title: Ours", "title: “Ours”", "P106", 5, "write straight quotes"),
+    (
+        "title no",
+        LANGUAGE,
+        "title: Ours",
+        "title: no",
+        "P106",
+        5,
+        "write the name that readers see",
+    ),
+    ("title yes", LANGUAGE, "title: Ours", "title: true", "P103", 5, "put it in quotes"),
+    (
+        "boolean no",
+        LANGUAGE,
+        "tag: qab",
+        "tag: qab\nautomatic: no",
+        "P103",
+        5,
+        "write true or false",
+    ),
     ("open single quote", LANGUAGE, "title: Ours", "title: 'Ours", "P008", 5, "write ' at its end"),
     (
         "open quote in a list",

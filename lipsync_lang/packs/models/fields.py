@@ -21,6 +21,7 @@ from pydantic_core import CoreSchema, PydanticCustomError
 
 from lipsync_lang.packs.models.attribute_docs import describe
 from lipsync_lang.packs.yaml.source import Data
+from lipsync_lang.packs.yaml.value_text import RESERVED_WORDS
 
 PACK_FORMAT = 1
 """The newest format of packs that this program reads, and the one it writes."""
@@ -52,6 +53,19 @@ def _plain(text: str) -> str:
     return text
 
 
+def _title(text: str) -> str:
+    """Refuse curly quotes in place of straight ones, and words that YAML may read as booleans."""
+    context = {"text": text}
+    if text[:1] in {*"“”„‘"} and text[-1:] in {*"“”‘’"}:
+        context["hint"] = 'write straight quotes (") or none'
+        raise PydanticCustomError("P106", "{text} has curly quotes, which are no quotes", context)
+    if text.casefold() in RESERVED_WORDS:
+        context["hint"] = "write the name that readers see"
+        what = "the title '{text}' may be read as true or false"
+        raise PydanticCustomError("P106", what, context)
+    return text
+
+
 _COMMON_PATTERN = r"^([a-z]+|_)$"
 _SOUND_PATTERN = r"^[a-z]+$"
 _BIGRAM_PATTERN = r"([a-z]+|_)-([a-z]+|_)"
@@ -67,6 +81,9 @@ Parent = Annotated[str, Field(pattern=_PARENT_PATTERN, max_length=80)]
 
 Text = Annotated[str, Field(min_length=1)]
 """Text that is not empty."""
+
+Title = Annotated[str, AfterValidator(_title)]
+"""A name for readers."""
 
 Common = Annotated[str, Field(pattern=_COMMON_PATTERN)]
 """The label of a common phoneme: small letters, or `_` for silence."""
@@ -219,5 +236,5 @@ class PackModel(Strict):
     """The format of the file."""
     name: Name
     """The pack's name: that of its file or folder."""
-    title: str = ""
+    title: Title = ""
     """The pack's name in lists."""

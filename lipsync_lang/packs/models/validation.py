@@ -201,6 +201,8 @@ def _mend(sort: str, value: Data) -> str:
         return "put it in quotes"
     if value is None:
         return "write a value, or delete the field; text after ' #' is a comment"
+    if sort == "bool_type" and isinstance(value, str):
+        return "write true or false"
     if sort == "float_type" and isinstance(value, str):
         return "write a point, not a comma" if "," in value else "write a number, such as 0.5"
     if sort in ("tuple_type", "list_type") and isinstance(value, str):
