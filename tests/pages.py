@@ -3,7 +3,9 @@
 import os
 import re
 import shlex
+from contextlib import redirect_stderr, redirect_stdout
 from importlib.util import find_spec
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from typing import NamedTuple
 
@@ -143,23 +145,30 @@ def follow(page, start, perform):
             console(told, text, start)
 
 
-def follow_here(page, capsysbinary):
+def follow_here(page):
     """Follow the steps of a page within this process; some print pictures, which are no text."""
     scope = {"__name__": "__main__"}
+    streams = [TextIOWrapper(BytesIO(), "utf-8", write_through=True) for _ in range(2)]
+
+    def taken():
+        for stream in streams:
+            yield stream.buffer.getvalue().decode("utf-8", "replace")
+            stream.seek(0)
+            stream.truncate()
 
     def start(words):
-        capsysbinary.readouterr()
+        list(taken())
         try:
             code = main(words)
         except SystemExit as leaving:
             code = leaving.code or 0
-        printed = capsysbinary.readouterr()
-        return Ended(code, *(part.decode("utf-8", "replace") for part in printed))
+        return Ended(code, *taken())
 
     def perform(text):
         exec(compile(text, named(page), "exec"), scope)  # noqa: S102 our own page
 
-    follow(page, start, perform)
+    with redirect_stdout(streams[0]), redirect_stderr(streams[1]):
+        follow(page, start, perform)
 
 
 def write(path, text):

@@ -151,13 +151,13 @@ def messages(module):
 
 
 @pytest.mark.parametrize("page", swept(DOING, quick=[ROOT / "README.md"]), ids=named)
-def test_what_a_page_does_can_be_done(page, tmp_path, monkeypatch, capsysbinary):
+def test_what_a_page_does_can_be_done(page, tmp_path, monkeypatch):
     if module := missing(page):
         pytest.skip(f"{named(page)} needs {module}, which is an extra")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path / ".cache"))
     monkeypatch.delenv("LIPSYNC_LANG_PATH", raising=False)
-    follow_here(page, capsysbinary)
+    follow_here(page)
 
 
 # What a reader has: the README's installation, and any shell

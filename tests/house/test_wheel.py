@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 from lanes import full
-from pages import DOING, LEARNED, Ended, beyond, follow, named, readme_extras
-from places import ROOT
+from pages import DOING, LEARNED, beyond, named, readme_extras
+from places import ROOT, TESTS
 
 import lipsync_lang as ll
 
@@ -32,6 +32,15 @@ UNREACHABLE = (
     "ProxyError",
 )
 """Message of pip if it has no index."""
+
+FOLLOW = """
+import sys
+from pathlib import Path
+sys.path.append(sys.argv[1])
+from pages import follow_here
+follow_here(Path(sys.argv[2]))
+"""
+"""Follows a page with the installed package; the folder of the tests comes after it."""
 
 pytestmark = [full, pytest.mark.xdist_group("wheel")]
 
@@ -60,9 +69,8 @@ def installed_in(python, folder, dist, extras=()):
     programs = folder / ("Scripts" if sys.platform == "win32" else "bin")
     (wheel,) = dist.glob("*.whl")
     options = ["--quiet", "--disable-pip-version-check", "--prefer-binary"]
-    done = run(
-        programs / "python", "-m", "pip", "install", *options, f"{wheel}[{','.join(extras)}]"
-    )
+    wanted = f"{wheel}[{','.join(extras)}]" if extras else wheel
+    done = run(programs / "python", "-m", "pip", "install", *options, wanted)
     if done.returncode and any(words in done.stderr for words in UNREACHABLE):
         pytest.skip("pip reaches no index to install the wheel's requirements from")
     assert done.returncode == 0, done.stderr
@@ -264,15 +272,6 @@ def test_extras_that_are_missing_are_named(start):
 def test_a_reader_can_follow_a_page(page, readers, outside):  # noqa: ARG001 the current folder
     if more := beyond(page, readme_extras()):
         pytest.skip(f"{named(page)} asks for more than the README, which lacks {', '.join(more)}")
-    said = []
-
-    def start(words):
-        ended = run(readers / "lipsync-lang", *words)
-        return Ended(ended.returncode, ended.stdout, ended.stderr)
-
-    def perform(text):
-        said.append(text)  # later blocks use names of earlier ones
-        ended = run(readers / "python", "-c", "\n".join(said))
-        assert ended.returncode == 0, ended.stderr
-
-    follow(page, start, perform)
+    # one process a page: to start the program for each command costs as much as the commands
+    done = run(readers / "python", "-P", "-c", FOLLOW, TESTS, page)
+    assert done.returncode == 0, done.stderr
