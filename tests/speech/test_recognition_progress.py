@@ -40,7 +40,8 @@ def test_a_part_tells_its_share_of_the_whole():
 
 
 def test_the_model_tells_of_each_window(monkeypatch):
-    def window(_model, features, _words, done, _frames):
+    def window(_model, features, _words, done, *, anchored):
+        assert not anchored
         stop = min(1000, len(features))
         return [forced.HeardPhoneme(done, 1, 0, stop, 0.0)]
 

@@ -15,7 +15,7 @@ from typing import NamedTuple, overload
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.lines.markup import Cleaning
 from lipsync_lang.packs.finding import Paths
-from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
+from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, Audio, Schedule
 from lipsync_lang.speech.hearing.align.aligners import ALIGNERS, Aligner, BatchAligner
 from lipsync_lang.speech.hearing.engine_names import engine_and_model
 from lipsync_lang.speech.results import exhaust, next_result, raised
@@ -266,9 +266,11 @@ def _doubted(schedule: Schedule) -> Schedule:
         if word.confidence is not None and word.confidence < DOUBTFUL
     ]
     least = [place for _, place in sorted(words)[:MAX_DOUBTFUL_WORDS]]
+    pace = sum(label != SILENCE for label in schedule.labels) / schedule.end
     told = (
-        f"the text hardly fits the recording (confidence {sure:.2f}); check that it is the right "
-        f"text, in {schedule.language}" + (f"; in doubt: {', '.join(least)}" if least else "")
+        f"the text hardly fits the recording (confidence {sure:.2f}, {pace:.1f} phonemes a second, "
+        f"where 8 to 16 are usual); check that it is the right text, in {schedule.language}"
+        + (f"; in doubt: {', '.join(least)}" if least else "")
     )
     return replace(schedule, remarks=(told, *schedule.remarks))
 

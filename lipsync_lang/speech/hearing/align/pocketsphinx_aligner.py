@@ -21,7 +21,6 @@ from lipsync_lang.speech.hearing.sphinx.decoders import decoded_words
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, features
 from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.speech.hearing.sphinx.forced import (
-    LONG_WINDOW_FRAMES,
     WINDOW_FRAMES,
     HeardPhoneme,
     lay,
@@ -109,16 +108,17 @@ class PocketsphinxAligner(BatchAligner):
         heard = laid(models, features(sound), [saying.ways for saying in sayings])
         if heard is None:
             raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
-        agreeing = confidence(models, heard)
+        agreeing, sure = confidence(models, heard), line_confidence(heard)
+        words = ""
+        if reader.own and min(agreeing - MIN_AGREEMENT, sure - DOUBTFUL) < 0:
+            told = decoded_words(models, sound[:MAX_HEARD_SAMPLES])
+            words = (" ".join(word.text for word in told) or "no word")[:MAX_SHOWN_TEXT]
         if agreeing < MIN_AGREEMENT:
-            told = decoded_words(models, sound[:MAX_HEARD_SAMPLES]) if reader.own else []
-            words = " ".join(word.text for word in told) or "no word"
-            heard_words = f", where '{words[:MAX_SHOWN_TEXT]}' was heard" if reader.own else ""
+            heard_words = f", where '{words}' was heard" if words else ""
             raise SpeechError(
                 f"the text does not fit the recording{heard_words} ({agreeing:.0%} of its "
-                f"phonemes, confidence {line_confidence(heard):.2f}): "
-                f"'{text[:MAX_SHOWN_TEXT]}'; check the text, the language and the loudness of "
-                "the voice, or try another aligner (`aligner`)"
+                f"phonemes, confidence {sure:.2f}): '{text[:MAX_SHOWN_TEXT]}'; check the text, the "
+                "language and the loudness of the voice, or try another aligner (`aligner`)"
             )
         found = timed_labels(models, heard, sayings, audio.seconds)
         manner = speaker.manner
@@ -131,20 +131,20 @@ class PocketsphinxAligner(BatchAligner):
             source="recording",
             unread=transcript.unread,
             stress=stress_read(transcript, found.labels, notation, manner, speaker.notations),
-            remarks=tuple(doubts(heard, sayings)),
-            confidence=line_confidence(heard),
+            remarks=(*([f"heard instead: '{words}'"] if words else []), *doubts(heard, sayings)),
+            confidence=sure,
         )
 
 
 def laid(
     models: Models, sound: Floats, words: "Sequence[Pronunciations]"
 ) -> list[HeardPhoneme] | None:
-    """Align words in short windows, and again in longer ones if these lose the text."""
+    """Align words in short windows, and again in anchored ones if these lose the text."""
     heard = lay(models.model, sound, words)
     sure = line_confidence(heard) if heard else 0.0
     if sure >= DOUBTFUL or len(sound) <= WINDOW_FRAMES:
         return heard
-    again = lay(models.model, sound, words, LONG_WINDOW_FRAMES)
+    again = lay(models.model, sound, words, anchored=True)
     return again if again and line_confidence(again) > sure else heard
 
 

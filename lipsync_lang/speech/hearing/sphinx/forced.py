@@ -4,6 +4,11 @@ The sound is processed in windows, so that cost is linear in its length. Each wi
 the most likely path through the words ahead, with optional pauses. Words that end some seconds
 before the window's end are kept, and the next window starts there. Kept phonemes are aligned
 again with their actual neighbours as context.
+
+The path of a window may end in any word. Where the model hears badly, as in languages that are not
+its own, such a path stays behind the voice: other sound is likelier there than the right phonemes.
+An anchored window ends in a word that the pace of the remaining text allows, and keeps its first
+half. Its cost is some 2.5 times as high.
 """
 
 from collections.abc import Sequence
@@ -28,8 +33,11 @@ from lipsync_lang.speech.hearing.sphinx.trellis import SOUND_START, Run, likelie
 WINDOW_FRAMES = 1600
 """Window length in frames: 16 s."""
 
-LONG_WINDOW_FRAMES = 4000
-"""Window length where the usual one loses the text: a wrong turn costs more in 40 s."""
+ANCHORED_FRAMES = 4000
+"""Length of an anchored window in frames: 40 s."""
+
+PACE_TOLERANCE = 0.25
+"""Greatest relative difference of the pace in an anchored window from that of the rest."""
 
 OVERLAP_FRAMES = 300
 """Frames at the end of a window that are decoded again in the next."""
@@ -135,7 +143,8 @@ def lay(
     model: AcousticModel,
     features: Floats,
     words: Sequence[Pronunciations],
-    window: int = WINDOW_FRAMES,
+    *,
+    anchored: bool = False,
 ) -> list[HeardPhoneme] | None:
     """Align words to a sound.
 
@@ -144,14 +153,14 @@ def lay(
     model : acoustic model
     features : (T, 3, 13) of the sound
     words : pronunciations in spoken order
-    window : length of a window in frames; longer ones take more time for each frame
+    anchored : whether the pace of the text limits in which word a window ends
 
     Returns
     -------
     Phonemes from frame 0 to T, with every word included, as other sound where it is left out;
     None if the sound is too short, or if too many words are left for its last window
     """
-    heard = _lay(model, features, words, window)
+    heard = _lay(model, features, words, anchored=anchored)
     if heard is None:
         return None
     foreign = sum(one.stop - one.first for one in heard if one.phone == OUTSIDE)
@@ -168,18 +177,18 @@ def lay(
         return heard
     moved = features.copy()
     moved[:, 0] -= features[own, 0].mean(axis=0)
-    return _lay(model, moved, words, window)
+    return _lay(model, moved, words, anchored=anchored)
 
 
 def _lay(
-    model: AcousticModel, features: Floats, words: Sequence[Pronunciations], window: int
+    model: AcousticModel, features: Floats, words: Sequence[Pronunciations], *, anchored: bool
 ) -> list[HeardPhoneme] | None:
     """Align words to a sound, window by window."""
     heard: list[HeardPhoneme] = []
     at = done = 0
     while at < len(features):
         tell(at, len(features))
-        found = _window(model, features[at:], words, done, window)
+        found = _window(model, features[at:], words, done, anchored=anchored)
         if found is None:
             return None
         heard += [h._replace(first=h.first + at, stop=h.stop + at) for h in found]
@@ -189,18 +198,45 @@ def _lay(
     return heard
 
 
+def _reach(
+    features: Floats, words: Sequence[Pronunciations], done: int, *, anchored: bool
+) -> tuple[int, int, int]:
+    """Return the frames of a window, the first word that it may end in, and the one after all.
+
+    Parameters
+    ----------
+    features : of the rest of the sound
+    """
+    window = min(len(features), ANCHORED_FRAMES if anchored else WINDOW_FRAMES)
+    last = window == len(features)
+    if not anchored or last or done == len(words):
+        # Each state takes a frame at least. No window but the last has more words than fit at the
+        # fastest pace, and the search keeps only those that end before its overlap.
+        pace = STATES if last else FASTEST_FRAMES
+        ahead = words[done : done + window // pace]
+        shortest = np.cumsum([pace * min(map(len, ways)) for ways in ahead])
+        return window, done, done + int(np.searchsorted(shortest, window, side="right"))
+    # The loudness of a frame is its first cepstrum, less the mean: pauses do not count.
+    loud = features[:, 0, 0] > 0
+    counts = np.cumsum([len(ways[0]) for ways in words[done:]])
+    expected = counts[-1] * loud[:window].sum() / max(loud.sum(), 1)
+    limits = expected * np.array([1 - PACE_TOLERANCE, 1 + PACE_TOLERANCE])
+    near, far = (done + np.searchsorted(counts, limits)).tolist()
+    return window, min(near, len(words) - 1), min(far + 1, len(words))
+
+
 def _window(
-    model: AcousticModel, features: Floats, words: Sequence[Pronunciations], done: int, window: int
+    model: AcousticModel,
+    features: Floats,
+    words: Sequence[Pronunciations],
+    done: int,
+    *,
+    anchored: bool,
 ) -> list[HeardPhoneme] | None:
     """Return the kept path of the window at the start of a sound, with earlier words done."""
-    last = len(features) <= window
+    window, near, stop = _reach(features, words, done, anchored=anchored)
+    last = window == len(features)
     features = features[:window]
-    # Each state takes a frame at least. No window but the last has more words than fit at the
-    # fastest pace, and the search keeps only those that end before its overlap.
-    pace = STATES if last else FASTEST_FRAMES
-    ahead = words[done : done + len(features) // pace]
-    shortest = np.cumsum([pace * min(map(len, ways)) for ways in ahead])
-    stop = done + int(np.searchsorted(shortest, len(features), side="right"))
     if last and stop < len(words):
         return None
     sound = Listening(model, features)
@@ -216,16 +252,21 @@ def _window(
         # Other sound in place of a word: the word is left out.
         skipped = Node(number, OUTSIDE, WordPosition.ALONE)
         before = [*spoken, graph.add(skipped, model.silence, model.silence, before)]
-    ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
+    ends: Sequence[int] | None = None
+    if last:
+        ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
+    elif anchored and near < stop:
+        ends = range([node.word for node in graph.nodes].index(near), len(graph.nodes))
     best = sound.scores(model.alone).max(axis=2)
     quiet = np.array([phone.book in model.fillers for phone in model.alone])
     loop = _Loop(best[:, ~quiet].max(axis=1), best[:, quiet].max(axis=1))
     scores = sound.scores(model.phones(graph.contexts))
-    way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends if last else None)
+    way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends)
     if way is None:
         return None
     if not last:
-        way = _kept(way, graph.nodes, len(features) - OVERLAP_FRAMES)
+        overlap = window // 2 if anchored else OVERLAP_FRAMES
+        way = _kept(way, graph.nodes, window - overlap)
     return _again(sound, loop, [(graph.nodes[run.phone], run) for run in way])
 
 
