@@ -189,21 +189,10 @@ def _posed(performer: "Performer") -> Face:
     roles = _roles(compiled, alone)
     aperture = measures.get(APERTURE, roles.opening.astype(float))
     unit = np.ones(count)
-    zero = np.zeros(count)
-    return Face(
-        performer.poses,
-        tuple(touches),
-        tables.caps,
-        tables.at_most,
-        zero,
-        unit,
-        unit,
-        measures,
-        _meant(compiled),
-        roles,
-        aperture if aperture.any() else None,
-        _vowels(compiled, alone @ aperture),
-    )
+    limits = tables.caps, tables.at_most, np.zeros(count), unit, unit
+    judged = measures, _meant(compiled), roles, aperture if aperture.any() else None
+    vowels = _vowels(compiled, alone @ aperture)
+    return Face(performer.poses, tuple(touches), *limits, *judged, vowels)
 
 
 def _meant(compiled: "CompiledPair") -> dict[str, Bools]:
@@ -284,18 +273,10 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
                 np.where(high < free[1] - 1e-9, high, np.inf),
             )
         )
+    ranges = rig.at_most, rig.low, rig.high, span
+    vowels = None if aperture is None else _vowels(compiled, alone @ aperture)
     return Face(
-        names,
-        tuple(touches),
-        (),
-        rig.at_most,
-        rig.low,
-        rig.high,
-        span,
-        {},
-        _meant(compiled),
-        aperture=aperture,
-        vowels=None if aperture is None else _vowels(compiled, alone @ aperture),
+        names, tuple(touches), (), *ranges, {}, _meant(compiled), aperture=aperture, vowels=vowels
     )
 
 
