@@ -22,12 +22,10 @@ NEGATIVE_TOLERANCE = 1e-3
 
 
 def fit(times: Floats, values: Floats, error: float, floors: Floats | None = None) -> Spline:
-    """Fit cubic curves that miss no frame by more than an error.
+    """Fit cubic curves to frames: `values` (T, C) at rising `times` (T,) in seconds.
 
-    A run of equal values is kept exactly, as closed lips and rest are. Of rising `times`, (T,)
-    seconds, and `values`, (T, C), the `error` is the largest distance between a frame and the
-    curve. The `floors`, (C,), are levels that a contact holds: frames above stay above, within
-    0.001.
+    No frame is farther than `error` from its curve. Runs of equal values, such as closed lips and
+    rest, are exact. Frames above `floors` (C,), the levels of contacts, stay above, within 0.001.
     """
     count = len(times)
     if count == 1:
@@ -61,7 +59,7 @@ def fit(times: Floats, values: Floats, error: float, floors: Floats | None = Non
 
 
 class _CurveSpans:
-    """Frames, and what a curve may show at each: (T, C) bounds."""
+    """Frames with the lowest and highest value of a curve at each: (T, C)."""
 
     def __init__(self, times: Floats, values: Floats, low: Floats, high: Floats) -> None:
         self.times, self.values = times, values
@@ -70,9 +68,9 @@ class _CurveSpans:
         """(T - 1,) True from frames that the next one equals."""
 
     def longest(self, first: int, last: int) -> tuple[int, Floats]:
-        """Return the end of the longest span found within the bounds, and its slopes.
+        """Return the end and the slopes (2, C) of the longest span found within the bounds.
 
-        The length is doubled until it fails, then halved in between.
+        The search doubles the span until it leaves the bounds, then bisects.
         """
         good, bad = first + 1, last + 1
         best = self.slopes(first, good)
@@ -123,7 +121,7 @@ class _CurveSpans:
 
 
 def _join(spans: _CurveSpans, keys: list[int], table: Floats) -> None:
-    """Give keys one slope on both sides where their spans stay within bounds: (K - 1, 2, C)."""
+    """Smooth `table`, (K - 1, 2, C) slopes: a key gets one slope if both its spans allow it."""
     for number in range(1, len(keys) - 1):
         before, after = table[number - 1].copy(), table[number].copy()
         first, key, last = keys[number - 1 : number + 2]

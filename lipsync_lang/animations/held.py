@@ -38,8 +38,8 @@ class HeldShape(NamedTuple):
 def held(animation: Animation, rest: str) -> list[HeldShape]:
     """Return the sequence of shapes from 0 to the end of the sound.
 
-    The spans have no gaps, and neighbours differ. Movement before time 0 and after the end of the
-    sound is cut. `rest` names the neutral shape, if the animation does not.
+    Spans have no gaps, and neighbours differ. Movement before 0 s and after the sound is cut. An
+    animation without a neutral shape shows `rest`.
     """
     end = animation.offset + sound(animation)
     if end <= 0:
@@ -66,10 +66,9 @@ def sound(animation: Animation) -> float:
 
 
 def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
-    """Return the index of the shown pose at each frame; P is the neutral face.
+    """Return the pose shown at each frame of `weights` (T, P): its column, or P if neutral.
 
-    Each run has at least `frames` frames, unless there are fewer in the weights, (T, P). `contacts`
-    are columns that must stay visible.
+    A pose stays for `frames` frames or more, or for all T. The columns `contacts` stay visible.
     """
     count, poses = weights.shape
     least = min(frames, count)

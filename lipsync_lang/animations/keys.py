@@ -48,7 +48,7 @@ class KeyedCurve(NamedTuple):
 
 
 def keyframes(times: Floats, values: Floats, error: float) -> Ints:
-    """Return the indices of keyframes of rising times, (T,), within a distance from the lines."""
+    """Return the frames that are keys; lines between them are within `error` of all (T,) values."""
     count = len(times)
     error = max(error - DECIMAL_ROUNDING, 0.0)
     if count <= 2:  # noqa: PLR2004 both ends
@@ -64,7 +64,7 @@ def keyframes(times: Floats, values: Floats, error: float) -> Ints:
 
 
 def _chain(times: Floats, values: Floats, error: float) -> Ints:
-    """Return the keys after the first, for a span without runs."""
+    """Return the keys of a span without runs, except the first: frame numbers from its start."""
     last = len(times) - 1
     if last == 1 or values[0] == values[1]:  # a step, or a run of equal values
         return np.array([last])
@@ -93,10 +93,10 @@ def curves(
     error: float = ERROR,
     floors: Mapping[str, float] | None = None,
 ) -> list[KeyedCurve]:
-    """Return the keyframes of every channel of an animation, (T, C).
+    """Return the keyframes of each channel: `weights` (T, C) at `times` (T,) in seconds.
 
-    The maximum distance between a frame and the curve is `error`; that of cubic curves must be in
-    (0, 0.5]. `floors` are levels that contacts hold, by name, for cubic curves; None is for lines.
+    No frame is farther than `error` from its curve; for cubic curves it is in (0, 0.5]. Curves are
+    cubic if there are `floors`, the levels of contacts by name, and straight lines if it is None.
     """
     found = []
     for number, name in enumerate(names):
@@ -115,7 +115,7 @@ def curves(
 
 
 def checked(error: float, *, lines: bool = False) -> float:
-    """Return the error of keys if it is in range: (0, 0.5], and 0 for straight lines as well."""
+    """Return an error of keys, or refuse it: (0, 0.5] is allowed, and 0 for straight lines."""
     if lines and error == 0:
         return error
     if not 0 < error <= LARGEST_ERROR:
@@ -133,7 +133,7 @@ def margin(error: float) -> float:
 
 
 def parse_keys(text: str) -> tuple[float, bool]:
-    """Parse an error of keys, ``0.01`` or ``lines:0.01``; True is returned for straight lines."""
+    """Parse ``0.01`` or ``lines:0.01``: the error of keys, and True for straight lines."""
     lines = text.startswith(LINES)
     try:
         error = float(text.removeprefix(LINES))
@@ -146,10 +146,10 @@ def parse_keys(text: str) -> tuple[float, bool]:
 
 
 def needed(times: Floats, weights: Floats, error: float) -> Ints:
-    """Return the indices of frames needed by any channel, for formats with shared keyframes.
+    """Return the keys that all channels share: frame numbers for `weights` (T, C).
 
-    A key of one channel bends the lines of the others, which may then stray too far. The worst
-    frame of each such line becomes a key too.
+    A key of one channel bends the lines of the others. If a line then misses a frame by more than
+    `error`, its worst frame becomes a key too.
     """
     ends = np.unique([0, len(times) - 1])
     keys = reduce(np.union1d, (keyframes(times, column, error) for column in weights.T), ends)

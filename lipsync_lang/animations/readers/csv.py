@@ -36,7 +36,7 @@ def read_csv(path: Path, content: bytes) -> Recording:
 def table_of(
     path: Path, content: bytes, *, gaps: bool = False
 ) -> tuple[Floats, tuple[str, ...], Floats]:
-    """Read times in seconds (T,), C names and values (T, C); `gaps` reads blank cells as `nan`."""
+    """Read times (T,) in seconds, C names, and values (T, C); with `gaps`, blank cells are NaN."""
     text = text_of(path, content)
     first = text.partition("\n")[0]
     separator = max(SEPARATORS, key=first.count)
