@@ -8,8 +8,7 @@ from textwrap import wrap
 
 from lipsync_lang.authoring.new_pack import WRAP_CHARS, flow, head, scalar
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
-from lipsync_lang.packs.models.braces import expanded
-from lipsync_lang.packs.models.rig_channels import channels_of
+from lipsync_lang.packs.models.rig_channels import channels_of, expanded
 from lipsync_lang.rigs.model import Model
 from lipsync_lang.rigs.recognise import Match
 from lipsync_lang.rigs.shape_matching import folded

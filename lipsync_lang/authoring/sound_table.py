@@ -12,7 +12,7 @@ from typing import Any
 from lipsync_lang.authoring.trial import Trial, try_out
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs import models
-from lipsync_lang.packs.checking.language_checks import notation_of, written
+from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.phonology.g2p import SpokenWord
@@ -77,7 +77,7 @@ class SoundTable:
             "automatic": model.automatic,
             "speaks": model.tts is not None,
             "notations": list(model.notations),
-            "read": written(model),
+            "read": model.g2p_notation,
             "common": common,
             "rows": self.rows(trial),
             "tests": self._tests(trial),
@@ -128,7 +128,7 @@ class SoundTable:
         rows = [*self._unmapped(trial)]
         for notation, table in model.notations.items():
             judged = self._judged(near) if notation == IPA and near is not None else {}
-            known = words if notation in (IPA, written(model)) else {}
+            known = words if notation in (IPA, model.g2p_notation) else {}
             for label, sounds in table.items():
                 row = self._row(notation, label, list(sounds.to), list(sounds.shares or ()))
                 example = model.examples.get(label, "") if notation == first else ""
@@ -190,16 +190,12 @@ class SoundTable:
             }
             row = other.get(label)
             if label in against:
-                one |= {
-                    "need": "doubtful",
-                    "says": f"contradicts its features: {', '.join(against[label])}",
-                }
+                says = f"contradicts its features: {', '.join(against[label])}"
+                one |= {"need": "doubtful", "says": says}
             elif row is not None and not row.reason:
                 by = " ".join(name for name, _ in row.automatic) or "nothing"
-                one |= {
-                    "need": "doubtful",
-                    "says": f"the nearest by its features is {by}, and no reason is given",
-                }
+                says = f"the nearest by its features is {by}, and no reason is given"
+                one |= {"need": "doubtful", "says": says}
             elif row is None and found.losses and one["distance"] > SMALL_MARK:
                 one |= {"need": "loses", "says": f"not shown: {', '.join(found.losses)}"}
             judged[label] = one
@@ -208,7 +204,7 @@ class SoundTable:
     def _unmapped(self, trial: Trial) -> Iterator[dict[str, Any]]:
         """Yield rows for unmapped labels that are spoken or in the inventory."""
         model = self.pack.model
-        name = written(model)
+        name = model.g2p_notation
         found: dict[tuple[str, str], list[str]] = {}
         for heard in trial.transcripts:
             for label in heard.unmapped:
@@ -271,7 +267,9 @@ class SoundTable:
             said = [name for name in heard.phonemes if name != common.silence] if heard else []
             claimed = [n for label in test.ipa.split() for n, _ in notation.find(label) or ()]
             claim = not test.ipa or test.accepts(claimed, common.shades)
-            right = heard is None or (not heard.unmapped and test.accepts_read(said, common.shades))
+            right = heard is None or (
+                not heard.unmapped and test.accepts(said, common.shades, read=True)
+            )
             rows.append(
                 {
                     "text": test.text,

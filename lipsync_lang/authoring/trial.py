@@ -50,7 +50,7 @@ class Trial:
                 what = f"'{test.text}' has {labels}, which the pack does not map"
                 hint = f"map it under `notations: {heard.notation}`"
                 yield test_fault(self.pack, index, what, hint)
-            elif not test.accepts_read(said, self.shades):
+            elif not test.accepts(said, self.shades, read=True):
                 wanted = " ".join(test.read or test.phonemes)
                 what = f"'{test.text}' becomes {' '.join(said)}, not {wanted}"
                 hint = f"the engine read {' '.join(heard.labels)}; correct the map or the test"

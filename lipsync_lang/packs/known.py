@@ -1,6 +1,6 @@
 """The common phonemes of all languages together."""
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -11,22 +11,18 @@ if TYPE_CHECKING:
 
 
 class KnownPhonemes(Collection[str]):
-    """Phonemes of every language, loaded lazily.
+    """Some common phonemes, and those that any language of a library adds.
 
     Loading every language is slow, so `in` does so only for a label missing from `common`.
-
-    Parameters
-    ----------
-    common : phonemes of the common pack
-    more : returns the phonemes that languages add
     """
 
-    def __init__(self, common: set[str], more: Callable[[], set[str]]) -> None:
-        self._common, self._more = common, more
+    def __init__(self, library: "Library", common: set[str]) -> None:
+        self._library, self._common = library, common
 
     @cached_property
     def _whole(self) -> set[str]:
-        return self._common | self._more()
+        names = {found.name for found in self._library.names("language")}
+        return self._common.union(*(added_by(self._library, name) for name in sorted(names)))
 
     def __contains__(self, name: object) -> bool:
         return name in self._common or name in self._whole
@@ -44,13 +40,3 @@ def added_by(library: "Library", language: str) -> set[str]:
         return set(library.language(language).model.adds)
     except PackError:
         return set()
-
-
-def known(library: "Library", common: Collection[str]) -> KnownPhonemes:
-    """Return the phonemes of every language in a library."""
-
-    def added() -> set[str]:
-        names = {found.name for found in library.names("language")}
-        return set().union(*(added_by(library, name) for name in sorted(names)))
-
-    return KnownPhonemes(set(common), added)

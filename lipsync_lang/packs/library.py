@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_FileRequest = tuple[Path, str | None, str | None]
-"""A file with the kind and the name that it must have."""
+FileRequest = tuple[Path, str | None, str | None]
+"""A file with the kind and the name that it must have; None for any."""
 
 M = TypeVar("M", bound="models.PackModel")
 
@@ -101,12 +101,7 @@ class Pack(Generic[M]):
 class Library(Finder):
     """The packs in all folders searched: a finder that reads, and remembers what it looked up.
 
-    Parameters
-    ----------
-    paths : folders to search first, and files of single packs
-    project : the project's folder, searched next; None for no project
-    unsaved : contents of files, by absolute path, in place of those on the disk or beside them
-    earlier : a library whose packs are used again where their content is the same
+    A library that came `earlier` lends its packs where their content is the same.
 
     Attributes
     ----------
@@ -126,19 +121,12 @@ class Library(Finder):
         super().__init__(paths, project, unsaved)
         self.lookups: dict[tuple[str, str], tuple[str, ...]] = {}
         self.files: dict[str, str] = {}
-        self.faults: list[Fault] = [
-            Fault(
-                "installed distributions",
-                1,
-                1,
-                "W304",
-                f"'{entry.dist}' offers packs in '{entry.value}', which is gone",
-                "install it again, or remove it",
-                "warning",
-            )
-            for entry in self.missing
-        ]
-        self._loaded: dict[_FileRequest, _LoadedFile] = {}
+        self.faults: list[Fault] = []
+        for entry in self.missing:
+            what = f"'{entry.dist}' offers packs in '{entry.value}', which is gone"
+            place, hint = "installed distributions", "install it again, or remove it"
+            self.faults.append(Fault(place, 1, 1, "W304", what, hint, "warning"))
+        self._loaded: dict[FileRequest, _LoadedFile] = {}
         self._earlier = {} if earlier is None else earlier.by_content()
 
     def lookup(self, kind: str, name: str) -> tuple[str, ...]:
@@ -155,13 +143,7 @@ class Library(Finder):
         return cast("Pack[models.Ipa]", self._shared(IPA))
 
     def language(self, name: str) -> "Pack[models.Language]":
-        """Load a language merged with its parents; a name ENGINE:CODE needs no pack.
-
-        Raises
-        ------
-        PackError
-            No language has the name, or its pack is faulty.
-        """
+        """Load a language merged with its parents; a name ENGINE:CODE needs no pack."""
         from lipsync_lang.packs.automatic import HOW, automatic, unpacked
         from lipsync_lang.packs.extending import extended
 
@@ -229,25 +211,16 @@ class Library(Finder):
         for number, name in enumerate(character.model.banks):
             path = beside(character.path, name, self.unsaved)
             if path is None:
-                what, hint = (
-                    f"there is no file '{name}'",
-                    f"it belongs in {shown(character.path.parent)}",
-                )
-                fault = character.fault(("banks", number), "P213", what, hint)
-                raise self.failing(fault)
+                what = f"there is no file '{name}'"
+                hint = f"it belongs in {shown(character.path.parent)}"
+                raise self.failing(character.fault(("banks", number), "P213", what, hint))
             paths.append(path)
         return cast("list[Pack[models.BankPack]]", self._load_all(paths, "bank"))
 
     def load(
         self, path: Path, kind: str | None = None, name: str | None = None
     ) -> "Pack[models.PackModel]":
-        """Load one file; `kind` and `name`, if given, must match.
-
-        Raises
-        ------
-        PackFaults
-            The file does not fit its model; the error lists every fault.
-        """
+        """Load one file; `kind` and `name`, if given, must match. Raise `PackFaults` for faults."""
         model, source, faults = self.inspect(path, kind, name)
         if faults or model is None:
             raise PackFaults(faults)
@@ -274,17 +247,14 @@ class Library(Finder):
             self._loaded[key] = found
         return self._loaded[key]
 
-    def by_content(self) -> "dict[tuple[_FileRequest, str], _LoadedFile]":
+    def by_content(self) -> "dict[tuple[FileRequest, str], _LoadedFile]":
         """Return the files loaded so far, by what was asked for and the digest of the content."""
         return {(key, self.files[str(key[0])]): found for key, found in self._loaded.items()}
 
     def scanned(self, path: Path, content: bytes) -> YamlSource:
         """Return a file as data; content that was loaded already is not scanned once more.
 
-        Raises
-        ------
-        PackFaults
-            The content is not sound YAML.
+        Raise `PackFaults` for content that is not sound YAML.
         """
         digest = sha256(content).hexdigest()
         loaded = (

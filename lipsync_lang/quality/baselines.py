@@ -13,7 +13,6 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Floats
 from lipsync_lang.banks.draft import PASSIVE
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.own_face import own_face
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.quality.check_animation import Limits, check
@@ -102,7 +101,7 @@ def _targets(
     """
     packs = library or Library(performer.paths)
     who = packs.character(performer.compiled.character).model
-    targets = own_face(packs.poseset(who.poseset).model, who).targets
+    targets = who.own_face(packs.poseset(who.poseset).model).targets
     parents = performer.compiled.shades.items()
     return {shade: targets.get(parent, ()) for shade, parent in parents} | targets
 

@@ -1,6 +1,5 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
-from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unicodedata import normalize
@@ -31,13 +30,12 @@ def manner_of(
         for word, sounds in said.items()
     }
     added = {name: phoneme for name, phoneme in model.adds.items() if phoneme is not None}
-    notation = (g2p.notation if g2p else None) or next(iter(model.notations), "")
     phonemes: dict[str, models.SoundFields] = {**common.shades, **common.phonemes, **added}
     return Manner(
         language=model.name,
         engine=g2p.engine if g2p else None,
         settings=_settings(language),
-        notation=notation,
+        notation=model.g2p_notation,
         voice=(model.tts.engine, model.tts.voice or "") if model.tts else None,
         others=dict(model.tts.others) if model.tts else {},
         kinds={name: phoneme.sound or "" for name, phoneme in phonemes.items()},
@@ -46,7 +44,7 @@ def manner_of(
         audio=_hearing(language),
         stress_digits=model.stress_digits,
         weak=model.weak or "",
-        forms=forms_of(model, common, notation),
+        forms=forms_of(model, common, model.g2p_notation),
         asides=model.asides,
         letters={normalize("NFC", one): one for one in g2p.letters} if g2p else {},
     )
@@ -76,7 +74,6 @@ def _settings(language: "Pack[models.Language]") -> Settings:
     model, g2p = language.model, language.model.g2p
     if g2p is None:
         return Settings(model.name)
-    notation = g2p.notation or next(iter(model.notations), "")
     stated = language.where(("g2p", "file")).file
     return Settings(
         language=model.name,
@@ -88,7 +85,7 @@ def _settings(language: "Pack[models.Language]") -> Settings:
         corrections=tuple(
             Correction(c.labels, c.to, c.before, c.after, c.spelled) for c in g2p.corrections
         ),
-        labels=tuple(model.notations.get(notation, ())),
+        labels=tuple(model.notations.get(model.g2p_notation, ())),
         respell=g2p.respell,
         otherwise=g2p.otherwise,
     )
@@ -110,7 +107,7 @@ def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[
 def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:
     """Return the notations of mouth shapes as tables."""
     return {
-        name: {label: value_of(sounds) for label, sounds in notation.labels.items()}
+        name: {label: sounds.value for label, sounds in notation.labels.items()}
         for name, notation in common.visemes.items()
     }
 
@@ -118,7 +115,7 @@ def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:
 def tables_of(model: "models.Language") -> dict[str, dict[str, Value]]:
     """Return the notations of a language as tables; an automatic language needs none for IPA."""
     tables = {
-        name: {label: value_of(sounds) for label, sounds in table.items()}
+        name: {label: sounds.value for label, sounds in table.items()}
         for name, table in model.notations.items()
     }
     if model.automatic:
@@ -126,29 +123,25 @@ def tables_of(model: "models.Language") -> dict[str, dict[str, Value]]:
     return tables
 
 
-def value_of(sounds: "models.Sounds") -> Value:
-    """Return the common phonemes of a label, each with its share of the duration."""
-    even = tuple(1 / len(sounds.to) for _ in sounds.to)
-    return tuple(zip(sounds.to, sounds.shares or even, strict=True))
-
-
 def forms_of(language: "models.Language", common: "models.Phonemes", notation: str) -> SpokenForms:
-    """Return the written forms of a language.
+    """Return the written forms of a language, whose engine writes a notation.
 
     Shared interjections go to the nearest labels of the language, if its engine writes IPA.
-
-    Parameters
-    ----------
-    notation : the notation that the language's engine writes
     """
     stated, shared = language.text, common.text
     known: dict[str, Interjection] = {}
     if shared is not None and notation == IPA:
         labels = frozenset(map(normalise, language.notations.get(IPA, ())))
         for spelling, sounds in shared.interjections.items():
-            found = _nearest(sounds.to, labels, shared.nearby) if sounds is not None else ()
+            found: list[str] = []
+            for sound in sounds.to if sounds is not None else ():
+                # a language without labels takes any
+                choice = (sound, *shared.nearby.get(sound, ())) if labels else ()
+                alike = (one for one in choice if labels.intersection(looser(normalise(one))))
+                name = next(alike, "" if labels else sound)
+                found += [name] if name else []
             if sounds is not None and found:
-                known[spelling] = Interjection(found, sounds.say)
+                known[spelling] = Interjection(tuple(found), sounds.say)
     vowels = shared.vowels if shared is not None else ""
     if stated is None:
         return SpokenForms(known, vowels=vowels)
@@ -167,17 +160,3 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         hyphenated=stated.hyphenated,
         vowels=vowels,
     )
-
-
-def _nearest(
-    sounds: Collection[str], labels: frozenset[str], nearby: Mapping[str, Collection[str]]
-) -> tuple[str, ...]:
-    """Return labels of a language for sounds; a language without labels takes any."""
-    if not labels:
-        return tuple(sounds)
-    tried = ((sound, *nearby.get(sound, ())) for sound in sounds)
-    found = (
-        next((one for one in choice if labels.intersection(looser(normalise(one)))), "")
-        for choice in tried
-    )
-    return tuple(one for one in found if one)

@@ -13,9 +13,8 @@ from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
-from lipsync_lang.packs.known import known
+from lipsync_lang.packs.known import KnownPhonemes
 from lipsync_lang.packs.library import FilePlace
-from lipsync_lang.packs.own_face import own_face
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
@@ -93,13 +92,7 @@ class PairPacks:
 
     @classmethod
     def open(cls, library: "Library", language: str, character: str) -> Self:
-        """Load and check every pack of a pair.
-
-        Raises
-        ------
-        PackError
-            A pack is missing or unsound, or two of them do not fit.
-        """
+        """Load and check every pack of a pair; raise `PackError` for one that is unsound."""
         try:
             who = library.character(character)
             shelf = cls(
@@ -157,12 +150,12 @@ class PairPacks:
     def known(self) -> Collection[str]:
         """Phonemes that a pack may name: those of the pair, and of every other language."""
         common = self.common.model
-        return known(self.library, {*common.phonemes, *common.shades, *self.phonemes})
+        return KnownPhonemes(self.library, {*common.phonemes, *common.shades, *self.phonemes})
 
     @cached_property
     def face(self) -> "models.PoseSet":
         """The pose set, with the character's own targets and seconds in place of its."""
-        return own_face(self.poseset.model, self.character.model)
+        return self.character.model.own_face(self.poseset.model)
 
     @property
     def poses(self) -> tuple[str, ...]:

@@ -13,7 +13,6 @@ from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.phonology.ipa import Features, by_ear, key
 from lipsync_lang.phonology.labels import Value
 from lipsync_lang.phonology.nearest import NearestPhonemes
-from lipsync_lang.resolver.language_tables import value_of
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -128,12 +127,7 @@ class ModelPhones(NamedTuple):
 def model_phones() -> ModelPhones | None:
     """Return the search for phones of the acoustic model for all languages.
 
-    None where the pack of the IPA names no such model.
-
-    Raises
-    ------
-    PackError
-        The pack of the IPA is unsound or missing.
+    None where the pack of the IPA names no such model; raise `PackError` where it is unsound.
     """
     from lipsync_lang.packs.library import Library
 
@@ -164,9 +158,9 @@ def disagreements(
     """
     rows = []
     for label, sounds in language.notations.get(IPA, {}).items():
-        if not _agrees(near, label, value_of(sounds)):
+        if not _agrees(near, label, sounds.value):
             reason = reason_for(language, near, label, decided)
-            rows.append(Disagreement(label, value_of(sounds), near.value(label) or (), reason))
+            rows.append(Disagreement(label, sounds.value, near.value(label) or (), reason))
     return rows
 
 
@@ -188,7 +182,7 @@ def reason_for(
     for one in decided:
         if label in one.labels and one.to == sounds.to:
             return one.why
-    if _agrees(near, label, value_of(sounds)):
+    if _agrees(near, label, sounds.value):
         losses = near.nearest(label).losses
         return "by its features" + (f"; not shown: {', '.join(losses)}" if losses else "")
     # the longest first: a length mark is dropped before a letter is

@@ -1,7 +1,6 @@
 """Find contradictions between the constraints, priorities and contacts of a pose set."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -30,38 +29,27 @@ def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[BankPack] | None = None)
     yield from _contacts(poseset)
     yield from unprepared(poseset, poseset.model)
     if banks is not None:
-        yield from _unreached(poseset, _reach(poseset.model, banks))
+        yield from _unreached(poseset, banks)
 
 
-@dataclass(frozen=True)
-class _Order:
-    """The priorities and thresholds of a pose set."""
+def _rank(model: PoseSet, pose: str) -> int:
+    """Return a pose's index in `priority`; unlisted poses rank above all others."""
+    return model.priority.index(pose) if pose in model.priority else len(model.priority)
 
-    model: PoseSet
 
-    def rank(self, pose: str) -> int:
-        """Return a pose's index in `priority`; unlisted poses rank above all others."""
-        order = self.model.priority
-        return order.index(pose) if pose in order else len(order)
+def _threshold(model: PoseSet, one: str, other: str) -> "tuple[float, Loc]":
+    """Return the largest sum of two poses, and its place."""
+    for index, pair in enumerate(model.constraints.pairs):
+        if isinstance(pair, Threshold) and set(pair.between) == {one, other}:
+            return pair.threshold, ("constraints", "pairs", index, "threshold")
+    return model.constraints.default, ("constraints", "default")
 
-    def binds(self, pair: Threshold | AtMost) -> bool:
-        """Return True for a pair of known poses with a threshold below `NO_THRESHOLD`."""
-        if not isinstance(pair, Threshold) or not set(pair.between) <= set(self.model.poses):
-            return False
-        return pair.threshold < NO_THRESHOLD
 
-    def threshold(self, one: str, other: str) -> "tuple[float, Loc]":
-        """Return the largest sum of two poses, and its place."""
-        for index, pair in enumerate(self.model.constraints.pairs):
-            if isinstance(pair, Threshold) and set(pair.between) == {one, other}:
-                return pair.threshold, ("constraints", "pairs", index, "threshold")
-        return self.model.constraints.default, ("constraints", "default")
-
-    def unlisted(self, poses: Iterable[str]) -> Iterator[tuple[str, str]]:
-        """Yield the pairs of the given poses that have the default threshold."""
-        pairs = self.model.constraints.pairs
-        listed = {frozenset(p.between) for p in pairs if isinstance(p, Threshold)}
-        yield from (pair for pair in combinations(poses, 2) if frozenset(pair) not in listed)
+def _unlisted(model: PoseSet, poses: Iterable[str]) -> list[tuple[str, str]]:
+    """Return the pairs of the given poses that have the default threshold."""
+    pairs = model.constraints.pairs
+    listed = {frozenset(p.between) for p in pairs if isinstance(p, Threshold)}
+    return [pair for pair in combinations(poses, 2) if frozenset(pair) not in listed]
 
 
 def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
@@ -69,28 +57,31 @@ def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
     Pairs that are not listed have the default threshold.
     """
-    order = _Order(poseset.model)
+    model = poseset.model
     seen: dict[tuple[object, ...], int] = {}
-    for index, pair in enumerate(poseset.model.constraints.pairs):
+    for index, pair in enumerate(model.constraints.pairs):
         loc = ("constraints", "pairs", index)
         threshold = isinstance(pair, Threshold)
         one, other = pair.between if isinstance(pair, Threshold) else (pair.pose, pair.at_most)
         key = (threshold, *(sorted((one, other)) if threshold else (one, other)))
         if one == other:
-            yield poseset.fault(
-                loc, "P216", f"'{one}' is constrained with itself", "name two poses"
-            )
+            what = f"'{one}' is constrained with itself"
+            yield poseset.fault(loc, "P216", what, "name two poses")
         elif key in seen:
             line = poseset.where(("constraints", "pairs", seen[key])).line
             what = f"'{one}' and '{other}' are constrained twice"
             yield poseset.fault(loc, "P216", what, f"first in line {line}; keep one of the two")
-        elif order.binds(pair) and order.rank(one) == order.rank(other):
+        elif (
+            isinstance(pair, Threshold)
+            and pair.threshold < NO_THRESHOLD
+            and {one, other} <= set(model.poses)
+            and _rank(model, one) == _rank(model, other)
+        ):
             what = f"'{one}' and '{other}' have equal priority, so neither yields"
             yield poseset.warning(loc, "W302", what, "name the pose that yields under `priority`")
         seen.setdefault(key, index)
-    model = poseset.model
     level = [pose for pose in model.poses if pose not in model.priority]
-    tied = dict.fromkeys(pose for pair in order.unlisted(level) for pose in pair)
+    tied = dict.fromkeys(pose for pair in _unlisted(model, level) for pose in pair)
     limited = model.constraints.default < NO_THRESHOLD and set(model.priority) <= set(model.poses)
     if tied and limited:
         what = f"none of {', '.join(map(repr, tied))} yields: `priority` names none of them"
@@ -146,14 +137,14 @@ def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
 
 def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     """Check that no pose with a floor yields to a pose without one."""
-    model, order, floors = poseset.model, _Order(poseset.model), _floors(poseset.model)
+    model, floors = poseset.model, _floors(poseset.model)
     misspelt = not set(model.priority) <= set(model.poses)
     ranked = [pose for pose in model.poses if pose in model.priority or not misspelt]
     for pose, (_, name) in floors.items():
         loc = ("contacts", name, "floor", pose)
         for other in ranked:
-            above = order.rank(other) > order.rank(pose) and other not in floors
-            if above and order.threshold(pose, other)[0] < NO_THRESHOLD:
+            above = _rank(model, other) > _rank(model, pose) and other not in floors
+            if above and _threshold(model, pose, other)[0] < NO_THRESHOLD:
                 what = f"'{pose}' must yield to '{other}', so the contact may be invisible"
                 hint = f"put '{pose}' after '{other}' in `priority`"
                 yield poseset.fault(loc, "P207", what, hint, key=True)
@@ -170,9 +161,9 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     """Check that the threshold of two poses leaves room for both of their floors."""
-    order = _Order(poseset.model)
-    for (one, (low, _)), (other, (high, _)) in combinations(_floors(order.model).items(), 2):
-        threshold, loc = order.threshold(one, other)
+    model = poseset.model
+    for (one, (low, _)), (other, (high, _)) in combinations(_floors(model).items(), 2):
+        threshold, loc = _threshold(model, one, other)
         if threshold < min(NO_THRESHOLD, low + high - SUM_TOLERANCE):
             what = (
                 f"'{one}' and '{other}' may add up to {threshold:g}, "
@@ -216,25 +207,21 @@ def unprepared(pack: "Pack[PoseSet] | Pack[Character]", poseset: PoseSet) -> Ite
                 yield pack.warning(("targets", phoneme), "W314", what, hint, key=True)
 
 
-def _reach(model: PoseSet, banks: Iterable[BankPack]) -> dict[str, float]:
-    """Map each pose to its largest weight in targets, banks and floors."""
-    banked = (units for bank in banks for units in (bank.bigrams, bank.trigrams))
-    curves = [unit.curves for units in banked for unit in units.values()]
+def _unreached(poseset: "Pack[PoseSet]", banks: Iterable[BankPack]) -> Iterator[Fault]:
+    """Check that the largest weights of two poses in targets, banks and floors pass thresholds."""
+    model, constraints = poseset.model, poseset.model.constraints
+    units = (
+        unit for bank in banks for some in (bank.bigrams, bank.trigrams) for unit in some.values()
+    )
     weights: list[Mapping[str, float]] = [
         *(target.weights for steps in model.targets.values() for target in steps),
-        *({pose: max(v for _, v in curve) for pose, curve in some.items()} for some in curves),
+        *({pose: max(v for _, v in curve) for pose, curve in u.curves.items()} for u in units),
         *(contact.floor for contact in model.contacts.values()),
     ]
     reach: dict[str, float] = {}
     for some in weights:
         for pose, weight in some.items():
             reach[pose] = max(weight, reach.get(pose, 0.0))
-    return reach
-
-
-def _unreached(poseset: "Pack[PoseSet]", reach: Mapping[str, float]) -> Iterator[Fault]:
-    """Check that the poses of each threshold can exceed it."""
-    constraints = poseset.model.constraints
     for index, pair in enumerate(constraints.pairs):
         if isinstance(pair, Threshold) and set(pair.between) <= set(reach):
             one, other = pair.between
@@ -246,7 +233,7 @@ def _unreached(poseset: "Pack[PoseSet]", reach: Mapping[str, float]) -> Iterator
                 )
                 loc = ("constraints", "pairs", index, "threshold")
                 yield poseset.warning(loc, "W313", what, "lower the threshold, or drop the pair")
-    pairs = [*_Order(poseset.model).unlisted(poseset.model.poses)]
+    pairs = _unlisted(poseset.model, poseset.model.poses)
     if (
         constraints.default < NO_THRESHOLD
         and pairs

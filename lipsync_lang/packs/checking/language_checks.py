@@ -11,7 +11,7 @@ from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.phonology.g2p.g2p_engines import Rule
-from lipsync_lang.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow, unknown_labels
+from lipsync_lang.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow
 from lipsync_lang.phonology.labels import Notation, normalise
 
 if TYPE_CHECKING:
@@ -25,12 +25,12 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
     yield from _twice(language)
     yield from _rules(language)
     model = language.model
-    notation = notation_of(model, written(model))
+    notation = notation_of(model, model.g2p_notation)
     for spelling, sounds in model.text.interjections.items() if model.text else ():
         for label in sounds.to if sounds and not model.automatic else ():
             if notation.find(label) is None:
                 loc: Loc = ("text", "interjections", spelling)
-                what = f"'{label}' is not in the notation '{written(model)}'"
+                what = f"'{label}' is not in the notation '{model.g2p_notation}'"
                 yield language.fault(loc, "P218", what, notation.suggest(label))
 
 
@@ -48,17 +48,9 @@ def check_claims(
 
 def notation_of(model: "models.Language", name: str) -> Notation:
     """Return a notation of a language for look-ups of labels; silence is not included."""
-    table = {
-        label: tuple((common, 1 / len(sounds.to)) for common in sounds.to)
-        for label, sounds in model.notations.get(name, {}).items()
-    }
-    return Notation(table)
-
-
-def written(model: "models.Language") -> str:
-    """Return the name of the notation of the pack's engine."""
-    stated = model.g2p.notation if model.g2p else None
-    return stated or next(iter(model.notations), "")
+    return Notation(
+        {label: sounds.value for label, sounds in model.notations.get(name, {}).items()}
+    )
 
 
 def _twice(language: "Pack[models.Language]") -> Iterator[Fault]:
@@ -83,22 +75,22 @@ def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
     if g2p is None:
         return
     rules = [Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules]
-    labels = language.model.notations.get(written(language.model), {})
+    labels = language.model.notations.get(language.model.g2p_notation, {})
     known = {normalise(label) for label in labels}
-    unknown: list[tuple[str, int, str]] = [
-        *(("rules", *found) for found in unknown_labels(rules, labels)),
-        *(
-            ("corrections", number, label)
-            for number, one in enumerate(g2p.corrections)
-            for label in one.to
-            if normalise(label) not in known
-        ),
+    unknown = [
+        (field, number, label)
+        for field, made in (
+            ("rules", [one.to for one in g2p.rules]),
+            ("corrections", [one.to for one in g2p.corrections]),
+        )
+        for number, to in enumerate(made)
+        for label in to
+        if normalise(label) not in known
     ]
     for field, number, label in unknown if labels else ():
-        what = f"'{label}' is not in the notation '{written(language.model)}'"
-        yield language.fault(
-            ("g2p", field, number, "to"), "P218", what, did_you_mean(label, labels)
-        )
+        what = f"'{label}' is not in the notation '{language.model.g2p_notation}'"
+        hint = did_you_mean(label, labels)
+        yield language.fault(("g2p", field, number, "to"), "P218", what, hint)
     for number in too_slow(rules):
         what = f"the rule for '{rules[number].spelling}' {SLOW}"
         yield language.fault(("g2p", "rules", number), "P118", what, QUICKER)
@@ -159,18 +151,13 @@ def _annotated_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
     model = language.model
     notations = {name: notation_of(model, name) for name in model.notations}
     first = {name: notations[name] for name in [*model.notations][:1]}
-    said: list[tuple[str, Mapping[str, str], dict[str, Notation]]] = [
+    for name, labels, known in (
         ("examples", model.examples, first),
         ("reasons", model.reasons, notations),
-    ]
-    for name, labels, known in said:
+    ):
         for label in labels:
             if not any(notation.find(label) is not None for notation in known.values()):
-                what = (
-                    f"'{label}' is in no notation"
-                    if len(known) > 1
-                    else (f"'{label}' is not in the first notation")
-                )
-                every = [known_label for n in known.values() for known_label in n.table]
-                hint = did_you_mean(label, every)
+                where = "in no notation" if len(known) > 1 else "not in the first notation"
+                what = f"'{label}' is {where}"
+                hint = did_you_mean(label, [one for n in known.values() for one in n.table])
                 yield language.warning((name, label), "W308", what, hint, key=True)

@@ -25,7 +25,7 @@ from lipsync_lang.packs.models import (
     Threshold,
     TrigramCurves,
 )
-from lipsync_lang.packs.models.braces import expanded
+from lipsync_lang.packs.models.rig_channels import expanded
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
 
@@ -37,8 +37,7 @@ def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
     """Check that silence, `base`, `like` and mouth shapes name declared phonemes."""
     model = common.model
     known = {*model.phonemes, model.silence}
-    for number, label in enumerate(model.base):
-        yield from _phoneme(common, ("base", number), label, known)
+    yield from _phonemes(common, ("base",), model.base, known)
     yield from _twice(common, ("base",), model.base)
     for label, phoneme in model.phonemes.items():
         if phoneme.like is not None:
@@ -48,9 +47,8 @@ def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
     everywhere = {*model.base, model.silence}
     for name, notation in model.visemes.items():
         for label, sounds in notation.labels.items():
-            for number, sound in enumerate(sounds.to):
-                place: Loc = ("visemes", name, "labels", label, "to", number)
-                yield from _phoneme(common, place, sound, everywhere)
+            place: Loc = ("visemes", name, "labels", label, "to")
+            yield from _phonemes(common, place, sounds.to, everywhere)
 
 
 def _shades(common: "Pack[Phonemes]") -> Iterator[Fault]:
@@ -74,23 +72,18 @@ def _shades(common: "Pack[Phonemes]") -> Iterator[Fault]:
 def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fault]:
     """Check that a language maps labels and words to its own phonemes only."""
     model = language.model
-    known = phonemes_of(model, common)
+    known = with_shades({*common.base, common.silence, *model.adds}, common)
     yield from _adds(language, common, known)
     for notation, labels in model.notations.items():
         for label, sounds in labels.items():
-            for number, sound in enumerate(sounds.to):
-                loc: Loc = ("notations", notation, label, "to", number)
-                yield from _phoneme(language, loc, sound, known, common)
+            loc: Loc = ("notations", notation, label, "to")
+            yield from _phonemes(language, loc, sounds.to, known, common)
     for word, sounded in model.words.items():
-        for number, sound in enumerate(sounded):
-            yield from _phoneme(language, ("words", word, number), sound, known, common)
+        yield from _phonemes(language, ("words", word), sounded, known, common)
     for index, test in enumerate(model.tests):
-        for part, names in (("phonemes", test.phonemes), ("read", test.read)):
-            for number, name in enumerate(names):
-                loc = ("tests", index, part, number)
-                yield from _phoneme(language, loc, name, known, common)
-    yield from _g2p(language)
-    yield from _hearing(language)
+        yield from _phonemes(language, ("tests", index, "phonemes"), test.phonemes, known, common)
+        yield from _phonemes(language, ("tests", index, "read"), test.read, known, common)
+    yield from _engines(language)
     yield from check_labels(language)
 
 
@@ -111,30 +104,24 @@ def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) 
             yield from _phoneme(language, loc, phoneme.like, set(known) - {label}, common)
 
 
-def _hearing(language: "Pack[Language]") -> Iterator[Fault]:
-    """Check that `audio` names a notation of the language and labels of that notation."""
-    audio, notations = language.model.audio, language.model.notations
-    if audio is None or audio.notation is None:
+def _engines(language: "Pack[Language]") -> Iterator[Fault]:
+    """Check that `g2p` and `audio` name a notation of the language, and `audio` its labels."""
+    model, g2p, audio = language.model, language.model.g2p, language.model.audio
+    for field, part in (("g2p", g2p), ("audio", audio)):
+        name = part.notation if part is not None else None
+        if name is not None and name not in model.notations:
+            yield language.unknown((field, "notation"), "P217", "notation", name, model.notations)
+    if g2p is not None:
+        yield from _file(language, ("g2p", "file"), g2p.file)
+    if audio is None or audio.notation not in model.notations:
         return
-    if audio.notation not in notations:
-        yield language.unknown(("audio", "notation"), "P217", "notation", audio.notation, notations)
-        return
-    notation = notation_of(language.model, audio.notation)
+    notation = notation_of(model, audio.notation)
     for label, phones in audio.phones.items():
         for phone in phones:
             if notation.find(phone) is None:
                 what = f"'{phone}' is not in the notation '{audio.notation}'"
                 hint = notation.suggest(phone)
                 yield language.fault(("audio", "phones", label), "P218", what, hint)
-
-
-def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
-    g2p, notations = language.model.g2p, language.model.notations
-    if g2p is None:
-        return
-    if g2p.notation is not None and g2p.notation not in notations:
-        yield language.unknown(("g2p", "notation"), "P217", "notation", g2p.notation, notations)
-    yield from _file(language, ("g2p", "file"), g2p.file)
 
 
 def check_poseset(
@@ -151,21 +138,18 @@ def check_poseset(
     yield from _twice(poseset, ("priority",), model.priority)
     yield from _poses(poseset)
     for loc, pose in _poses_named(model):
-        yield from check_pose(poseset, loc, pose, model.poses)
+        yield from _pose(poseset, loc, pose, model)
     for name, contact in model.contacts.items():
-        for number, label in enumerate(contact.phonemes):
-            place = ("contacts", name, "phonemes", number)
-            yield from _phoneme(poseset, place, label, phonemes, common)
-        yield from _twice(poseset, ("contacts", name, "phonemes"), contact.phonemes)
+        place: Loc = ("contacts", name, "phonemes")
+        yield from _phonemes(poseset, place, contact.phonemes, phonemes, common)
+        yield from _twice(poseset, place, contact.phonemes)
     for label in model.targets:
         yield from _phoneme(poseset, ("targets", label), label, phonemes, common, key=True)
     yield from _rules(poseset, model.checks, model, phonemes)
     for number, region in enumerate(model.intensity.regions if model.intensity else ()):
-        yield from _region(poseset, ("intensity", "regions", number), region, model)
+        yield from _regions(poseset, ("intensity", "regions", number), [region], model, key=False)
     for name, style in model.styles.items():
-        for region in style.regions:
-            at_region = ("styles", name, "regions", region)
-            yield from _region(poseset, at_region, region, model, key=True)
+        yield from _regions(poseset, ("styles", name, "regions"), style.regions, model)
     yield from _file(poseset, ("model",), model.model)
     yield from conflicts(poseset, banks)
 
@@ -261,15 +245,19 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
     yield from check_bigrams(character, model.bigrams, poseset, phonemes)
     yield from _own_drafts(character, poseset, phonemes)
     yield from check_bigrams(character, model.trigrams, poseset, phonemes, field="trigrams")
-    for word, edit in model.words.items():
-        for pose in edit.curves:
-            yield from check_pose(character, ("words", word, "curves", pose), pose, poseset.poses)
-    for name, line in model.lines.items():
-        for index, change in enumerate(line.edits):
-            for pose in change.curves:
-                loc = ("lines", name, "edits", index, "curves", pose)
-                yield from check_pose(character, loc, pose, poseset.poses)
-    yield from _pronunciations(character, phonemes, languages)
+    lines = ((name, one) for name, line in model.lines.items() for one in enumerate(line.edits))
+    drawn: list[tuple[Loc, Iterable[str]]] = [
+        *((("words", word), edit.curves) for word, edit in model.words.items()),
+        *((("lines", name, "edits", index), edit.curves) for name, (index, edit) in lines),
+    ]
+    for loc, curves in drawn:
+        yield from check_poses(character, (*loc, "curves"), curves, poseset)
+    for language, words in model.pronunciations.items():
+        said: Loc = ("pronunciations", language)
+        if language not in languages:
+            yield character.unknown(said, "P210", "language", language, languages, key=True)
+        for word, sounds in words.items():
+            yield from _phonemes(character, (*said, word), sounds, phonemes)
     yield from _rules(character, model.checks, poseset, phonemes)
     for number, file in enumerate(model.banks):
         if beside(character.path, file, unsaved) is None:
@@ -288,12 +276,10 @@ def _own_drafts(
     for label in model.targets:
         yield from _phoneme(character, ("targets", label), label, phonemes, key=True)
     for loc, pose in _poses_targeted(model):
-        yield from check_pose(character, loc, pose, poseset.poses)
+        yield from _pose(character, loc, pose, poseset)
     yield from unprepared(character, poseset)
-    for region in model.softness:
-        yield from _region(character, ("softness", region), region, poseset, key=True)
-    for pose in model.anticipate:
-        yield from check_pose(character, ("anticipate", pose), pose, poseset.poses)
+    yield from _regions(character, ("softness",), model.softness, poseset)
+    yield from check_poses(character, ("anticipate",), model.anticipate, poseset)
     for item in model.fitted:
         if model.scalar(item) is None:
             what, hint = f"the character states no `{item}`", "delete this line"
@@ -309,8 +295,7 @@ def _rules(
     """Check that rules name known phonemes and measures of the pose set."""
     for name, rule in stated.rules.items():
         at: Loc = ("checks", "rules", name)
-        for number, label in enumerate(rule.phonemes):
-            yield from _phoneme(pack, (*at, "phonemes", number), label, phonemes)
+        yield from _phonemes(pack, (*at, "phonemes"), rule.phonemes, phonemes)
         yield from _twice(pack, (*at, "phonemes"), rule.phonemes)
         if rule.measure not in poseset.measures:
             what = f"unknown measure '{rule.measure}'"
@@ -328,17 +313,15 @@ def _file(pack: "Pack[Any]", loc: Loc, file: str | None) -> Iterator[Fault]:
         yield pack.fault(loc, "P213", what, hint)
 
 
-def _region(
-    pack: "Pack[PoseSet] | Pack[Character]",
-    loc: "Loc",
-    region: str,
-    poseset: PoseSet,
-    *,
-    key: bool = False,
+def _regions(
+    pack: "Pack[Any]", loc: "Loc", named: Iterable[str], poseset: PoseSet, *, key: bool = True
 ) -> Iterator[Fault]:
-    regions = sorted({pose.region for pose in poseset.poses.values() if pose.region})
-    if region not in regions:
-        yield pack.unknown(loc, "P230", "region", region, regions, key=key)
+    """Check that regions, which are the keys at a place, are those of poses."""
+    known = sorted({pose.region for pose in poseset.poses.values() if pose.region})
+    for region in named:
+        if region not in known:
+            place = (*loc, region) if key else loc
+            yield pack.unknown(place, "P230", "region", region, known, key=key)
 
 
 def _delivery(
@@ -349,31 +332,13 @@ def _delivery(
     styles: Collection[str],
 ) -> Iterator[Fault]:
     """Check that dials name regions of the pose set, and that styles have a bank or a draft."""
-    for region in stated.dials:
-        yield from _region(character, (*at, "dials", region), region, poseset, key=True)
+    yield from _regions(character, (*at, "dials"), stated.dials, poseset)
     known = {*styles, *poseset.styles} - {BankPack.model_fields["style"].default}
     for style in stated.styles:
         if style not in known:
             what = f"no bank has the style '{style}', so it has no effect"
             hint = did_you_mean(style, known) if known else "write a bank that states `style:`"
             yield character.warning((*at, "styles", style), "W320", what, hint, key=True)
-
-
-def _pronunciations(
-    character: "Pack[Character]", phonemes: Collection[str], languages: Collection[str]
-) -> Iterator[Fault]:
-    for language, words in character.model.pronunciations.items():
-        said: Loc = ("pronunciations", language)
-        if language not in languages:
-            yield character.unknown(said, "P210", "language", language, languages, key=True)
-        for word, sounds in words.items():
-            for number, sound in enumerate(sounds):
-                yield from _phoneme(character, (*said, word, number), sound, phonemes)
-
-
-def phonemes_of(language: Language, common: Phonemes) -> set[str]:
-    """Return the common phonemes of a language: base, silence, additions, and their shades."""
-    return with_shades({*common.base, common.silence, *language.adds}, common)
 
 
 def with_shades(phonemes: Collection[str], common: Phonemes) -> set[str]:
@@ -395,8 +360,7 @@ def check_bigrams(
         for label in dict.fromkeys(key.split("-")):
             if phonemes is not None:
                 yield from _phoneme(pack, (field, key), label, phonemes, key=True)
-        for pose in bigram.curves:
-            yield from check_pose(pack, (field, key, "curves", pose), pose, poseset.poses)
+        yield from check_poses(pack, (field, key, "curves"), bigram.curves, poseset)
 
 
 def check_home(
@@ -416,10 +380,29 @@ def _twice(pack: "Pack[Any]", loc: Loc, items: Iterable[str]) -> Iterator[Fault]
         seen.add(item)
 
 
-def check_pose(pack: "Pack[Any]", loc: Loc, pose: str, known: Collection[str]) -> Iterator[Fault]:
-    """Check that a place names a known pose."""
-    if pose not in known:
-        yield pack.unknown(loc, "P201", "pose", pose, known, key=pose == loc[-1])
+def check_poses(
+    pack: "Pack[Any]", loc: Loc, named: Iterable[str], poseset: PoseSet
+) -> Iterator[Fault]:
+    """Check that the keys at a place are poses of a pose set."""
+    for pose in named:
+        yield from _pose(pack, (*loc, pose), pose, poseset)
+
+
+def _pose(pack: "Pack[Any]", loc: Loc, pose: str, poseset: PoseSet) -> Iterator[Fault]:
+    if pose not in poseset.poses:
+        yield pack.unknown(loc, "P201", "pose", pose, poseset.poses, key=pose == loc[-1])
+
+
+def _phonemes(
+    pack: "Pack[Any]",
+    loc: Loc,
+    labels: Iterable[str],
+    known: Collection[str],
+    common: Phonemes | None = None,
+) -> Iterator[Fault]:
+    """Check that each label of a list is a known phoneme."""
+    for number, label in enumerate(labels):
+        yield from _phoneme(pack, (*loc, number), label, known, common)
 
 
 def _phoneme(  # noqa: PLR0913 the phoneme, its place and options

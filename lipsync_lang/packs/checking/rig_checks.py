@@ -6,10 +6,15 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.checking.conflicts import path_between
-from lipsync_lang.packs.checking.pack_checks import check_home, check_pose
+from lipsync_lang.packs.checking.pack_checks import check_home, check_poses
 from lipsync_lang.packs.models import PoseSet, RigPack
-from lipsync_lang.packs.models.braces import expanded, paired
-from lipsync_lang.packs.models.rig_channels import NamedChannel, channels_of, stated
+from lipsync_lang.packs.models.rig_channels import (
+    NamedChannel,
+    channels_of,
+    expanded,
+    paired,
+    stated,
+)
 from lipsync_lang.packs.yaml.faults import Fault
 
 if TYPE_CHECKING:
@@ -22,21 +27,15 @@ def check_rig(
 ) -> Iterator[Fault]:
     """Check that a rig names poses of its pose set and its own channels only.
 
-    Parameters
-    ----------
-    poseset : the pose set that drives the rig
-    posesets : the names of all pose sets
-    to : the pose set that the rig drives; None if there is none, or it is faulty
+    `posesets` are the names of all; the rig drives the pose set `to`, None if that is faulty.
     """
     model = rig.model
     yield from check_home(rig, model.poseset, poseset)
     if model.to is not None and model.to not in posesets:
         yield rig.unknown(("to",), "P203", "pose set", model.to, posesets)
     for key, channel in model.channels.items():
-        for pose in channel.gains:
-            yield from check_pose(rig, ("channels", key, "gains", pose), pose, poseset.poses)
-    for pose in model.lost:
-        yield from check_pose(rig, ("lost", pose), pose, poseset.poses)
+        yield from check_poses(rig, ("channels", key, "gains"), channel.gains, poseset)
+    yield from check_poses(rig, ("lost",), model.lost, poseset)
     yield from _twice(rig)
     yield from _limits(rig)
     yield from _names(rig)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from pydantic import ValidationError
 
@@ -20,6 +20,7 @@ from lipsync_lang.packs.finding import (
     COMMON,
     FOLDERS,
     IPA,
+    PACK_SUFFIXES,
     PART_FOLDERS,
     POSESET,
     SHARED,
@@ -27,8 +28,8 @@ from lipsync_lang.packs.finding import (
     entries,
     yaml_files,
 )
-from lipsync_lang.packs.known import added_by, known
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.known import KnownPhonemes, added_by
+from lipsync_lang.packs.library import FileRequest, Library, Pack
 from lipsync_lang.packs.models import MODELS, Language, PackModel
 from lipsync_lang.packs.project import FILE as PROJECT_FILE
 from lipsync_lang.packs.project import PROJECT, check_paths, find_project
@@ -42,22 +43,11 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-YAML = (".yaml", ".yml")
-"""Suffixes of YAML files; packs must have the first."""
-
 DEFINING = {"poses", "phonemes", "base", "adds", "channels", "features", "terms", "letters"}
 """Fields with names that other entries use: dropping one of theirs would cause false faults."""
 
 MAX_SALVAGE_ROUNDS = 5
 """Attempts: dropping one entry may make another faulty."""
-
-
-class File(NamedTuple):
-    """A pack file, with the kind and name required at its place; None accepts any."""
-
-    path: Path
-    kind: str | None
-    name: str | None
 
 
 def validate(library: Library, paths: Sequence[str | Path] | None = None) -> list[Fault]:
@@ -97,7 +87,7 @@ class _Validation:
         found = None if project is None else find_project(project)
         if found is not None:
             refuse_outside(found, found.parent)
-            self.check_file(_placed(found))
+            self.check_file(*_placed(found))
         self._tags()
 
     def check_path(self, path: Path) -> None:
@@ -108,13 +98,15 @@ class _Validation:
             for folder in parts or [path]:
                 self.check_folder(folder)
         else:
-            self.check_file(_placed(path))
+            self.check_file(*_placed(path))
 
     def check_folder(self, folder: Path) -> None:
         """Check all packs below a folder; warn of files that are never read."""
-        for path in sorted(p for p in folder.rglob("*") if p.suffix in YAML and p.is_file()):
-            if path.suffix == YAML[0]:
-                self.check_file(_placed(path))
+        for path in sorted(
+            p for p in folder.rglob("*") if p.suffix in PACK_SUFFIXES and p.is_file()
+        ):
+            if path.suffix == PACK_SUFFIXES[0]:
+                self.check_file(*_placed(path))
             else:
                 self._warn(path, "W303", "is not read, because packs end in `.yaml`", "rename it")
         if folder.name == FOLDERS["poseset"]:
@@ -123,18 +115,18 @@ class _Validation:
                 if entry.is_dir() and not any((entry / part).exists() for part in parts):
                     self._warn(entry, "W303", f"has no {POSESET}", "write one, or delete it")
 
-    def check_file(self, file: File) -> None:
+    def check_file(self, path: Path, kind: str | None, name: str | None) -> None:
         """Check one file against its model, then against other packs."""
         try:
-            model, source, faults = self.library.inspect(*file)
+            model, source, faults = self.library.inspect(path, kind, name)
         except PackError as error:
-            self.faults.add(Fault(shown(file.path), 1, 1, "P001", str(error), "check the path"))
+            self.faults.add(Fault(shown(path), 1, 1, "P001", str(error), "check the path"))
             return
         self.faults.update(faults)
         if model is not None:
             self._compare(Pack(model, (source,)))
         elif source.data is not None:
-            self._rest(source, file.kind)
+            self._rest(source, kind)
 
     def _rest(self, source: YamlSource, kind: str | None) -> None:
         """Check the sound entries of a faulty file, so that one run reports all faults."""
@@ -158,7 +150,6 @@ class _Validation:
             "bank": self._bank,
             "rig": self._rig,
             "character": self._character,
-            PROJECT: self._project,
         }
         kind, common, phonemes = pack.model.kind, self.common, self._phonemes()
         if kind in act:
@@ -171,6 +162,10 @@ class _Validation:
             model = None if common is None else common.model
             found = checks.check_poseset(pack, phonemes, self._banks(pack), model)
             self.faults.update(found)
+        elif kind == PROJECT:
+            for check in (check_languages, check_characters):
+                self.faults.update(check(pack, self.library))
+            self.faults.update(check_paths(pack))
 
     def _language(self, pack: "Pack[models.Language]") -> None:
         whole = self._try(lambda: extended(self.library, pack.path))
@@ -210,12 +205,7 @@ class _Validation:
         for file in pack.model.banks:
             path = beside(pack.path, file)
             if path is not None:
-                self.check_file(File(path, "bank", path.stem))
-
-    def _project(self, pack: "Pack[models.Project]") -> None:
-        self.faults.update(check_paths(pack))
-        self.faults.update(check_languages(pack, self.library))
-        self.faults.update(check_characters(pack, self.library))
+                self.check_file(path, "bank", path.stem)
 
     def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""
@@ -250,7 +240,7 @@ class _Validation:
         if language in self.languages:
             added = added_by(self.library, language)
             return checks.with_shades({*model.base, model.silence, *added}, model)
-        return known(self.library, {*model.phonemes, model.silence, *model.shades})
+        return KnownPhonemes(self.library, {*model.phonemes, model.silence, *model.shades})
 
     def _tags(self) -> None:
         """Warn of tags and aliases that two languages state."""
@@ -292,17 +282,17 @@ def _quietly(load: Callable[[], T]) -> T | None:
         return None
 
 
-def _placed(path: Path) -> File:
+def _placed(path: Path) -> FileRequest:
     """Return a file with the kind and name that its place requires."""
     folder = path.parent.name
     if path.name == PROJECT_FILE:
-        return File(path, PROJECT, None)
+        return path, PROJECT, None
     if path.name == POSESET:
-        return File(path, "poseset", folder)
+        return path, "poseset", folder
     kind = PART_FOLDERS.get(folder)
     if folder == FOLDERS["language"]:
         kind = SHARED.get(path.stem, "language")
-    return File(path, kind, path.stem)
+    return path, kind, path.stem
 
 
 def _salvaged(source: YamlSource, kind: str | None) -> PackModel | None:

@@ -47,9 +47,8 @@ def _missing(voices: tuple[str, ...]) -> dict[str, str]:
 def _voices(pack: "Pack[models.Language]") -> "Iterator[tuple[Loc, str]]":
     """Yield the voices of the engine that a language names, with their places."""
     g2p, tts = pack.model.g2p, pack.model.tts
-    if g2p is not None and g2p.engine == ESPEAK and g2p.voice is not None:
-        yield ("g2p", "voice"), g2p.voice
-    if tts is not None and tts.engine == ESPEAK and tts.voice is not None:
-        yield ("tts", "voice"), tts.voice
+    for field, part in (("g2p", g2p), ("tts", tts)):
+        if part is not None and part.engine == ESPEAK and part.voice is not None:
+            yield (field, "voice"), part.voice
     if tts is not None and ESPEAK in tts.others:
         yield ("tts", "others", ESPEAK), tts.others[ESPEAK]

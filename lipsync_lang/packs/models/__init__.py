@@ -2,24 +2,10 @@
 
 from typing import get_args
 
-from lipsync_lang.packs.models.check_models import Checks
+from lipsync_lang.packs.models.check_models import Checks, ReadOut
 from lipsync_lang.packs.models.fields import PackModel
 from lipsync_lang.packs.models.ipa_models import Decision, Ipa
-from lipsync_lang.packs.models.language_models import (
-    G2P,
-    TTS,
-    AudioFields,
-    LabelCorrection,
-    Language,
-    Phoneme,
-    Phonemes,
-    Rewrite,
-    Shade,
-    SoundFields,
-    Sounds,
-    Test,
-    Visemes,
-)
+from lipsync_lang.packs.models.language_models import Language, Phonemes, Shade, SoundFields, Sounds
 from lipsync_lang.packs.models.pose_models import (
     AtMost,
     BankPack,
@@ -28,8 +14,6 @@ from lipsync_lang.packs.models.pose_models import (
     Constraints,
     ContactRule,
     Delivery,
-    Edit,
-    LineEdits,
     MotionFields,
     PhonemeTarget,
     Pose,
@@ -38,17 +22,12 @@ from lipsync_lang.packs.models.pose_models import (
     RigPack,
     Threshold,
     TrigramCurves,
-    WordCurves,
 )
 from lipsync_lang.packs.models.project_models import Project
-from lipsync_lang.packs.models.readout_models import ReadOut
 
 __all__ = [
-    "G2P",
     "MODELS",
-    "TTS",
     "AtMost",
-    "AudioFields",
     "BankPack",
     "BigramCurves",
     "Character",
@@ -57,31 +36,23 @@ __all__ = [
     "ContactRule",
     "Decision",
     "Delivery",
-    "Edit",
     "Ipa",
-    "LabelCorrection",
     "Language",
-    "LineEdits",
     "MotionFields",
     "PackModel",
-    "Phoneme",
     "PhonemeTarget",
     "Phonemes",
     "Pose",
     "PoseSet",
     "Project",
     "ReadOut",
-    "Rewrite",
     "RigChannel",
     "RigPack",
     "Shade",
     "SoundFields",
     "Sounds",
-    "Test",
     "Threshold",
     "TrigramCurves",
-    "Visemes",
-    "WordCurves",
 ]
 
 MODELS: dict[str, type[PackModel]] = {

@@ -1,11 +1,20 @@
-"""Models of the checks of finished animations: rules for measures, and limits."""
+"""Models of measures: the checks of finished animations, and read-outs of sensors."""
 
-from typing import Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.packs.models.fields import NotNegative, Positive, Sound, Strict, Text, Unit
+from lipsync_lang.packs.models.fields import (
+    Name,
+    NotNegative,
+    PackModel,
+    Positive,
+    Sound,
+    Strict,
+    Text,
+    Unit,
+)
 
 
 class MeasureRule(Strict):
@@ -80,3 +89,23 @@ class Checks(Strict):
     """Share of the sounds beside a contact that should open the mouth and may stay shut."""
     opening_lag: NotNegative | None = None
     """Seconds until the mouth opens after a contact (median)."""
+
+
+class ReadOut(PackModel):
+    """Measures of a pose set as sums of the columns of sensors, for captures without weights."""
+
+    kind: Literal["readout"]
+    """The kind of file."""
+    name: Name = "readout"
+    """Name of the read-out."""
+    measures: Annotated[
+        dict[Text, Annotated[dict[Text, float], Field(min_length=1)]], Field(min_length=1)
+    ]
+    """For each measure of the pose set, columns with their weights; the measure follows their sum.
+    Its scale and its zero are unknown, and are fitted."""
+    lost: float | None = None
+    """Value of a column while its sensor is lost. Empty cells and `nan` always mean that."""
+    notation: Text | None = None
+    """Notation of the labels in the timings. By default the language pack tells it."""
+    silences: tuple[Text, ...] = ()
+    """Labels of silence in the timings, besides those of the language pack."""

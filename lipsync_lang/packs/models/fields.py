@@ -45,11 +45,8 @@ class Strict(BaseModel):
 def _plain(text: str) -> str:
     """Refuse names with surrounding spaces or unprintable characters."""
     if text != text.strip() or not text.isprintable():
-        raise PydanticCustomError(
-            "P106",
-            "'{text}' has spaces around it, or an invisible character",
-            {"text": text.strip()},
-        )
+        what = "'{text}' has spaces around it, or an invisible character"
+        raise PydanticCustomError("P106", what, {"text": text.strip()})
     return text
 
 
@@ -147,9 +144,8 @@ def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float
     for index, (time, _) in enumerate(points):
         if time < before:
             what = "times fall from {before} to {time}; the times of a curve must not fall"
-            raise PydanticCustomError(
-                "P113", what, {"before": f"{before:g}", "time": f"{time:g}", "at": index}
-            )
+            told = {"before": f"{before:g}", "time": f"{time:g}", "at": index}
+            raise PydanticCustomError("P113", what, told)
         before = time
     return points
 
@@ -218,9 +214,8 @@ def labels_as_sounds(value: Data) -> Data:
     if isinstance(value, (str, tuple, list)):
         return {"to": value}
     if not isinstance(value, (dict, Strict)):
-        raise PydanticCustomError(
-            "P103", "must be a label, a list of labels, or a mapping with `to`"
-        )
+        what = "must be a label, a list of labels, or a mapping with `to`"
+        raise PydanticCustomError("P103", what)
     return value
 
 

@@ -27,6 +27,7 @@ from lipsync_lang.packs.models.fields import (
 )
 from lipsync_lang.packs.models.text_models import LanguageText, SharedText
 from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
+from lipsync_lang.phonology.labels import Value
 
 SoundClass = Literal[
     "vowel", "glide", "liquid", "nasal", "stop", "fricative", "affricate", "silence"
@@ -90,15 +91,18 @@ class Sounds(Strict):
             return self
         if len(self.shares) != len(self.to):
             what = "{shares} shares for {to} phonemes; state one for each"
-            raise PydanticCustomError(
-                "P114", what, {"shares": len(self.shares), "to": len(self.to), "field": "shares"}
-            )
+            told = {"shares": len(self.shares), "to": len(self.to), "field": "shares"}
+            raise PydanticCustomError("P114", what, told)
         if not isclose(sum(self.shares), 1, abs_tol=SHARES_SLACK):
-            what = "shares add up to {sum}, not to 1"
-            raise PydanticCustomError(
-                "P114", what, {"sum": f"{sum(self.shares):g}", "field": "shares"}
-            )
+            what, total = "shares add up to {sum}, not to 1", f"{sum(self.shares):g}"
+            raise PydanticCustomError("P114", what, {"sum": total, "field": "shares"})
         return self
+
+    @property
+    def value(self) -> Value:
+        """The common phonemes, each with its share of the time."""
+        shares = self.shares or [1 / len(self.to) for _ in self.to]
+        return tuple(zip(self.to, shares, strict=True))
 
 
 ShortSounds = Short(labels_as_sounds, forms=sound_forms)
@@ -290,22 +294,17 @@ class Test(Strict):
     source: str = ""
     """The source of the transcription."""
 
-    def accepts(self, said: Sequence[str], shades: Mapping[str, Shade]) -> bool:
-        """Return True for the phonemes of the source; a shade passes where its parent is expected.
+    def accepts(
+        self, said: Sequence[str], shades: Mapping[str, Shade], *, read: bool = False
+    ) -> bool:
+        """Return True for the phonemes of the source, or with `read` for those of the engine.
 
-        So a test holds where a voice and its source differ by a shade.
+        A shade passes where its parent is expected: a voice and its source may differ by a shade.
         """
-        return _passes(said, self.phonemes, shades)
-
-    def accepts_read(self, said: Sequence[str], shades: Mapping[str, Shade]) -> bool:
-        """Return True for the phonemes that the pack's engine is expected to give."""
-        return _passes(said, self.read or self.phonemes, shades)
-
-
-def _passes(said: Sequence[str], expected: Sequence[str], shades: Mapping[str, Shade]) -> bool:
-    coarse = (shades[name].like if name in shades else name for name in said)
-    accepted = zip(expected, said, coarse, strict=False)
-    return len(said) == len(expected) and all(one in (name, up) for one, name, up in accepted)
+        expected = (self.read if read else ()) or self.phonemes
+        coarse = (shades[name].like if name in shades else name for name in said)
+        accepted = zip(expected, said, coarse, strict=False)
+        return len(said) == len(expected) and all(one in (name, up) for one, name, up in accepted)
 
 
 class StatedInventory(Strict):
@@ -371,3 +370,9 @@ class Language(PackModel):
     """If its text is often read wrongly: why, and what helps. Said once wherever text is read."""
     tests: tuple[Test, ...] = ()
     """Texts with their expected phonemes."""
+
+    @property
+    def g2p_notation(self) -> str:
+        """The notation that the pack's engine writes; empty for a pack without notations."""
+        stated = self.g2p.notation if self.g2p else None
+        return stated or next(iter(self.notations), "")

@@ -220,6 +220,8 @@ def _target(value: Data) -> Data:
     return full | {"overall": stated}
 
 
+_AMOUNT = {"type": "number", "minimum": 0}
+
 FlatTarget = Short(
     _target,
     forms=lambda _: [
@@ -229,20 +231,11 @@ FlatTarget = Short(
             "properties": {
                 "dominance": {
                     "description": descriptions(PhonemeTarget)["dominance"],
-                    "anyOf": [
-                        {
-                            "type": "object",
-                            "additionalProperties": {"type": "number", "minimum": 0},
-                        },
-                        {"type": "number", "minimum": 0},
-                    ],
+                    "anyOf": [{"type": "object", "additionalProperties": _AMOUNT}, _AMOUNT],
                 },
-                "status": {
-                    "description": descriptions(PhonemeTarget)["status"],
-                    "const": "fitted",
-                },
+                "status": {"description": descriptions(PhonemeTarget)["status"], "const": "fitted"},
             },
-            "additionalProperties": {"type": "number", "minimum": 0, "maximum": 1},
+            "additionalProperties": {**_AMOUNT, "maximum": 1},
         }
     ],
 )
@@ -424,10 +417,7 @@ Levels = Annotated[
 """A level, or points (word, level). Words count from 0; 2.5 is the middle of the third word."""
 
 Shares = Annotated[
-    tuple[tuple[NotNegative, Share], ...],
-    Field(min_length=1),
-    AfterValidator(_forwards),
-    OrNumber,
+    tuple[tuple[NotNegative, Share], ...], Field(min_length=1), AfterValidator(_forwards), OrNumber
 ]
 """A share, or points (word, share)."""
 
@@ -504,6 +494,21 @@ class Character(PackModel, Delivery):
             return self.motion.speed_limit
         own = {"softness": self.softness, "anticipate": self.anticipate}.get(field, {})
         return own.get(name)
+
+    def own_face(self, poseset: PoseSet) -> PoseSet:
+        """Return a pose set with the values that the character states in place of the set's."""
+        if not (self.targets or self.softness or self.anticipate):
+            return poseset
+        poses = dict(poseset.poses)
+        for name, seconds in self.anticipate.items():
+            if name in poses:
+                poses[name] = poses[name].model_copy(update={"anticipate": seconds})
+        changed = {
+            "poses": poses,
+            "targets": {**poseset.targets, **self.targets},
+            "softness": {**poseset.softness, **self.softness},
+        }
+        return poseset.model_copy(update=changed)
 
 
 Vector = tuple[float, float, float]

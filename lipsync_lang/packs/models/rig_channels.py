@@ -1,10 +1,49 @@
-"""The channels of a rig with their braces expanded and their spellings collected."""
+"""The channels of a rig with their braces expanded and their spellings collected.
 
+`mouthSmile{Left,Right}` stands for two names, two braces for four. Malformed braces are ordinary
+characters: no name is ever refused here.
+"""
+
+import re
 from collections.abc import Iterator
+from itertools import product
+from math import prod
 from typing import Any, NamedTuple
 
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
-from lipsync_lang.packs.models.braces import expanded, paired
+
+MAX_EXPANDED_NAMES = 256
+"""Most names one pattern may expand to; beyond, its braces are ordinary characters."""
+
+_BRACE = re.compile(r"\{([^{},]+(?:,[^{},]+)+)\}")
+
+
+def expanded(name: str) -> tuple[str, ...]:
+    """Return the names that a pattern expands to; a name without braces gives itself.
+
+    The last brace varies fastest: `a{1,2}{x,y}` gives a1x, a1y, a2x, a2y.
+    """
+    parts = _BRACE.split(name)
+    fixed, choices = parts[::2], [inner.split(",") for inner in parts[1::2]]
+    stray = any(mark in part for part in fixed for mark in "{}")
+    if not choices or stray or prod(map(len, choices)) > MAX_EXPANDED_NAMES:
+        return (name,)
+    return tuple(
+        fixed[0] + "".join(a + b for a, b in zip(chosen, fixed[1:], strict=True))
+        for chosen in product(*choices)
+    )
+
+
+def paired(name: str, count: int) -> tuple[tuple[str, ...], ...] | None:
+    """Distribute the names of a pattern over others, a tuple for each; None if they do not fit.
+
+    Equal numbers pair one to one. A single name goes to each of the others. If `count` is 1, all
+    names go to the one.
+    """
+    names = expanded(name)
+    if len(names) == count:
+        return tuple((one,) for one in names)
+    return (names,) * count if 1 in {len(names), count} else None
 
 
 class NamedChannel(NamedTuple):
