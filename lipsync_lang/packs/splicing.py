@@ -7,7 +7,7 @@ others.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple, Self
 
 from lipsync_lang.errors import PackError
+from lipsync_lang.packs.finding import POSESET
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.packs.yaml.rewriting import RewriteError, rewritten, same
@@ -71,14 +72,8 @@ HEAD_LOC: Final[Loc] = ("", "")
 class SplicedText:
     r"""A pack's text in parts; `changed` returns another one.
 
-    Parameters
-    ----------
-    path : the file, for messages
-    parts : the whole text in order
-    sound : False if the text did not fit its model when it was read
+    `sound` is False if the text did not fit its model when it was read.
 
-    Example
-    -------
     >>> from pathlib import Path
     >>> text = b"kind: bank\nformat: 1\nname: b\nposeset: f\nbigrams: {}  # none\n"
     >>> pack = SplicedText.read(Path("b.yaml"), text)
@@ -97,13 +92,7 @@ class SplicedText:
 
     @classmethod
     def read(cls, path: Path, content: bytes) -> Self:
-        """Cut a pack into parts.
-
-        Raises
-        ------
-        PackFaults
-            The content is not sound YAML.
-        """
+        """Cut a pack into parts; raise `PackFaults` for content that is not sound YAML."""
         return cls.of(read_yaml(path, content), content)
 
     @classmethod
@@ -152,12 +141,8 @@ class SplicedText:
     def changed(self, changes: Sequence[Change]) -> Self:
         """Return the text with values set, inserted or deleted, in order.
 
-        Raises
-        ------
-        PackFaults
-            The pack would be faulty.
-        PackError
-            A location lies within a value that has no entries.
+        Raise `PackFaults` if the pack would be faulty, and `PackError` for a location within a
+        value that has no entries.
         """
         made = self
         for loc, value in changes:
@@ -167,13 +152,17 @@ class SplicedText:
             _refuse_faults(made, entries if self.sound else set())
         return made if made is self else replace(made, sound=True)
 
+    def only(self, entries: Collection[str | int]) -> YamlSource:
+        """Return the data with these of the independent entries alone, without their places."""
+        some = self.data.get(INDEPENDENT) or {}
+        chosen = {key: some[key] for key in entries if key in some}
+        return YamlSource(self.path, {**self.data, INDEPENDENT: chosen})
+
     def checked(self) -> Self:
         """Return the text itself; raise `PackFaults` if the pack is faulty."""
         if not self.sound:
             _refuse_faults(self, set())
         return self
-
-    # Changes in place
 
     def _spliced(self, loc: Loc, value: Data) -> Self:
         """Return the text with one value changed."""
@@ -224,13 +213,10 @@ class SplicedText:
         return replace(self, parts=(*self.parts[:first], *made, *self.parts[stop:]))
 
 
-def _refuse_faults(pack: SplicedText, entries: set[str | int]) -> None:
+def _refuse_faults(pack: SplicedText, entries: Collection[str | int]) -> None:
     """Raise the faults of a pack; of independent entries, if any are named, check only these."""
-    data = pack.data
-    if entries:
-        some = data.get(INDEPENDENT) or {}
-        data = {**data, INDEPENDENT: {key: some[key] for key in entries if key in some}}
-    _, faults = validated(YamlSource(pack.path, data), name=pack_name(pack.path))
+    source = pack.only(entries) if entries else YamlSource(pack.path, pack.data)
+    _, faults = validated(source, name=pack_name(pack.path))
     if faults or len(pack.content) > MAX_PACK_BYTES:
         _, faults = validated(scan(pack.path, pack.content), name=pack_name(pack.path))
         raise PackFaults(faults)
@@ -241,17 +227,9 @@ _ENTRIES: Final = object()
 
 
 def spliced(source: YamlSource, content: bytes, changes: Sequence[Change]) -> bytes:
-    """Return the bytes of a pack with values set, inserted or deleted.
+    """Return the bytes of a pack with values changed, as `SplicedText.changed` does.
 
-    Parameters
-    ----------
-    source : the pack as read from `content`
-    changes : locations with their new values, `ABSENT` to delete; applied in order
-
-    Raises
-    ------
-    PackFaults
-        The pack would be faulty.
+    `source` is the pack as read from `content`.
     """
     return SplicedText.of(source, content).changed(changes).content
 
@@ -270,10 +248,7 @@ def get(data: Data, loc: Loc) -> Data:
 def put(data: Data, loc: Loc, value: Data) -> Data:
     """Return plain data with a value set or deleted; nothing given is changed.
 
-    Raises
-    ------
-    PackError
-        The location lies within a value that has no such entries.
+    Raise `PackError` for a location within a value that has no such entries.
     """
     if not loc:
         return value
@@ -304,21 +279,13 @@ def plain(value: Any) -> Data:
 
 def pack_name(path: Path) -> str:
     """Return the name a pack in this file must have: the file's, or for a pose set the folder's."""
-    from lipsync_lang.packs.finding import POSESET
-
     return path.parent.name if path.name == POSESET else path.stem
-
-
-# Parts of a text
 
 
 def _rewritten(path: Path, text: str, old: Data, loc: Loc, value: Data) -> tuple[YamlSource, str]:
     """Return a text with data `old` with one value changed, as data too.
 
-    Raises
-    ------
-    PackError
-        The value is stated in a way that allows no change.
+    Raise `PackError` for a value that is stated in a way that allows no change.
     """
     new = put(old, loc, value)
     with suppress(RewriteError):

@@ -15,7 +15,7 @@ from lipsync_lang.packs.library import FilePlace, Pack
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.splicing import INDEPENDENT, SplicedText, pack_name
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import Data, YamlSource, scan
+from lipsync_lang.packs.yaml.source import Data, scan
 from lipsync_lang.resolver.compile import PairRows, compile_packs
 from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.layers import DrawnBigrams, PairPacks
@@ -26,15 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class OpenPair:
-    """A compiled pair with its packs.
-
-    Parameters
-    ----------
-    compiled : for a `Performer`
-    shelf : its packs
-    rows : its bigrams
-    data : the data of each file with bigrams, by path
-    """
+    """A compiled pair with its packs and bigrams, and the data of their files by path."""
 
     compiled: CompiledPair
     shelf: PairPacks
@@ -54,12 +46,8 @@ class OpenPair:
 
         The result equals the pair compiled again, except that bigrams below an inserted or deleted
         line keep the line number that they had. None means that more changed in the texts than
-        bigrams of the pair's files: it must be compiled again.
-
-        Raises
-        ------
-        PackFaults
-            A bigram names an unknown phoneme or pose.
+        bigrams of the pair's files: it must be compiled again. Raise `PackFaults` for a bigram that
+        names an unknown phoneme or pose.
         """
         data, drawn = dict(self.data), self.shelf.drawn
         for text in texts:
@@ -103,9 +91,7 @@ def _without_bigrams(data: Data) -> Data:
 
 def _sound(shelf: PairPacks, text: SplicedText, keys: Collection[str]) -> Pack[Any]:
     """Return the pack of a text with some of its bigrams alone; raise `PackFaults` for theirs."""
-    some = text.data.get(INDEPENDENT) or {}
-    data = {**text.data, INDEPENDENT: {key: some[key] for key in keys if key in some}}
-    source = YamlSource(text.path, data)
+    source = text.only(keys)
     for whole in (False, True):  # the places of faults need the whole text
         model, faults = validated(source, name=pack_name(text.path))
         pack: Pack[Any] = Pack(model, (source,))

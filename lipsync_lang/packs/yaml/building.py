@@ -107,9 +107,8 @@ def _text(path: Path, content: bytes) -> str:
         what = f"control character U+{ord(bad.group()):04X}"
         raise stop(len(text[: bad.start()].encode()), "P005", what, "delete it")
     if not text.strip():
-        raise stop(
-            0, "P006", "the file is empty", "start it with `kind: ...`, `format: 1`, `name: ...`"
-        )
+        hint = "start it with `kind: ...`, `format: 1`, `name: ...`"
+        raise stop(0, "P006", "the file is empty", hint)
     return text
 
 
@@ -200,7 +199,10 @@ class _Builder:
             if collects:
                 gc.enable()
         if self.root is None:
-            raise self._stop(1, 1, "P006", "the file has only comments", "state the pack")
+            start = Fault(
+                shown(self.path), 1, 1, "P006", "the file has only comments", "state the pack"
+            )
+            raise _StopError(*self.faults, start)
         data, mark = self.root
         return YamlSource(self.path, data, mark, tuple(sorted(self.faults)), text)
 
@@ -225,23 +227,24 @@ class _Builder:
             error.place = error.place or (self.last.line + 1, self.last.column + 1)
             raise
 
-    def _stop(self, line: int, column: int, code: str, what: str, hint: str = "") -> _StopError:
-        return _StopError(*self.faults, Fault(shown(self.path), line, column, code, what, hint))
+    def _fault(self, mark: Event, code: str, what: str, hint: str = "") -> Fault:
+        """Return a fault at a mark of the parser."""
+        return Fault(shown(self.path), mark.line + 1, mark.column + 1, code, what, hint)
 
-    def _note(self, line: int, column: int, code: str, what: str, hint: str = "") -> None:
-        self.faults.append(Fault(shown(self.path), line, column, code, what, hint))
+    def _stop(self, mark: Event, code: str, what: str, hint: str) -> _StopError:
+        return _StopError(*self.faults, self._fault(mark, code, what, hint))
+
+    def _note(self, mark: Event, code: str, what: str, hint: str) -> None:
+        self.faults.append(self._fault(mark, code, what, hint))
 
     def _on_document(self, event: Event) -> None:
-        line, column = event.start_mark.line + 1, event.start_mark.column + 1
         if self.root is not None:
             hint = "delete the line `---`, or move what follows to a file of its own"
-            raise self._stop(line, column, "P009", "a second document starts here", hint)
+            raise self._stop(event.start_mark, "P009", "a second document starts here", hint)
         if event.version is not None and tuple(event.version) != (1, 2):
             version = ".".join(map(str, event.version))
-            hint = "delete the line `%YAML`"
-            self._note(
-                line, column, "P017", f"the file asks for YAML {version}; packs are YAML 1.2", hint
-            )
+            what = f"the file asks for YAML {version}; packs are YAML 1.2"
+            self._note(event.start_mark, "P017", what, "delete the line `%YAML`")
 
     def _on_scalar(self, event: Event) -> None:
         mark = event.start_mark
@@ -249,16 +252,16 @@ class _Builder:
         text: str = event.value
         plain = not event.style
         if event.tag is not None:
-            self._tagged(line, column, event.tag)
+            self._tagged(event)
         control = _NOT_TEXT.search(text) if event.style == '"' else None
         if control is not None:
             bad = f"U+{ord(control.group()):04X}"
-            self._note(line, column, "P005", f"control character {bad} in quotes", "delete it")
+            self._note(mark, "P005", f"control character {bad} in quotes", "delete it")
             text = _NOT_TEXT.sub("?", text)
         value: Data = text
         frame = self.frames[-1] if self.frames else None
         if frame is not None and frame.key is None and frame.data.__class__ is dict:
-            self._key(frame, text, line, column, plain=plain)
+            self._key(frame, text, mark, plain=plain)
         else:
             if plain:
                 if text not in self.scalars:
@@ -269,28 +272,26 @@ class _Builder:
             chars = event.end_mark.index - mark.index
             self.anchors[event.anchor] = _Anchor(value, SourceMark(line, column), chars)
 
-    def _key(self, frame: _Frame, text: str, line: int, column: int, *, plain: bool) -> None:
+    def _key(self, frame: _Frame, text: str, mark: Event, *, plain: bool) -> None:
         """Store the text as the key of the next value."""
-        frame.key, frame.key_at = text, Position(line, column)
+        frame.key, frame.key_at = text, Position(mark.line + 1, mark.column + 1)
         if text == "<<" and plain:
             frame.dropped = True
             hint = "write the fields out; an alias (`*name`) may stand for a whole value"
-            self._note(line, column, "P013", "merge keys (`<<`) are not supported", hint)
+            self._note(mark, "P013", "merge keys (`<<`) are not supported", hint)
         elif text in frame.inner:
             frame.dropped = True
             first = frame.inner[text][0].line
             hint = f"it is also in line {first}; keep one of the two"
-            self._note(line, column, "P015", f"'{text}' is stated twice", hint)
+            self._note(mark, "P015", f"'{text}' is stated twice", hint)
 
     def _on_start(self, event: Event, data: Data, inner: Data) -> None:
-        mark = event.start_mark
-        line, column = mark.line + 1, mark.column + 1
         if event.tag is not None:
-            self._tagged(line, column, event.tag)
-        self._not_a_key(line, column)
+            self._tagged(event)
+        self._not_a_key(event.start_mark)
         if len(self.frames) >= MAX_NESTING_LEVELS:
-            raise self._stop(line, column, "P010", TOO_DEEP, CLOSE_BRACKET)
-        self.frames.append(_Frame(data, inner, mark, event.anchor))
+            raise self._stop(event.start_mark, "P010", TOO_DEEP, CLOSE_BRACKET)
+        self.frames.append(_Frame(data, inner, event.start_mark, event.anchor))
 
     def _on_end(self, event: Event) -> None:
         frame = self.frames.pop()
@@ -308,17 +309,16 @@ class _Builder:
         The text and all repeated values together may not be longer than a file.
         """
         mark = event.start_mark
-        line, column = mark.line + 1, mark.column + 1
         around = next((frame.anchor for frame in self.frames if frame.anchor), None)
         if around is not None:
             what = f"alias '*{event.anchor}' lies within the value anchored by '&{around}'"
-            raise self._stop(line, column, "P012", what, "write the value out")
+            raise self._stop(mark, "P012", what, "write the value out")
         found = self.anchors.get(event.anchor)
         if found is None:
             what = f"alias '*{event.anchor}' has no anchor"
             hint = f"put text that begins with '*' into quotes, or write '&{event.anchor}' before"
-            raise self._stop(line, column, "P012", what, hint)
-        if not self._not_a_key(line, column):
+            raise self._stop(mark, "P012", what, hint)
+        if not self._not_a_key(mark):
             frame = self.frames[-1]
             frame.key, frame.dropped = "", True
             return
@@ -326,20 +326,21 @@ class _Builder:
         if self.chars > MAX_PACK_BYTES:
             size = f"{MAX_PACK_BYTES >> 20} MB"
             what = f"the file is larger than {size} once its aliases are written out"
-            raise self._stop(line, column, "P011", what, "split it into several packs")
+            raise self._stop(mark, "P011", what, "split it into several packs")
         self._add(found.data, found.mark)
 
-    def _tagged(self, line: int, column: int, tag: str) -> None:
-        what = f"tags such as '{tag}' are not supported"
-        self._note(line, column, TAG_FAULT, what, "delete it; quotes turn any value into text")
+    def _tagged(self, event: Event) -> None:
+        what = f"tags such as '{event.tag}' are not supported"
+        hint = "delete it; quotes turn any value into text"
+        self._note(event.start_mark, TAG_FAULT, what, hint)
 
-    def _not_a_key(self, line: int, column: int) -> bool:
+    def _not_a_key(self, mark: Event) -> bool:
         """Return True where a value is expected; note a fault where a key is expected."""
         frame = self.frames[-1] if self.frames else None
         if frame is None or frame.data.__class__ is list or frame.key is not None:
             return True
         what, hint = "a key must be plain text", "check for a missing colon, or one too many"
-        self._note(line, column, "P016", what, hint)
+        self._note(mark, "P016", what, hint)
         return False
 
     def _add(self, data: Data, mark: SourceMark) -> None:

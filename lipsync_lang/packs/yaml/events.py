@@ -29,13 +29,10 @@ _NEEDED = "\x85\u2028\u2029\ufeff\r%&*|>"
 
 
 class YamlError(Exception):
-    """A parser cannot read the text.
+    """A parser cannot read the text: its words, which may be empty, and their place.
 
-    Parameters
-    ----------
-    place : line and column from 1; None if the parser gives none
-    problem, context : the parser's words; either may be empty
-    started : line in which the context starts; None if the parser gives none
+    `place` is line and column from 1, `started` the line in which the context starts; None if the
+    parser gives none.
     """
 
     def __init__(
@@ -53,14 +50,9 @@ MAX_SLOW_BRACKETS = 200
 
 
 def parsers(text: str) -> tuple[Parser, ...]:
-    """Return the parsers for a text, in the order to try them.
+    """Return the parsers for a text, in the order to try them: the next one after a `YamlError`.
 
-    The next parser is tried after one raises `YamlError`.
-
-    Raises
-    ------
-    YamlError
-        Only ruamel.yaml can read the text, which is too long for it.
+    Raise `YamlError` for a text that only ruamel.yaml can read, and that is too long for it.
     """
     if not has_libyaml():
         return (by_ruamel,)

@@ -29,10 +29,7 @@ class RewriteError(Exception):
 def rewritten(text: str, old: Data, new: Data) -> str:
     """Return a text with data `old` as one with data `new`.
 
-    Raises
-    ------
-    RewriteError
-        The text has a form that cannot be rewritten here; the caller needs another way.
+    Raise `RewriteError` for a form that cannot be rewritten here; the caller needs another way.
     """
     try:
         root = spans(text)
@@ -105,8 +102,6 @@ class _Edits:
             self.found = found
             self._replace(span, new, within)
 
-    # Whole values
-
     def _replace(self, span: Span, new: Data, within: EntrySpan | None) -> None:
         """Replace a whole value; `within` is the key that it belongs to, or its item."""
         if span.kind == "mapping" and not span.flow and within is None:
@@ -129,8 +124,6 @@ class _Edits:
         else:
             empty = within is not None and span.start == span.end == within.after
             self.put(span.start, span.end, f" {line}" if empty else line)
-
-    # Mappings
 
     def _mapping(
         self, span: Span, before: Items, after: Items, new: Data, within: EntrySpan | None
@@ -201,8 +194,6 @@ class _Edits:
             lines = [f"{plain_or_quoted(key) + ':':<{width}} {on_one_line(value)}"]
         return [" " * indent + line for line in lines]
 
-    # Sequences
-
     def _sequence(
         self, span: Span, before: list[Data], after: list[Data], new: Data, within: EntrySpan | None
     ) -> None:
@@ -233,8 +224,6 @@ class _Edits:
         else:
             raise RewriteError("an item before one that does not start a line")
         self._insert_lines(at, lines)
-
-    # Collections in brackets
 
     def _flow(self, span: Span, old: list[str], new: list[str], made: Mapping[str, str]) -> None:
         """Insert and delete entries of a collection in brackets, `made` being new ones."""
@@ -290,8 +279,6 @@ class _Edits:
 
     def _drop(self, start: int, end: int) -> None:
         self.found = [edit for edit in self.found if not (start <= edit[0] and edit[1] <= end)]
-
-    # Lines
 
     def _line_start(self, at: int) -> int:
         return self.text.rfind("\n", 0, at) + 1

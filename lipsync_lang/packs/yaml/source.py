@@ -49,15 +49,10 @@ class SourceMark(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class YamlSource:
-    """A YAML file as plain data, with the place of every value.
+    """A YAML file as plain data (dicts, tuples, text, numbers, booleans and None), with its places.
 
-    Parameters
-    ----------
-    path : the file
-    data : dicts, tuples, text, numbers, booleans and None
-    root : the mark of `data`
-    faults : mistakes in the YAML
-    text : the file's text; empty after a fault that stops the reader
+    `root` is the mark of `data`, and `faults` are mistakes in the YAML. `text` is empty after a
+    fault that stops the reader.
     """
 
     path: Path
@@ -114,15 +109,7 @@ class YamlSource:
 
 
 def read_yaml(path: Path, content: bytes | None = None) -> YamlSource:
-    """Read a YAML file, or `content` in its place.
-
-    Raises
-    ------
-    PackError
-        The file cannot be opened.
-    PackFaults
-        The file is not sound YAML; the error lists every fault found.
-    """
+    """Read a YAML file, or `content` in its place; raise `PackFaults` if it is not sound YAML."""
     if content is None:
         content = read_bytes(path)
     source = scan(path, content)
@@ -132,14 +119,9 @@ def read_yaml(path: Path, content: bytes | None = None) -> YamlSource:
 
 
 def read_bytes(path: Path) -> bytes:
-    """Return the bytes of a pack file, cut off just above the size limit.
+    """Return the bytes of a pack file, cut off just above the size limit; raise `PackError`.
 
     The cut lets the builder refuse an endless file (a device, a pipe) for its size.
-
-    Raises
-    ------
-    PackError
-        The file cannot be opened.
     """
     try:
         with path.open("rb") as stream:

@@ -5,12 +5,14 @@ Offsets count characters from 0; an end is exclusive.
 """
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
 from lipsync_lang.packs.yaml.events import Event, YamlError, parsers
 
 _GAP = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_VALUE_EVENT = re.compile("(?:Scalar|Alias|(?:Mapping|Sequence)(?:Start|End))Event")
 
 
 @dataclass(slots=True)
@@ -42,15 +44,16 @@ class EntrySpan:
 def spans(text: str) -> Span:
     """Return the span of the text's root value.
 
-    Raises
-    ------
-    YamlError
-        No parser reads the text, or it is written in a form that packs do not use.
+    Raise `YamlError` if no parser reads the text, or if it has a form that packs do not use.
     """
     problem = YamlError(None, "no value", "", None)
     for parse in parsers(text):
         try:
-            return _Walk(text).root(list(parse(text)))
+            events = [e for e in parse(text) if _VALUE_EVENT.fullmatch(e.__class__.__name__)]
+            if not events:
+                raise _unusual()
+            walk = _Walk(text, iter(events))
+            return walk.value(next(walk.events))
         except YamlError as error:
             problem = error
     raise problem
@@ -59,24 +62,11 @@ def spans(text: str) -> Span:
 class _Walk:
     """Turns the events of one text into spans."""
 
-    def __init__(self, text: str) -> None:
-        self.text = text
-        self.events: list[Event] = []
-        self.next = 0
+    def __init__(self, text: str, events: Iterator[Event]) -> None:
+        self.text, self.events = text, events
 
-    def root(self, events: list[Event]) -> Span:
-        """Return the span of the first document's value."""
-        starts = ("Scalar", "Alias", "MappingStart", "SequenceStart")
-        wanted = tuple(f"{name}Event" for name in (*starts, "MappingEnd", "SequenceEnd"))
-        self.events = [event for event in events if event.__class__.__name__ in wanted]
-        if not self.events:
-            raise self._unusual()
-        return self._value()
-
-    def _value(self, after: int = 0) -> Span:
-        """Return the span of the next value; `after` is where an empty one stands."""
-        event = self.events[self.next]
-        self.next += 1
+    def value(self, event: Event, after: int = 0) -> Span:
+        """Return the span of the value of an event; `after` is where an empty one stands."""
         name, start, end = event.__class__.__name__, event.start_mark.index, event.end_mark.index
         if name == "AliasEvent":
             return Span("alias", start, end)
@@ -87,48 +77,47 @@ class _Walk:
             if quote in ("|", ">"):
                 end = max(start, len(self.text[:end].rstrip()))
             return Span("scalar", start, end, quote=quote)
-        if name == "MappingStartEvent":
-            span = Span("mapping", start, end, bool(event.flow_style))
-            self._mapping(span)
-        else:
-            span = Span("sequence", start, end, bool(event.flow_style))
-            self._sequence(span)
-        last = self.events[self.next].end_mark.index
-        self.next += 1
+        mapping = name == "MappingStartEvent"
+        span = Span("mapping" if mapping else "sequence", start, end, bool(event.flow_style))
+        last = self._mapping(span) if mapping else self._sequence(span)
         span.end = last if span.flow or not span.entries else span.entries[-1].value.end
         return span
 
-    def _mapping(self, span: Span) -> None:
-        while self.events[self.next].__class__.__name__ != "MappingEndEvent":
-            key = self.events[self.next]
-            if key.__class__.__name__ != "ScalarEvent":
-                raise self._unusual()
-            self.next += 1
+    def _mapping(self, span: Span) -> int:
+        """Add the entries of a mapping; return the end of its last event."""
+        key = next(self.events)
+        while key.__class__.__name__ != "MappingEndEvent":
             colon = self._skip(key.end_mark.index)
-            if self.text[colon : colon + 1] != ":":
-                raise self._unusual()
-            start = key.start_mark.index
-            span.entries.append(EntrySpan(key.value, start, colon + 1, self._value(colon + 1)))
+            if key.__class__.__name__ != "ScalarEvent" or self.text[colon : colon + 1] != ":":
+                raise _unusual()
+            value = self.value(next(self.events), colon + 1)
+            span.entries.append(EntrySpan(key.value, key.start_mark.index, colon + 1, value))
+            key = next(self.events)
+        return int(key.end_mark.index)
 
-    def _sequence(self, span: Span) -> None:
+    def _sequence(self, span: Span) -> int:
+        """Add the items of a sequence; return the end of its last event."""
         at = span.start
-        while self.events[self.next].__class__.__name__ != "SequenceEndEvent":
+        item = next(self.events)
+        while item.__class__.__name__ != "SequenceEndEvent":
             if span.flow:
-                value = self._value(self.events[self.next].start_mark.index)
+                value = self.value(item, item.start_mark.index)
                 span.entries.append(EntrySpan(None, value.start, value.start, value))
-                continue
-            dash = self._skip(at)
-            if self.text[dash : dash + 1] != "-":
-                raise self._unusual()
-            value = self._value(dash + 1)
-            span.entries.append(EntrySpan(None, dash, dash + 1, value))
-            at = value.end
+            else:
+                dash = self._skip(at)
+                if self.text[dash : dash + 1] != "-":
+                    raise _unusual()
+                value = self.value(item, dash + 1)
+                span.entries.append(EntrySpan(None, dash, dash + 1, value))
+                at = value.end
+            item = next(self.events)
+        return int(item.end_mark.index)
 
     def _skip(self, at: int) -> int:
         """Return the offset of the next character that is neither space nor comment."""
         found = _GAP.match(self.text, at)
         return at if found is None else found.end()
 
-    @staticmethod
-    def _unusual() -> YamlError:
-        return YamlError(None, "a form that packs do not use", "", None)
+
+def _unusual() -> YamlError:
+    return YamlError(None, "a form that packs do not use", "", None)
