@@ -19,7 +19,6 @@ RUN, ESCAPES = re.compile(r"\*+"), re.compile(r"(?:\\\*)+")
 MAX_MARKED_CHARS = 1000
 """Maximum length of an emphasised passage, which also limits the search for a closing asterisk."""
 
-
 REACH_CHARS = 10_000
 """Maximum distance of a word from the one before it."""
 

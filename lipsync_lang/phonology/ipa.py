@@ -165,13 +165,7 @@ class Features:
         self._longest = max(map(len, keys), default=1)
 
     def read(self, label: str, own: Iterable[str] = ()) -> LabelReading:
-        """Read a label as letters with features.
-
-        Parameters
-        ----------
-        label : any text
-        own : letters that `prefer` does not replace
-        """
+        """Read a label, which may be any text, as letters; `prefer` does not replace its `own`."""
         tokens, unknown = self._tokens(key(label))
         kept = frozenset(own)
         sounds: list[LetterSound] = []
@@ -331,12 +325,7 @@ def _case(case: Mapping[str, Any] | str, names: tuple[str, ...]) -> Case:
 
 
 def by_ear(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the data of the IPA with the weights of the ear, and voice.
-
-    Parameters
-    ----------
-    data : the pack of the IPA with its section on hearing, as JSON or YAML hold it
-    """
+    """Return the data of the IPA, weighed as its section on hearing says, with voice."""
     hearing = data["hearing"]
     weights, silent = hearing["weights"], frozenset(hearing["voiceless"].split())
     seen = {

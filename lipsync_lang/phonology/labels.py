@@ -72,9 +72,7 @@ def looser(label: str) -> Iterator[str]:
 def bare(label: str, unseen: Mapping[str, str]) -> tuple[str, Counter[str]]:
     """Return a normalised label without invisible marks, and those marks.
 
-    Parameters
-    ----------
-    unseen : marks, each with the letters on which it is visible all the same
+    `unseen` are marks, each with the letters on which it is visible all the same.
     """
     kept, letter = "", ""
     marks: Counter[str] = Counter()
@@ -121,7 +119,8 @@ class Notation:
     def __post_init__(self) -> None:
         for label, value in self.table.items():
             self._exact.setdefault(normalise(label), value)
-        if one_case(self._exact):
+        letters = "".join(self._exact)
+        if letters.isascii() and (letters.islower() or letters.isupper()):  # case says nothing
             for label, value in self._exact.items():
                 self._folded.setdefault(label.casefold(), value)
         silent = frozenset(normalise(label).casefold() for label in self.silences)
@@ -237,12 +236,6 @@ class Notation:
         return "a sign of it is unknown" if text is None else f"it is read as '{text}'"
 
 
-def one_case(labels: Iterable[str]) -> bool:
-    """Return True if all labels are ASCII in one case, so that case can be ignored."""
-    letters = "".join(labels)
-    return letters.isascii() and (letters.islower() or letters.isupper())
-
-
 def recognise(labels: Iterable[str], notations: Mapping[str, Notation]) -> str:
     """Return the name of the notation that knows the most labels; in a tie, the first.
 
@@ -275,15 +268,8 @@ def ready(  # noqa: PLR0913, PLR0917 the tables of a language
 
     The signs of notations such as X-SAMPA, and the invisible marks, come from the IPA pack:
     `{"spelled": {notation: {sign: IPA}}, "unseen": {mark: letters on which it is visible}}`.
-
-    Parameters
-    ----------
-    tables : by name; one named as a way to spell the IPA is taken instead of that
-    silences, silence : spellings of silence, and what they stand for
-    ipa : the name of the IPA's table
-    spelling : how the IPA is spelled, and which of its marks are not seen
-    nearest : answers for IPA that the table lacks
-    stress_digits : names of the tables whose labels may end in a stress digit
+    A table named as a way to spell the IPA is taken instead of that. `ipa` names the table of the
+    IPA, for whose unknown labels `nearest` answers.
     """
     made = {
         name: Notation(table, silences, silence, digits=name in stress_digits)

@@ -11,16 +11,10 @@ from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 
 @dataclass(frozen=True)
 class Hearing:
-    """The aligner and the recogniser for recordings of a language.
+    """The aligners and the recogniser for recordings of a language: `audio` of its pack.
 
-    Parameters
-    ----------
-    align : the aligners: the first, and those to ask where it is not sure
-    recognise : the recogniser; None where nothing recognises words
-    model : what they call their model of the language
-    notation : of the labels that come out; empty for that of the G2P
-    phones : for labels that the G2P writes, those of the model; others go by their sound
-    code : of the language in Whisper, or its tag
+    `notation` is empty for that of the G2P. Labels without `phones` go by their sound. `code` is
+    the language's in Whisper, or its tag.
     """
 
     align: tuple[str, ...] = ("pocketsphinx", "warp")
@@ -33,25 +27,11 @@ class Hearing:
 
 @dataclass(frozen=True)
 class Manner:
-    """Settings for reading and speaking a language's text.
+    """Settings for reading and speaking a language's text: fields of its pack as plain data.
 
-    Parameters
-    ----------
-    language : the pack's name
-    engine : the G2P engine that reads text; None where nothing does
-    settings : what the pack says of it
-    notation : of the labels it writes
-    voice : speech engine and voice; None where nothing speaks
-    others : voices of other speech engines, by engine
-    kinds : the class of each common phoneme
-    durations : seconds by class, where no voice gives any
-    words : pronunciations that override the engine, by word in plain spelling
-    audio : how recordings of it become phonemes
-    stress_digits : notations whose labels may end in a stress digit
-    forms : written forms that the pack reads, not the engine
-    asides : words of notes in brackets, which are not spoken
-    letters : spellings that the engine reads in place of others
-    weak : why its text is often read wrongly, and what helps; empty if it is not
+    `engine` is the G2P engine, and `voice` a speech engine with its voice; None where it has none.
+    `kinds` has the class of each common phoneme. `words` are spelled plainly. `letters` are
+    spellings that the engine reads in place of others.
     """
 
     language: str

@@ -29,7 +29,6 @@ from lipsync_lang.phonology.labels import Value
 CLEAR_DIFFERENCE = 0.9
 """Minimum visible difference in a feature."""
 
-
 SMALL_MARK = 0.35
 """Distance within which a letter with marks is still the letter itself: a nasal vowel, say."""
 

@@ -1,6 +1,7 @@
 """Text to phonemes: tokens, rules, lexicons, and words of an engine matched with the text."""
 
 import string
+from pathlib import Path
 from unicodedata import normalize
 
 import pytest
@@ -9,6 +10,10 @@ from hypothesis import strategies as st
 from lanes import full
 
 from lipsync_lang import SpeechError
+from lipsync_lang.packs.checking.language_checks import check_labels
+from lipsync_lang.packs.library import Pack
+from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 from lipsync_lang.phonology.g2p import G2P_ENGINES, RESPELLERS, Settings, SpokenWord, engine
 from lipsync_lang.phonology.g2p.corrections import corrector
@@ -16,8 +21,12 @@ from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, MissingReaderError, Rule, respeller
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
-from lipsync_lang.phonology.g2p.rules import Rewriter, never_fire, unknown_labels
-from lipsync_lang.phonology.g2p.stated_readings import compiled_readings, stated_syllables
+from lipsync_lang.phonology.g2p.rules import (
+    Rewriter,
+    compiled_readings,
+    never_fire,
+    stated_syllables,
+)
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
 from lipsync_lang.speech import speak
 
@@ -95,7 +104,8 @@ def test_contexts_look_both_ways_and_know_where_a_word_ends():
 
 
 def test_what_nothing_reads_is_named_and_loses_nothing_else():
-    assert read([], ["a", "b"], "ab7ж-a") == (("a", "b", "a"), "7ж")
+    found = read([], ["a", "b"], "ab7ж-a")
+    assert (found.labels, found.unread) == (("a", "b", "a"), "7ж")
 
 
 def test_letters_are_compared_composed_and_small():
@@ -142,7 +152,11 @@ def test_a_rule_that_never_fires_never_fires(drawn, word):
 
 
 def test_labels_that_the_notation_lacks_are_found():
-    assert list(unknown_labels([Rule("a", ("g", "x"))], ["\u0261"])) == [(0, "x")]
+    g2p = {"engine": "rules", "rules": ({"from": "a", "to": ("g", "x")},)}
+    stated = {"g2p": g2p, "notations": {"ipa": {"\u0261": "kg"}}}
+    model = Language(kind="language", format=1, name="own", tag="x", **stated)
+    pack = Pack(model, (YamlSource(Path("own.yaml"), {}),))
+    assert [fault.what for fault in check_labels(pack)] == ["'x' is not in the notation 'ipa'"]
 
 
 # Lexicons

@@ -9,11 +9,10 @@ from lipsync_lang.lines.choices import MAX_DEPTH, chosen
 from lipsync_lang.phonology.emphasis import touched
 from lipsync_lang.phonology.g2p import corrections
 from lipsync_lang.phonology.g2p.corrections import corrector
-from lipsync_lang.phonology.g2p.drawn_out import drawn_out
+from lipsync_lang.phonology.g2p.drawn_out import drawn_out, starts_of
 from lipsync_lang.phonology.g2p.expansions import Expansions
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, SpokenWord
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
-from lipsync_lang.phonology.g2p.stutters import starts_of
 
 SIZE = 4_000
 

@@ -8,7 +8,7 @@ from lipsync_lang import SpeechError
 from lipsync_lang.phonology.g2p import SpokenWord, expansions
 from lipsync_lang.phonology.g2p.expansions import Expansions, roman
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection, SpokenForms
-from lipsync_lang.phonology.g2p.tokens import WordReading, read_words
+from lipsync_lang.phonology.g2p.tokens import read_words
 from lipsync_lang.phonology.g2p.utterances import Utterances
 
 FORMS = SpokenForms(
@@ -36,7 +36,7 @@ def spell(texts):
     return [
         SpeechError("no %")
         if "%" in text
-        else read_words(text, lambda word: WordReading(tuple(word.lower())))
+        else read_words(text, lambda word: SpokenWord(word, tuple(word.lower())))
         for text in texts
     ]
 

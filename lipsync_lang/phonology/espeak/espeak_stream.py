@@ -78,10 +78,7 @@ def answers(
 class _WorkerStream:
     """A worker that is ready for texts; `close` ends it.
 
-    Raises
-    ------
-    SpeechError
-        The library, its data or the voice is missing, or the worker did not start.
+    `SpeechError` tells that the library, its data or the voice is missing, or that none started.
     """
 
     def __init__(self, process: EspeakProcess, voice: str, rate: int, first: str) -> None:

@@ -26,7 +26,7 @@ import json
 import os
 import signal
 import sys
-from typing import Any, BinaryIO, NoReturn
+from typing import Any, BinaryIO
 
 FRAME_MAGIC = b"lipsync1"
 
@@ -222,27 +222,20 @@ def speak_many(library: ctypes.CDLL, rate: int, out: BinaryIO) -> None:
         if not child:
             # The alarm's own action ends it: Python handles no signal while the library hangs.
             signal.setitimer(signal.ITIMER_REAL, seconds)
-            speak_and_end(library, text, rate, out, writer)
+            try:
+                os.set_blocking(writer, False)  # a library that prints without end does not wait
+                os.dup2(writer, 1)
+                os.dup2(writer, 2)
+                send(out, *speak(library, text, rate))
+                os._exit(0)
+            finally:
+                os._exit(1)
         os.close(writer)
         _, status = os.waitpid(child, 0)
         said = os.read(reader, SAID_BYTES)
         os.close(reader)
         code = os.waitstatus_to_exitcode(status)
         send(out, {"code": code, "said": said.decode("utf-8", "replace")})
-
-
-def speak_and_end(
-    library: ctypes.CDLL, text: str, rate: int, out: BinaryIO, printed: int
-) -> NoReturn:
-    """Speak one text, and end this process."""
-    try:
-        os.set_blocking(printed, False)  # a library that prints without end is not to wait for us
-        os.dup2(printed, 1)
-        os.dup2(printed, 2)
-        send(out, *speak(library, text, rate))
-        os._exit(0)
-    finally:
-        os._exit(1)
 
 
 def send(out: BinaryIO, header: dict[str, Any], sound: bytes | bytearray = b"") -> None:

@@ -47,13 +47,10 @@ _UNREAD_CATEGORIES = frozenset({"Cc", "Cs", "Co", "Cn"})
 
 @dataclass
 class EspeakProcess:
-    """The library behind a process boundary.
+    """The library behind a process boundary: `python` runs the script `worker`.
 
-    Parameters
-    ----------
-    python : the interpreter that runs the worker; name one where this one is embedded in a host
-    worker : the script that it runs
-    patience : seconds to wait for an answer, beyond a hundredth of one per character
+    Name an interpreter where this one is embedded in a host. `patience` are seconds to wait for an
+    answer, beyond a hundredth of one per character.
     """
 
     python: str = sys.executable
@@ -63,15 +60,8 @@ class EspeakProcess:
     def transcribe(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
         """Convert texts to phonemes without sound.
 
-        Yields
-        ------
-        For each text its clauses, of each its words, of each its labels in IPA, as `speak` has
-        them, after their stress marks
-
-        Raises
-        ------
-        SpeechError
-            No such voice, the library is missing, or it failed.
+        Yield for each text its clauses, of each its words, of each its labels in IPA, as `speak`
+        has them, after their stress marks.
         """
         for start in range(0, len(texts), WORKER_TEXTS):
             batch = [blank(text) for text in texts[start : start + WORKER_TEXTS]]
@@ -219,9 +209,7 @@ def last_line(stderr: bytes) -> str:
 def read_frame(read: Callable[[int], bytes]) -> tuple[Any, bytes]:
     """Read and check the header and the sound of an answer.
 
-    Parameters
-    ----------
-    read : returns so many bytes, fewer at the end of the answer
+    `read` returns so many bytes, fewer at the end of the answer.
     """
     start = read(len(FRAME_MAGIC) + 4)
     raw = (

@@ -23,6 +23,7 @@ from functools import lru_cache
 from typing import NamedTuple, Self
 from unicodedata import normalize
 
+from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.tokens import APOSTROPHES, plain
 
 SEEN_LETTERS = 50
@@ -59,13 +60,9 @@ _SET_ALGEBRA = re.compile(r"(?<!\\)\[|--|&&|~~|\|\|")
 
 
 class ContextError(ValueError):
-    """A context cannot be used.
+    """A context cannot be used: `what` is the mistake, `cure` how to mend it, if anything can.
 
-    Parameters
-    ----------
-    what : the mistake
-    cure : how to mend it; may be empty
-    slow : True if the context is valid but could take too long
+    `slow` is True if the context is valid but could take too long.
     """
 
     def __init__(self, what: str, cure: str = "", *, slow: bool = False) -> None:
@@ -78,11 +75,8 @@ class ContextError(ValueError):
 class Context(NamedTuple):
     """A condition on the letters before or after the spelling of a rule.
 
-    Parameters
-    ----------
-    pattern : the compiled expression
-    precedes : True for the letters before; the match must then end at the spelling
-    steps : most steps of the engine for one match
+    `steps` are the most steps of the engine for one match. With `precedes`, the match must end at
+    the spelling.
     """
 
     pattern: re.Pattern[str]
@@ -112,40 +106,30 @@ class Surroundings(NamedTuple):
         )
 
     @classmethod
-    def compiled(cls, before: str, after: str) -> Self:
-        """Compile contexts as a pack states them; an empty one always fits.
-
-        Raises
-        ------
-        ContextError
-            One of them cannot be used.
-        """
-        return cls(
-            compile_context(before, precedes=False) if before else None,
-            compile_context(after, precedes=True) if after else None,
-        )
+    def compiled(cls, before: str, after: str, where: str) -> Self:
+        """Compile contexts as a pack states them; an empty one fits. Errors begin with `where`."""
+        try:
+            return cls(
+                compile_context(before, precedes=False) if before else None,
+                compile_context(after, precedes=True) if after else None,
+            )
+        except ContextError as error:
+            raise SpeechError(f"{where} {error}") from None
 
 
 @lru_cache(4096)
 def compile_context(text: str, *, precedes: bool) -> Context:
     r"""Compile a context; the result works on every word.
 
-    Raises
-    ------
-    ContextError
-        The text is not a regular expression, uses a feature that contexts lack, or is too slow.
+    Raise `ContextError` for a text that is not a regular expression, uses a feature that contexts
+    lack, or is too slow.
 
-    Examples
-    --------
     >>> compile_context("[ei]|$", precedes=False).fits("cena", 1)
     True
     """
     if len(text) > MAX_CONTEXT_CHARS:
-        raise ContextError(
-            f"has {len(text)} characters of at most {MAX_CONTEXT_CHARS}",
-            "state several rules",
-            slow=True,
-        )
+        what = f"has {len(text)} characters of at most {MAX_CONTEXT_CHARS}"
+        raise ContextError(what, "state several rules", slow=True)
     parts = list(_parts(text))
     folded = "".join(_folded(kind, part) for kind, part in parts)
     try:
@@ -202,14 +186,7 @@ def _folded(kind: str, part: str) -> str:
 
 
 class _Cost(NamedTuple):
-    """The worst-case cost of a part of an expression.
-
-    Parameters
-    ----------
-    ways : number of different matches that backtracking can try
-    steps : steps to try all of them
-    group : True for a group
-    """
+    """The worst-case cost of a part: matches that backtracking can try, and steps to try all."""
 
     ways: int = 1
     steps: int = 0

@@ -15,8 +15,7 @@ from functools import lru_cache
 from itertools import accumulate
 from typing import NamedTuple
 
-from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.g2p.contexts import Context, ContextError, Surroundings, compile_context
+from lipsync_lang.phonology.g2p.contexts import Context, Surroundings
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, SpokenWord
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import plain
@@ -45,26 +44,17 @@ class _CompiledCorrection(NamedTuple):
 
 
 def corrector(corrections: Iterable[Correction]) -> Callable[[SpokenWord], SpokenWord]:
-    """Compile corrections into a function of a word.
+    """Compile corrections into a function of a word; raise `SpeechError` for an unusable context.
 
-    Raises
-    ------
-    SpeechError
-        A context is not a regular expression, or could take too long.
-
-    Examples
-    --------
     >>> mend = corrector([Correction(("a",), ("ə",), before="$")])
     >>> mend(SpokenWord("mage", ("m", "a", "ɡ", "a"))).labels
     ('m', 'a', 'ɡ', 'ə')
     """
     first: dict[str, list[_CompiledCorrection]] = {}
     for number, one in enumerate(corrections, start=1):
-        try:
-            around = Surroundings.compiled(one.before, one.after)
-            spelled = compile_context(one.spelled, precedes=False) if one.spelled else None
-        except ContextError as error:
-            raise SpeechError(f"correction {number} ('{one.labels[0]}'): {error}") from None
+        where = f"correction {number} ('{one.labels[0]}'):"
+        around = Surroundings.compiled(one.before, one.after, where)
+        spelled, _ = Surroundings.compiled(one.spelled, "", where)
         labels = tuple(map(normalise, one.labels))
         compiled = _CompiledCorrection(labels, one.to, around, spelled)
         first.setdefault(labels[0], []).append(compiled)

@@ -9,7 +9,7 @@ from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
-from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
+from lipsync_lang.phonology.g2p.tokens import plain, read_words
 from lipsync_lang.phonology.labels import LENGTH_MARKS, normalise
 
 _JOINED = {"Mn", "Lm", "Sk"}
@@ -18,13 +18,7 @@ _JOINED = {"Mn", "Lm", "Sk"}
 
 @G2P_ENGINES.register("epitran")
 def engine(settings: Settings) -> G2PEngine:
-    """Read text with Epitran's code of the language.
-
-    Raises
-    ------
-    SpeechError
-        Epitran is not installed, or does not have the language.
-    """
+    """Read text with Epitran's code of the language."""
     code = settings.code or ""
     try:
         import epitran
@@ -43,10 +37,11 @@ def engine(settings: Settings) -> G2PEngine:
     known = frozenset(map(normalise, settings.labels))
 
     @lru_cache(CACHED_WORDS)
-    def read_word(word: str) -> WordReading:
+    def read_word(word: str) -> SpokenWord:
         labels = segments(transliterate(plain(word)), known)
         read = tuple(label for label in labels if not label.isdigit())
-        return WordReading(read, "".join(label for label in labels if label.isdigit()))
+        unread = "".join(label for label in labels if label.isdigit())
+        return SpokenWord(word, read, unread=unread)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for text in texts:

@@ -27,7 +27,7 @@ from lipsync_lang.phonology.g2p.g2p_engines import (
     merged,
 )
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
-from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
+from lipsync_lang.phonology.g2p.tokens import plain, read_words
 from lipsync_lang.phonology.labels import normalise
 
 if TYPE_CHECKING:
@@ -39,15 +39,7 @@ GROUP_PACKAGE_PREFIX = "g2p2_group_"
 
 @G2P_ENGINES.register("g2p2")
 def engine(settings: Settings) -> G2PEngine:
-    """Read text with the g2p2 model of the language's code.
-
-    Raises
-    ------
-    MissingReaderError
-        g2p2 is not installed.
-    SpeechError
-        No installed package has a model of the language.
-    """
+    """Read text with the g2p2 model of the language's code, from an installed package."""
     model = _model(settings.code or "", settings.language)
     known = frozenset(map(normalise, settings.labels))
     other = (
@@ -55,9 +47,9 @@ def engine(settings: Settings) -> G2PEngine:
     )
 
     @lru_cache(CACHED_WORDS)
-    def read_word(word: str) -> WordReading:
+    def read_word(word: str) -> SpokenWord:
         labels = segments(model.phonemize(plain(word)), known)
-        return WordReading(labels, "" if labels else word)
+        return SpokenWord(word, labels, unread="" if labels else word)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         plainly = [read_words(text, read_word) for text in texts]

@@ -63,19 +63,11 @@ class MissingReaderError(SpeechError):
 
 @dataclass(frozen=True)
 class Settings:
-    """A language pack's settings of its engine.
+    """A language pack's settings of its engine: `g2p` of the pack as plain data.
 
-    Parameters
-    ----------
-    language : the pack's name, for messages
-    voice, code : the engine's names of the language, where it has some
-    file : a lexicon
-    rules : rewrites, in order
-    corrections : corrections of the labels that the engine gives, in order
-    readings : readings of words and letters in the engine's own spelling, in order
-    labels : the labels of the notation that comes out
-    respell : the name in `RESPELLERS` of what spells text again before it is read
-    otherwise : the engine that reads where the library of the first is not installed
+    `language` is the pack's name, for messages; `labels` are those of the notation that comes out.
+    `respell` names one of `RESPELLERS`, and `otherwise` the engine that reads where the library of
+    the first is not installed.
     """
 
     language: str
@@ -127,10 +119,7 @@ RESPELLERS: Extensions[Respeller] = Extensions(
 def engine(name: str, settings: Settings) -> G2PEngine:
     """Make the engine of a language.
 
-    Raises
-    ------
-    SpeechError
-        There is no such engine, it is not installed, or it does not have the language.
+    Raise `SpeechError` for an engine that is unknown, not installed, or lacks the language.
     """
     try:
         read = G2P_ENGINES.find(name, SpeechError)(settings)
@@ -152,11 +141,5 @@ def engine(name: str, settings: Settings) -> G2PEngine:
 
 
 def respeller(name: str) -> Respeller:
-    """Return the function that respells text.
-
-    Raises
-    ------
-    SpeechError
-        There is no such respeller, or it is not installed.
-    """
+    """Return the function that respells text; raise `SpeechError` if it is unknown."""
     return RESPELLERS.find(name, SpeechError)

@@ -27,14 +27,7 @@ class _Pattern(NamedTuple):
 
 
 class Interjections:
-    """A finder of interjections by their spelling.
-
-    Parameters
-    ----------
-    known : interjections by their shortest spelling
-    is_vowel : tells labels of vowels
-    vowels : letters of vowels
-    """
+    """A finder of interjections by their shortest spelling; `vowels` are letters."""
 
     def __init__(self, known: Mapping[str, Interjection], is_vowel: IsVowel, vowels: str) -> None:
         self._is_vowel, self._vowels = is_vowel, vowels
@@ -53,10 +46,7 @@ class Interjections:
     def find(self, token: str, *, shouted: bool = False) -> SpokenWord | None:
         """Return a word read as an interjection; None for any other word.
 
-        Parameters
-        ----------
-        token : a word of the text
-        shouted : whether the whole text is in capitals; else capitals alone are an abbreviation
+        Capitals alone are an abbreviation, unless the whole text is `shouted` in capitals.
         """
         word = plain(token)
         if "-" in word:

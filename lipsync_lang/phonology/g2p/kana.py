@@ -43,11 +43,6 @@ def respell(text: str) -> list[tuple[str, str]]:
 
     What is not speech, and what the dictionary cannot read, is spelled as it is. Numbers keep
     their counters, and verbs their endings, because these sound different by themselves.
-
-    Raises
-    ------
-    SpeechError
-        The dictionary is not installed.
     """
     pieces: list[tuple[str, str]] = []
     done = 0

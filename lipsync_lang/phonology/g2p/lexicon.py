@@ -14,7 +14,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.phonology.g2p.rules import Rewriter
-from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
+from lipsync_lang.phonology.g2p.tokens import plain, read_words
 
 COMMENTS = (";;;", "#")
 
@@ -27,13 +27,7 @@ _WORD_BREAK = re.compile(r"-|'")
 
 @G2P_ENGINES.register("lexicon")
 def engine(settings: Settings) -> G2PEngine:
-    """Read text with a lexicon.
-
-    Raises
-    ------
-    SpeechError
-        The pack names no file, it cannot be read, or a line of it is not a word and its labels.
-    """
+    """Read text with a lexicon."""
     if settings.file is None:
         raise SpeechError(
             f"{settings.language} reads by a lexicon, but names none: "
@@ -42,14 +36,14 @@ def engine(settings: Settings) -> G2PEngine:
     words = read_lexicon(settings.file)
     rewriter = Rewriter(settings.rules, settings.labels) if settings.rules else None
 
-    def look_up(word: str) -> WordReading:
+    def look_up(word: str) -> SpokenWord:
         spelled = plain(word)
         if spelled in words:
-            return WordReading(words[spelled])
+            return SpokenWord(word, words[spelled])
         parts = [part for part in _WORD_BREAK.split(spelled) if part]
         if len(parts) > 1 and all(part in words for part in parts):
-            return WordReading(tuple(label for part in parts for label in words[part]))
-        return rewriter.read(word) if rewriter else WordReading((), word)
+            return SpokenWord(word, tuple(label for part in parts for label in words[part]))
+        return rewriter.read(word) if rewriter else SpokenWord(word, (), unread=word)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for text in texts:
@@ -59,13 +53,7 @@ def engine(settings: Settings) -> G2PEngine:
 
 
 def read_lexicon(path: Path) -> dict[str, tuple[str, ...]]:
-    """Read a lexicon: words in plain spelling, and the labels of each.
-
-    Raises
-    ------
-    SpeechError
-        It cannot be read, is not UTF-8, or a line has no labels.
-    """
+    """Read a lexicon: words in plain spelling, and the labels of each."""
     content = read_input(
         path, MAX_LEXICON_BYTES, error=SpeechError, mend="keep the words that are said"
     )

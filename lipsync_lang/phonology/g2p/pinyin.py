@@ -26,11 +26,7 @@ from unicodedata import category, normalize
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
-from lipsync_lang.phonology.g2p.stated_readings import (
-    StatedReading,
-    compiled_readings,
-    stated_syllables,
-)
+from lipsync_lang.phonology.g2p.rules import StatedReading, compiled_readings, stated_syllables
 from lipsync_lang.phonology.g2p.tokens import PAUSES
 from lipsync_lang.phonology.labels import normalise
 
@@ -77,13 +73,7 @@ class _TextChunk(NamedTuple):
 
 @G2P_ENGINES.register("pypinyin")
 def engine(settings: Settings) -> G2PEngine:
-    """Read Chinese text.
-
-    Raises
-    ------
-    SpeechError
-        pypinyin or OpenCC is not installed.
-    """
+    """Read Chinese text."""
     if not all(map(find_spec, ("pypinyin", "opencc"))):
         raise SpeechError(
             "reading Chinese needs pypinyin and OpenCC, which are not both installed; "
@@ -185,8 +175,6 @@ _UNKNOWN_TO_VOICE = dict(
 )
 
 
-# Hanzi
-
 ERHUA = re.compile(
     r"(?<=.)(?<![女妻孙侄孤婴幼胎少健男宠弃育托产生血能潮馨运])儿(?![子童女媳孙歌科戏]|时(?!间|候))"
 )
@@ -234,8 +222,6 @@ def _converter() -> "OpenCC":
     return OpenCC("t2s")
 
 
-# Pinyin in Latin letters
-
 TONE_MARKS = {"\u0304": "1", "\u0301": "2", "\u030c": "3", "\u0300": "4"}
 MAX_PINYIN_CHARS = 60
 """Maximum number of letters of a word of pinyin."""
@@ -256,10 +242,7 @@ def _known() -> frozenset[str]:
 def spelled(word: str, *, toneless: bool) -> tuple[str, ...]:
     """Return the syllables of a word of pinyin, with tone digits; none if it is not pinyin.
 
-    Parameters
-    ----------
-    word : in Latin letters, with marks or digits for tones
-    toneless : whether a word without any tone can be pinyin; it is read in the first
+    Tones are marks or digits. A `toneless` word may be without any, and is read in the first tone.
     """
     letters, marks = _unmarked(word)
     cut = len(word) <= MAX_PINYIN_CHARS and (_cut(letters, 0) or _cut(letters, 0, loose=True))
@@ -311,8 +294,6 @@ def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, i
     return ()
 
 
-# Numbers
-
 HANZI_DIGITS = "零一二三四五六七八九"
 MAX_QUANTITY_DIGITS = 10
 """Maximum digits of a quantity; longer numbers without separators are read digit by digit."""
@@ -326,10 +307,7 @@ _ZEROS = (("零[十百千]", "零"), ("零+", "零"), ("零(?=[万亿])", ""), (
 def number(digits: str, following: str = "") -> str:
     """Return a number in hanzi: 12 as 十二, 3.5% as 百分之三点五, years digit by digit.
 
-    Parameters
-    ----------
-    digits : with a sign, separators, a decimal point, and % or ‰, where it has them
-    following : the character after it, which tells years, and 两 from 二
+    The character `following` it tells years, and 两 from 二.
     """
     whole, _, decimals = digits.strip("-%‰").partition(".")
     year = len(whole) == len("2024") and following == "年"
@@ -358,8 +336,6 @@ def _cardinal(digits: str) -> str:
         said = re.sub(pattern, to, said)
     return re.sub("^一十", "十", said) or "零"
 
-
-# Foreign words
 
 _PINYIN_OF_IPA = dict(sound.split() for sound in ("j y", "uː u", "v f", "x h", "z s"))
 """IPA labels and their replacements: the same sound in pinyin, or one of the same mouth shape."""

@@ -8,14 +8,18 @@ that are labels need no rule. What still is not read is left over, and named.
 Words are compared composed and in small letters. A context is a regular expression over the
 word's own letters (see `contexts`): ``^`` in `after` is the start of the word, ``$`` in `before`
 its end.
+
+Readings, which a pack states syllable by syllable, count where their letters are whole words of a
+text, and their contexts fit around them.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
+from itertools import accumulate
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.g2p.contexts import MAX_STEPS_PER_LETTER, ContextError, Surroundings
+from lipsync_lang.phonology.g2p.contexts import MAX_STEPS_PER_LETTER, Surroundings
 from lipsync_lang.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
     WHISPER,
@@ -26,8 +30,7 @@ from lipsync_lang.phonology.g2p.g2p_engines import (
     merged,
     respeller,
 )
-from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
-from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.phonology.g2p.tokens import plain, read_words
 
 SLOW = "and those before it with the same first letter could take too long"
 QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
@@ -50,13 +53,7 @@ class _CompiledRule(NamedTuple):
 
 
 class Rewriter:
-    """CompiledRule rules.
-
-    Raises
-    ------
-    SpeechError
-        A context is not a regular expression, or the contexts could take too long.
-    """
+    """Compiled rules; raise `SpeechError` for a context that is unusable, or too slow."""
 
     def __init__(self, rules: Iterable[Rule], labels: Iterable[str] = ()) -> None:
         self._rules: dict[str, list[_CompiledRule]] = {}
@@ -75,8 +72,8 @@ class Rewriter:
             known.sort(key=lambda pair: -len(pair[0]))
         self.read = lru_cache(CACHED_WORDS)(self._read)
 
-    def _read(self, word: str) -> WordReading:
-        """Return the labels of a word, and the characters left over."""
+    def _read(self, word: str) -> SpokenWord:
+        """Return a word with its labels, and the characters left over."""
         labels: list[str] = []
         unread: list[str] = []
         for _, made, letters in self.steps(word):
@@ -84,7 +81,7 @@ class Rewriter:
                 unread += [c for c in letters if c.isalnum()]
             else:
                 labels += made
-        return WordReading(tuple(labels), "".join(unread))
+        return SpokenWord(word, tuple(labels), unread="".join(unread))
 
     def steps(self, word: str) -> Iterator[tuple[int | None, tuple[str, ...] | None, str]]:
         """Yield (number of the rule or None, labels or None, letters) along a word."""
@@ -104,10 +101,8 @@ class Rewriter:
 
 
 def _compile(number: int, rule: Rule) -> _CompiledRule:
-    try:
-        around = Surroundings.compiled(rule.before, rule.after)
-    except ContextError as error:
-        raise SpeechError(f"rule {number + 1} ('{rule.spelling}'): its context {error}") from None
+    where = f"rule {number + 1} ('{rule.spelling}'): its context"
+    around = Surroundings.compiled(rule.before, rule.after, where)
     return _CompiledRule(number, plain(rule.spelling), rule.to, around)
 
 
@@ -168,8 +163,46 @@ def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:
         first.setdefault((spelling, rule.after, rule.before), number)
 
 
-def unknown_labels(rules: Sequence[Rule], labels: Iterable[str]) -> Iterator[tuple[int, str]]:
-    """Yield (rule, label) for each label of a rule that the notation lacks."""
-    known = {normalise(label) for label in labels}
-    for number, rule in enumerate(rules):
-        yield from ((number, label) for label in rule.to if normalise(label) not in known)
+class StatedReading(NamedTuple):
+    """A stated reading: its letters, their syllables, and what must stand around them."""
+
+    letters: str
+    syllables: tuple[str, ...]
+    around: Surroundings
+
+    def spans(self, text: str) -> Iterator[tuple[int, int]]:
+        """Yield where it applies in a text."""
+        at = text.find(self.letters)
+        while at >= 0:
+            stop = at + len(self.letters)
+            if self.around.fit(text, at, stop):
+                yield at, stop
+            at = text.find(self.letters, at + 1)
+
+
+def compiled_readings(readings: Sequence[Rule]) -> tuple[StatedReading, ...]:
+    """Compile the readings of a pack, which have one syllable for each character."""
+    made: list[StatedReading] = []
+    for number, rule in enumerate(readings, start=1):
+        where = f"reading {number} ('{rule.spelling}')"
+        if len(rule.to) != len(rule.spelling):
+            raise SpeechError(
+                f"{where} has {len(rule.to)} syllables for {len(rule.spelling)} characters; "
+                "state one for each"
+            )
+        around = Surroundings.compiled(rule.before, rule.after, f"{where}:")
+        made.append(StatedReading(rule.spelling, rule.to, around))
+    return tuple(made)
+
+
+def stated_syllables(
+    text: str, phrases: Sequence[str], readings: Sequence[StatedReading]
+) -> dict[int, str]:
+    """Return the stated syllable of each character that has one, by its place."""
+    ends = {0, *accumulate(map(len, phrases))}
+    found: dict[int, str] = {}
+    for reading in readings:
+        for start, stop in reading.spans(text):
+            if {start, stop} <= ends and start not in found:
+                found |= dict(zip(range(start, stop), reading.syllables, strict=True))
+    return found

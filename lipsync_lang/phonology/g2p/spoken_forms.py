@@ -17,18 +17,10 @@ class Interjection(NamedTuple):
 
 @dataclass(frozen=True)
 class SpokenForms:
-    """The written forms of a language that its pack reads, instead of its engine.
+    """The written forms that a language's pack reads in place of its engine: `text` of the pack.
 
-    Parameters
-    ----------
-    interjections : by their shortest spelling, in small letters
-    abbreviations : expansions of abbreviations and signs
-    counted : words before a Roman numeral that is a cardinal number
-    named : words before a Roman numeral that is an ordinal number
-    ordinals : ordinal numbers from 1
-    doubled : words whose double letter stays when the word is drawn out
-    hyphenated : words with a hyphen that are not stutters
-    vowels : letters of vowels
+    Spellings of interjections are the shortest, in small letters. Words before a Roman numeral are
+    `counted` if it is a cardinal number, and `named` if it is an ordinal one.
     """
 
     interjections: Mapping[str, Interjection] = field(default_factory=dict)

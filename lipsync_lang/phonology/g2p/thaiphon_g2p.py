@@ -30,13 +30,7 @@ _RUN = re.compile("[0-9\u0e50-\u0e59]+|[^0-9\u0e50-\u0e59]+")
 
 @G2P_ENGINES.register("thaiphon")
 def engine(settings: Settings) -> G2PEngine:
-    """Read text with thaiphon.
-
-    Raises
-    ------
-    SpeechError
-        thaiphon or PyThaiNLP is not installed.
-    """
+    """Read text with thaiphon."""
     try:
         from pythainlp.tokenize import word_tokenize
         from pythainlp.util import num_to_thaiword

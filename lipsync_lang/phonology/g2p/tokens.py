@@ -67,24 +67,13 @@ def plain(word: str) -> str:
     return normalize("NFC", normalize("NFC", word).casefold()).translate(APOSTROPHES)
 
 
-class WordReading(NamedTuple):
-    """A word after reading: its labels, and its unread characters."""
-
-    labels: tuple[str, ...]
-    unread: str = ""
-
-
-def read_words(text: str, read: Callable[[str], WordReading]) -> tuple[SpokenWord, ...]:
+def read_words(text: str, read: Callable[[str], SpokenWord]) -> tuple[SpokenWord, ...]:
     """Read a text word by word; unread characters are kept for a remark."""
     out: list[SpokenWord] = []
     for piece in pieces(text):
-        if piece.kind == "word":
-            labels, unread = read(piece.text)
-            out.append(SpokenWord(piece.text, labels, unread=unread))
-        else:
-            out.append(
-                SpokenWord(piece.text, (), unread=piece.text if piece.kind == "symbol" else "")
-            )
+        unread = piece.text if piece.kind == "symbol" else ""
+        word = piece.kind == "word"
+        out.append(read(piece.text) if word else SpokenWord(piece.text, (), unread=unread))
     while out and not out[-1].labels and not out[-1].unread:
         out.pop()
     return tuple(out)

@@ -10,24 +10,22 @@ from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.drawn_out import (
+    MAX_STUTTER_CHARS,
     ElongatedWord,
     IsVowel,
+    begins,
     drawn_out,
     lengthened,
     ordinary_spellings,
-)
-from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement
-from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord, merged
-from lipsync_lang.phonology.g2p.interjections import Interjections
-from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
-from lipsync_lang.phonology.g2p.stutters import (
-    MAX_STUTTER_CHARS,
-    begins,
     respelled_start,
     spelled_out,
     start_labels,
     starts_of,
 )
+from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord, merged
+from lipsync_lang.phonology.g2p.interjections import Interjections
+from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.phonology.g2p.tokens import PAUSES, TextPiece, pieces, plain
 
 _LEAD = frozenset((*PAUSES, *" \t\r\n\u00a0\u202f\u3000-·"))
@@ -47,13 +45,8 @@ ReadTexts = Callable[[Sequence[str]], Sequence[SpokenWords | SpeechError]]
 class UtterancePart(NamedTuple):
     """A part of a text: an interjection, or words for the engine with a first word of its own.
 
-    Parameters
-    ----------
-    text : the user's spelling
-    replacements : parts of it that are read by another spelling
-    said : an interjection, if the part is one
-    starts : the starts of the first word that are repeated, each with the pause after it
-    drawn : the first word, if it is drawn out
+    `replacements` are parts of it that are read by another spelling, `starts` the repeated starts
+    of the first word, each with the pause after it.
     """
 
     text: str
@@ -74,11 +67,7 @@ class _PartStart(NamedTuple):
 class Utterances:
     """A reader of texts with interjections, stutters and abbreviations.
 
-    Parameters
-    ----------
-    forms : the written forms of the language
-    words : words with a pronunciation of their own, which are not interjections
-    is_vowel : tells labels of vowels
+    `words` have a pronunciation of their own, and are not interjections.
     """
 
     def __init__(self, forms: SpokenForms, words: Mapping[str, object], is_vowel: IsVowel) -> None:
