@@ -63,7 +63,14 @@ def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
     ]
     if model.neutral is not None:
         lines.append(f"at rest: {model.neutral}")
-    lines += _rules(model)
+    lines.append(f"priority, lowest first: {' < '.join(model.priority) or 'none yields'}")
+    for pair in model.constraints.pairs:
+        if isinstance(pair, AtMost):
+            lines.append(f"{pair.pose} at most {pair.at_most}")
+        else:
+            lines.append(f"{' + '.join(pair.between)} at most {pair.threshold:g}")
+    if model.constraints.default < NO_THRESHOLD:
+        lines.append(f"any other two at most {model.constraints.default:g}")
     for name, contact in model.contacts.items():
         holds = ", ".join(f"{pose} at {floor:g} or more" for pose, floor in contact.floor.items())
         keeps = ", ".join(f"{pose} at {top:g} or less" for pose, top in contact.ceiling.items())
@@ -83,18 +90,6 @@ def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
         lines += [f"{word} {path.stem}: {shown(path)}" for path in paths]
     lines += _model(pack, model.model)
     return Description("\n".join(lines), model.model_dump(mode="json", by_alias=True))
-
-
-def _rules(model: "models.PoseSet") -> "Iterator[str]":
-    """Describe the priority and the constraints of a pose set, a line each."""
-    yield f"priority, lowest first: {' < '.join(model.priority) or 'none yields'}"
-    for pair in model.constraints.pairs:
-        if isinstance(pair, AtMost):
-            yield f"{pair.pose} at most {pair.at_most}"
-        else:
-            yield f"{' + '.join(pair.between)} at most {pair.threshold:g}"
-    if model.constraints.default < NO_THRESHOLD:
-        yield f"any other two at most {model.constraints.default:g}"
 
 
 def _checks(checks: "models.Checks") -> "Iterator[str]":

@@ -20,16 +20,39 @@ MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")
 
 
 def extended(library: "Library", path: Path) -> "Pack[Language]":
-    """Load a language with everything that it inherits.
-
-    Raises
-    ------
-    PackFaults
-        A file is faulty, a parent is unknown, or the languages extend each other in a circle.
-    """
+    """Load a language with all that it inherits; raise `PackFaults` for an unsound parent."""
     from lipsync_lang.packs.library import Pack
 
-    line = _line(library, path)
+    line: list[Pack[Language]] = []
+    while True:
+        pack = cast("Pack[Language]", library.load(path, "language", path.stem))
+        line.append(pack)
+        parent = pack.model.extends
+        if parent is None:
+            break
+        try:
+            path = library.find("language", parent)
+        except PackError:
+            made = automatic(library, parent)
+            if made is not None:
+                line.append(made)
+                break
+            known = {found.name for found in library.names("language")}
+            fault = pack.unknown(("extends",), "P210", "language", parent, known)
+            raise library.failing(fault) from None
+        if path.stem == pack.path.stem:
+            # A language that extends its own name extends the pack that it shadows.
+            beneath = library.beneath(pack.path)
+            if beneath is None:
+                what = f"there is no other language '{parent}' to extend"
+                hint = "name another language, or leave `extends` out"
+                raise library.failing(pack.fault(("extends",), "P210", what, hint))
+            path = beneath
+        if path in {member.path for member in line}:
+            names = " -> ".join([*(member.model.name for member in line), path.stem])
+            what = f"languages extend each other in a circle: {names}"
+            hint = "one of them must not extend another"
+            raise library.failing(pack.fault(("extends",), "P211", what, hint))
     model = line[-1].model
     for child in reversed(line[:-1]):
         model = merge(model, child.model)
@@ -70,40 +93,3 @@ def test_fault(pack: "Pack[Language]", index: int, what: str, hint: str, *more: 
                 hint = f"correct the map, or state this test again in {shown(pack.path)}"
                 return Fault(shown(source.path), *place, "P221", what, hint)
     return pack.fault(("tests", index, *more), "P221", what, hint)
-
-
-def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
-    """Load a language and its ancestors, nearest first."""
-    line: list[Pack[Language]] = []
-    while True:
-        pack = cast("Pack[Language]", library.load(path, "language", path.stem))
-        line.append(pack)
-        parent = pack.model.extends
-        if parent is None:
-            return line
-        try:
-            path = library.find("language", parent)
-        except PackError:
-            made = automatic(library, parent)
-            if made is not None:
-                return [*line, made]
-            known = {found.name for found in library.names("language")}
-            fault = pack.unknown(("extends",), "P210", "language", parent, known)
-            raise library.failing(fault) from None
-        if path.stem == pack.path.stem:
-            # A language that extends its own name extends the pack that it shadows.
-            beneath = library.beneath(pack.path)
-            if beneath is None:
-                what = f"there is no other language '{parent}' to extend"
-                hint = "name another language, or leave `extends` out"
-                raise library.failing(pack.fault(("extends",), "P210", what, hint))
-            path = beneath
-        if path in {member.path for member in line}:
-            names = " -> ".join([*(member.model.name for member in line), path.stem])
-            fault = pack.fault(
-                ("extends",),
-                "P211",
-                f"languages extend each other in a circle: {names}",
-                "one of them must not extend another",
-            )
-            raise library.failing(fault)

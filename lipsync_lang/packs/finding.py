@@ -143,15 +143,10 @@ class Finder:
         return (own.path,) if own and shipped and shipped.shadowed_by == own.path else ()
 
     def find(self, kind: Kind, name: str) -> Path:
-        """Return the file of the first pack of that name.
+        """Return the file of the first pack of that name; raise `PackError` if there is none.
 
         If no file has the name, languages are searched by tag and alias. Case is ignored there,
         and `_` equals `-`. An unknown tag falls back to a shorter one: `pt-BR` to `pt`.
-
-        Raises
-        ------
-        PackError
-            No pack has the name; the message suggests the nearest.
         """
         for path in self.lookup(kind, name):
             return Path(path)
@@ -294,18 +289,10 @@ def folders_of(paths: Paths) -> tuple[Path, ...]:
 def located(paths: Paths, **packs: str | Path) -> tuple[list[str], tuple[Path, ...]]:
     """Return the names of packs that are named by their files or by name, and where to search.
 
+    A pack is named by kind: a name, or a file: a `Path`, or text that ends like a YAML file.
     A pack's file comes before all others of its name; the folder of packs that it lies in comes
-    next, so that the packs beside it are found.
-
-    Parameters
-    ----------
-    paths : folders to search after these
-    packs : by kind, a name, or a file: a `Path`, or text that ends like a YAML file
-
-    Raises
-    ------
-    PackError
-        There is no such file, or its pack is of another kind.
+    next, so that the packs beside it are found, and then `paths`. Raise `PackError` for a file that
+    is missing, or holds a pack of another kind.
     """
     names: list[str] = []
     files: list[Path] = []

@@ -43,15 +43,7 @@ def find_project(folder: Path | None = None) -> Path | None:
 
 
 def load_project(path: Path) -> "Pack[Project]":
-    """Read a project file.
-
-    Raises
-    ------
-    PackFaults
-        The file is unsound; every fault of its form.
-    LipsyncError
-        The file is a link out of its folder.
-    """
+    """Read a project file; raise an error if it is unsound, or a link out of its folder."""
     from lipsync_lang.packs.library import Library
 
     refuse_outside(path, path.parent)

@@ -148,7 +148,7 @@ def diff_banks(
     against: str | None = None,
     wanted: Sequence[str] = (),
 ) -> Diff:
-    """Compare the bigrams of two characters.
+    """Compare the bigrams of two characters of one pose set.
 
     Parameters
     ----------
@@ -156,11 +156,6 @@ def diff_banks(
         set, or a bare pose set's drafts
     wanted : bigrams such as `l-ow` to compare; none means all, and of those with shades the ones
         that a bank draws
-
-    Raises
-    ------
-    LipsyncError
-        A pack is unsound, the two have different poses, or a wanted bigram is unknown.
     """
     shelf = PairPacks.open(library, language, character)
     other, words = _beneath(shelf) if against is None else _other(library, shelf, against)

@@ -42,14 +42,9 @@ def beneath(shelf: PairPacks, row: BigramRow) -> BigramRow | None:
 def target_curves(shelf: PairPacks, pair: Pair, boundary: float) -> dict[int, Floats]:
     """Return curves that reach the targets of both phonemes in the middle of each.
 
-    Parameters
-    ----------
-    boundary : normalised time at which the first phoneme ends
-
-    Returns
-    -------
-    (n, 2) control points by pose number, for poses that move; 0 at either end. Empty if one of
-    the phonemes has no target.
+    `boundary` is the normalised time at which the first phoneme ends. The result has (n, 2) control
+    points by pose number, for poses that move, with 0 at either end. It is empty if one of the
+    phonemes has no target.
     """
     if pair[0] not in shelf.targets or pair[1] not in shelf.targets:
         return {}
@@ -75,14 +70,8 @@ def draft_bigrams(
 ) -> BankBigrams:
     """Draft bigrams from the targets of a character's pose set, also bigrams in banks.
 
-    Parameters
-    ----------
-    wanted : bigrams such as `l-ow`; none means every one that no bank answers
-
-    Raises
-    ------
-    LipsyncError
-        A wanted bigram is not one of this language, or its phonemes have no targets.
+    `wanted` are bigrams such as `l-ow`; none means every one that no bank answers. Raise
+    `LipsyncError` for one that is not of this language, or whose phonemes have no targets.
     """
     shelf = PairPacks.open(library, language, character)
     pairs = {"-".join(pair): pair for pair in shelf.pairs()}

@@ -111,11 +111,14 @@ def load(language: str, character: str, paths: Sequence[Path]) -> "CompiledPair 
     """Return a compiled pair from the cache; None if its file is damaged, foreign or stale."""
     key = _key(language, character, paths)
     path = _path(key)
-    try:
-        content = path.read_bytes() if path else b""
-        compiled = _decode(content, key, paths) if content else None
-    except Exception:  # noqa: BLE001 a forged file can fail anywhere
-        compiled = None
+    compiled = None
+    with suppress(Exception):  # a forged file can fail anywhere
+        rest = unsealed(MARK, path.read_bytes()) if path else None
+        if rest is not None:
+            stop = 8 + int.from_bytes(rest[:8], "little")
+            head = json.loads(bytes(rest[8:stop]))
+            if (head["key"], head["compiler"]) == (key, compiler()) and _fresh(head, paths):
+                compiled = _compiled(head, rest[stop + (-stop % ALIGNMENT) :])
     _log.info("%s on %s: %s", language, character, "cached" if compiled else "to be compiled")
     return compiled
 
@@ -199,18 +202,6 @@ def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[byte
     return sealed(MARK, [start, *body])
 
 
-def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "CompiledPair | None":
-    rest = unsealed(MARK, content)
-    if rest is None:
-        return None
-    size = int.from_bytes(rest[:8], "little")
-    head = json.loads(bytes(rest[8 : 8 + size]))
-    if (head["key"], head["compiler"]) != (key, compiler()) or not _fresh(head, paths):
-        return None
-    body = rest[8 + size + (-(8 + size) % ALIGNMENT) :]
-    return _compiled(head, body)
-
-
 def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
     """Return True if all lookups and files are unchanged since the compilation."""
     from lipsync_lang.packs.finding import Finder
@@ -233,7 +224,6 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "CompiledPair":
 
     plain = head["plain"]
     tables = _tables(head, body)
-    _check_indices(tables)
     origins = tuple(map(_origin, plain.pop("origins")))
     styles = {
         style: {row: _origin(origin) for row, origin in rows.items()}
@@ -268,7 +258,7 @@ def _tuples(plain: dict[str, Any]) -> dict[str, Any]:
 
 
 def _tables(head: dict[str, Any], body: memoryview) -> Tables:
-    """Return the tables of a file; raise an error for an array of another type or shape."""
+    """Return the tables of a file; raise an error for arrays or indices that do not fit."""
     plain, places = head["plain"], head["arrays"]
     sizes = {name: len(plain[name]) for name in ("poses", "phonemes")}
     sizes |= {"rows": len(plain["origins"]), "times": RESOLUTION + 1}
@@ -285,11 +275,7 @@ def _tables(head: dict[str, Any], body: memoryview) -> Tables:
             raise ValueError(f"array {name} is {dtype} {stated}, not {kind} {shape}")
         arrays[name] = np.frombuffer(body, kind, prod(shape), offset).reshape(shape)
     at_most = tuple((pose, other) for pose, other in head["at_most"])
-    return Tables.of(arrays, head["silence"], at_most)
-
-
-def _check_indices(tables: Tables) -> None:
-    """Raise an error for indices of rows, phonemes or poses outside the tables."""
+    tables = Tables.of(arrays, head["silence"], at_most)
     # numpy would read other rows for negative indices
     rows = np.concatenate((tables.pairs.ravel(), tables.trigram_rows.ravel()))
     poses = {pose for pair in tables.at_most for pose in pair}
@@ -300,6 +286,7 @@ def _check_indices(tables: Tables) -> None:
         or not poses <= set(range(len(tables.priority)))
     ):
         raise ValueError("an index is out of range")
+    return tables
 
 
 def _origin(plain: Any) -> "Origin":

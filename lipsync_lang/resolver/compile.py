@@ -86,12 +86,6 @@ class PairRows:
         own = {row.origin.pair: n for n, row in every if row.origin.layer != "gap"}
         return own | {pair: own[row.origin.pair] for pair, row in self.finer.items()}
 
-    @property
-    def triple_rows(self) -> dict[Triple, int]:
-        """The number of the first row of each drawn trigram."""
-        first = len(self.bigrams) + 1
-        return {triple: first + 2 * n for n, triple in enumerate(self.halves)}
-
     def with_halves(self, bigrams: list[BigramRow]) -> list[BigramRow]:
         """Return rows of a style for bigrams, with those for the halves of trigrams.
 
@@ -165,7 +159,9 @@ def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
     pairs = np.zeros((len(index), len(index)), np.intp)
     for (a, b), number in rows.numbers.items():
         pairs[index[a], index[b]] = number
-    trigrams, trigram_rows = trigram_arrays(index, rows.played, rows.triple_rows)
+    first = len(rows.bigrams) + 1
+    firsts = {triple: first + 2 * n for n, triple in enumerate(rows.halves)}
+    trigrams, trigram_rows = trigram_arrays(index, rows.played, firsts)
     curves = _tabulated(rows.every, len(shelf.poses))
     boundary, free = _marks(rows.every)
     tables = Tables(

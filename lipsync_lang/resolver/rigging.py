@@ -58,10 +58,7 @@ def model_file(character: "Pack[models.Character]", poseset: "Pack[models.PoseSe
 def best_match(library: "Library", path: Path) -> "Match":
     """Return the pose set, with a rig or alone, that shows most of its poses on a model.
 
-    Raises
-    ------
-    ModelError
-        The model is unreadable, or no pose set knows its shapes.
+    Raise `ModelError` for a model that is unreadable, or whose shapes no pose set knows.
     """
     model = known_model(path)
     found = next((match for match in recognise(library, model) if match.enough), None)

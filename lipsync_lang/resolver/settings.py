@@ -30,9 +30,8 @@ def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Moti
     preset = settings.pop("preset", None)
     if preset is not None:
         if preset not in PRESETS:
-            raise LipsyncError(
-                f"unknown motion preset '{preset}'; {did_you_mean(str(preset), PRESETS)}"
-            )
+            hint = did_you_mean(str(preset), PRESETS)
+            raise LipsyncError(f"unknown motion preset '{preset}'; {hint}")
         base = PRESETS[str(preset)]
     known = {f.name for f in fields(Motion)}
     changed: dict[str, Any] = {}

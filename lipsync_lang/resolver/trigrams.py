@@ -52,11 +52,7 @@ def trigram_arrays(
 ) -> tuple[Ints, Ints]:
     """Return ascending codes of three phonemes, and the two rows of each: (K,) and (K, 2).
 
-    Parameters
-    ----------
-    numbers : of phonemes in the tables
-    played : the drawn trigram of each three phonemes
-    rows : number of the first row of each drawn trigram; the second follows it
+    `rows` has the number of the first row of each drawn trigram; the second follows it.
     """
     size = len(numbers)
     found = sorted(

@@ -15,13 +15,7 @@ def kinds() -> list[str]:
 
 
 def schema(kind: str) -> dict[str, Any]:
-    """Return the JSON Schema of a kind of pack.
-
-    Raises
-    ------
-    PackError
-        The kind is unknown.
-    """
+    """Return the JSON Schema of a kind of pack; raise `PackError` for an unknown kind."""
     if kind not in MODELS:
         raise PackError(f"unknown kind of pack '{kind}': {did_you_mean(kind, MODELS)}")
     made = MODELS[kind].model_json_schema(by_alias=True, mode="validation")
