@@ -48,12 +48,14 @@ class ExportSettings:
     key_lines : True for straight lines within `key_error`, False for cubic curves in formats that
         have tangents
     against : other animations of the line by name, for formats that compare
+    face : file beside the output that holds the model's data for all lines; empty for each its own
     """
 
     offset: float = 0.0
     key_error: float | None = None
     key_lines: bool = False
     against: Mapping[str, "Animation"] = field(default_factory=dict)
+    face: str = ""
 
     def __post_init__(self) -> None:
         """Refuse an error of keys that is out of range."""

@@ -127,7 +127,9 @@ def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> Bu
     try:
         outcome, message, seconds, notes = result
         values, limits, heads = unpacked_figures(record.heading, [record.figures])
-        known = ([None if isnan(one) else one for one in row.tolist()] for row in (values[0], limits[0]))
+        known = (
+            [None if isnan(one) else one for one in row.tolist()] for row in (values[0], limits[0])
+        )
         rows = zip(heads, *known, notes, strict=True)
         figures = [
             JudgedFigure(name, value, unit, limit, at, words, binding)

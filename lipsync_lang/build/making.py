@@ -21,6 +21,7 @@ from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.archives import split_archive
 from lipsync_lang.build.digests import file_digest, output_digest
+from lipsync_lang.build.faces import face_file
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.output_paths import recorded_path
 from lipsync_lang.build.planned_line import CONFIDENCE, BuiltLine, JudgedFigure, PlannedLine
@@ -209,7 +210,8 @@ class LineMaker:
         schedule = animation.schedule
         files: list[MadeFile] = []
         try:
-            export = ExportSettings(self.settings.offset)
+            face = face_file(line.character, pair) if self.settings.face_once else ""
+            export = ExportSettings(self.settings.offset, face=face)
             shown = replace(pair.performer.rigged(animation), export=export)
             self._write(line, shown, files)
             asked = (WRITERS[name].remarks(shown) for name, _ in line.outputs)

@@ -36,7 +36,7 @@ OF_ROWS = frozenset((
 
 TOLD = {
     "program": "the program's version",
-    "settings": "the frame rate, offset, motion or limits",
+    "settings": "the frame rate, offset, motion, limits or `glb`",
     "face": "the rules of the face",
     "model": "the model",
     "voice": "the language's reading or voice",
@@ -53,6 +53,8 @@ class BuildSettings(NamedTuple):
     limits: Mapping[str, float]
     tts: str | None = None
     offset: float = 0.0
+    face_once: bool = False
+    """True if the lines of a character share the data of its model."""
 
 
 class PairNeeds:
@@ -137,6 +139,12 @@ class PairNeeds:
         return known | {"settings": manner["settings"] | {"file": file}}
 
     @cached_property
+    def model_digest(self) -> str | None:
+        """Digest of the file of the character's model; None without one."""
+        model = self.performer.model
+        return file_digest(model) if model and model.is_file() else None
+
+    @cached_property
     def _wide(self) -> dict[str, bytes]:
         """Digests of all that every line of the pair depends on."""
         performer, compiled = self.performer, self.performer.compiled
@@ -153,12 +161,12 @@ class PairNeeds:
         held = [(one.floor, one.ceiling) for one in compiled.tables.contacts]
         said = performer.motion, performer.shades, performer.unknown
         known = {name: sorted(one.table) for name, one in performer.labels.notations.items()}
-        model, chosen = performer.model, self.settings
+        chosen = self.settings
         return {
             "program": digest(__version__),
-            "settings": digest(*said, chosen.fps, chosen.limits, chosen.offset),
+            "settings": digest(*said, chosen.fps, chosen.limits, chosen.offset, chosen.face_once),
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
-            "model": digest(file_digest(model) if model and model.is_file() else None),
+            "model": digest(self.model_digest),
             "voice": digest(manner, self.settings.tts),
             "places": digest(compiled.origins, compiled.style_origins, places),
             "labels": digest(known, compiled.silences),

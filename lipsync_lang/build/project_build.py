@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.build.archives import split_archive
+from lipsync_lang.build.faces import GLB
 from lipsync_lang.build.making import LineMaker
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
@@ -18,7 +20,7 @@ from lipsync_lang.build.project_extras import check_installed
 from lipsync_lang.build.script import read_script
 from lipsync_lang.build.script_faults import PlanningError, ScriptFaults
 from lipsync_lang.build.script_files import PlanRemark
-from lipsync_lang.errors import LipsyncError, shortlist
+from lipsync_lang.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.project import FILE, find_project, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
@@ -119,7 +121,8 @@ class ProjectBuild:
         check_installed(faults, project, library, None if unread else lines, tts)
         faults.raise_any()
         fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
-        settings = BuildSettings(fps, dict(project.limits), tts, project.offset or 0.0)
+        once = project.glb.face == "once"
+        settings = BuildSettings(fps, dict(project.limits), tts, project.offset or 0.0, once)
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))
         made.check_outputs(faults)
@@ -164,8 +167,11 @@ class ProjectBuild:
             at_rest = pair.performer.rigged(
                 pair.performer.perform(STILL_SCHEDULE, self.settings.fps)
             )
-            for number, (name, _) in enumerate(line.outputs):
+            for number, (name, path) in enumerate(line.outputs):
                 try:
+                    if self.settings.face_once and name == GLB and split_archive(path):
+                        what = "an archive cannot share a face; remove `glb`, or write files"
+                        raise OutputError(what)
                     WRITERS[name].refuse(at_rest)
                 except LipsyncError as error:
                     refused.setdefault((number, str(error)), []).append(line.character)

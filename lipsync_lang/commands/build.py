@@ -99,6 +99,7 @@ def build(options: Namespace) -> int:
 
 def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> int:
     from lipsync_lang.build.build_run import locked, make
+    from lipsync_lang.build.faces import write_faces
     from lipsync_lang.build.keeping import prune
     from lipsync_lang.build.project_build import ProjectBuild, Selection
     from lipsync_lang.build.records import Records
@@ -125,6 +126,8 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         )
         if options.dry_run:
             return _listed(plan, project, as_events=options.json)
+        if project.settings.face_once:
+            write_faces(project.folder, [step.line for step in plan.steps], project.pairs)
         outcome = make(
             plan, replace(project.maker, reuse=not options.force), project.pairs, records,
             workers=options.workers, scheduler=options.scheduler, tell=teller,

@@ -54,12 +54,14 @@ class MadeByBuilds:
         """Read the current files of a project."""
         from lipsync_lang.build.archives import split_archive
         from lipsync_lang.build.build_reports import pages_folder
+        from lipsync_lang.build.faces import face_files
 
         files = {str(path.absolute()) for path in reports}
         for line in project.lines:
             for _, path in line.outputs:
                 split = split_archive(path)
                 files.add(str(project.folder / (path if split is None else split[0])))
+        files |= {str(project.folder / path) for path in face_files(project.lines, project.pairs)}
         self._files = frozenset(files)
         self._folders = tuple(f"{pages_folder(path.absolute())}" for path in reports)
 

@@ -59,7 +59,7 @@ class Accessors:
         self.path = path or model.path
         self._rows = model.document.get("accessors", [])
         self._views = model.document.get("bufferViews", [])
-        self._binary = binary_of(model.path, model.document, model.chunks)
+        self._binary = binary_of(model.path, model.document, model.chunks, alone=False)
         self._left = MAX_ACCESSOR_VALUES
         self._stored = len(self._binary)
         self._decoded: dict[int, memoryview] = {}

@@ -133,10 +133,13 @@ def _seems(head: bytes) -> str:
     return "something else"
 
 
-def binary_of(path: Path, document: Json, chunks: Sequence[Chunk]) -> bytes:
-    """Read a document's first buffer; a ModelError if data is missing, or lies in other files."""
+def binary_of(path: Path, document: Json, chunks: Sequence[Chunk], *, alone: bool = True) -> bytes:
+    """Read a document's first buffer; a ModelError if data is missing, or lies in other files.
+
+    Unless `alone`, other buffers may lie there: lines of a build share the data of their face.
+    """
     first, *others = document.get("buffers") or [{}]
-    for row in (first, *others, *document.get("images", ())):
+    for row in (first, *(others if alone else ()), *document.get("images", ())):
         uri = row.get("uri")
         within = uri is None or (isinstance(uri, str) and uri.lower().startswith(("data:", "http")))
         if not within:

@@ -24,6 +24,8 @@ from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.rigs.container import binary_of
+from lipsync_lang.rigs.model import read_model
 
 SCRIPT = TESTS / "consumers" / "godot.gd"
 PAGE_SCRIPT = SCRIPT.with_name("page.gd")
@@ -193,9 +195,11 @@ def engine(tmp_path):
 def godot(tmp_path, engine):
     """Play animations in Godot, and return the values of each track at some times."""
 
-    def played(times, files):
+    def played(times, files, beside={}):  # noqa: B006 not changed
         project = tmp_path / "project"
         project.mkdir()
+        for name, content in beside.items():
+            (project / name).write_bytes(content)
         for name, animation in files.items():
             animation.save(project / name)
         scenes = [name for name in files if name.endswith(".glb")]
@@ -229,7 +233,11 @@ def imported(program, project, scenes, environment):
 def test_godot_shows_what_was_performed(godot):
     animation = performed(fps=60)
     times = np.linspace(0, animation.timeline[-1], 10)
-    said = godot(times, {"line.tres": replace(animation, model=None), "face.glb": animation})
+    shared = replace(animation, export=ExportSettings(face="shared.face.bin"))
+    files = {"line.tres": replace(animation, model=None), "face.glb": animation, "s.glb": shared}
+    model = read_model(animation.model)
+    content = binary_of(model.path, model.document, model.chunks)
+    said = godot(times, files, {"shared.face.bin": content})
     for told in said.values():
         assert told["length"] == pytest.approx(animation.timeline[-1], abs=1e-5)
         assert len(told["tracks"]) == len(animation.poses)

@@ -5,7 +5,7 @@
 // TIMES is a JSON list of seconds. Printed is a JSON list with, for each time, the object's name ->
 // {weights: {shape: weight}, turn: [x, y, z, w], place: [x, y, z]}. A FOLDER gets a picture of each.
 import { readFileSync } from "node:fs";
-import { join, normalize } from "node:path";
+import { dirname, join, normalize } from "node:path";
 import { WEBGL, launch, serve } from "./browsing.mjs";
 
 const [modules, chromium, file, times, folder] = process.argv.slice(2);
@@ -69,7 +69,9 @@ const PAGE = `<!DOCTYPE html>
 
 const KNOWN = { "/": () => PAGE, "/model.glb": () => readFileSync(file) };
 
-const server = await serve((path) => KNOWN[path]?.() ?? readFileSync(join(modules, normalize(path))));
+const beside = (path) => readFileSync(join(dirname(file), decodeURIComponent(path)));
+const find = (path) => (path.endsWith(".bin") ? beside(path) : readFileSync(join(modules, normalize(path))));
+const server = await serve((path) => KNOWN[path]?.() ?? find(path));
 const browser = await launch(modules, chromium, ...WEBGL);
 try {
   const page = await browser.newPage({ viewport: { width: 512, height: 512 } });

@@ -13,8 +13,9 @@ from glb_files import FACE, JAW, SLIDE, model_of, with_jaw
 from lanes import full
 
 import lipsync_lang as ll
-from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.rigs.container import binary_of
 from lipsync_lang.rigs.model import read_model
 
 pytestmark = full
@@ -127,6 +128,23 @@ def test_a_browser_plays_what_we_wrote(name, written):
     assert len(shown) == len(times)
     ours = np.array([np.interp(times - 0.2, animation.times, w) for w in animation.weights.T]).T
     for state, row in zip(shown, ours, strict=True):
+        compare(animation.channels, state, row)
+
+
+@pytest.mark.parametrize("name", [*MADE, *SHIPPED])
+def test_lines_that_share_their_face_are_played_too(name, written, tmp_path):
+    animation, path = written(name)
+    model = read_model(animation.model)
+    content = binary_of(model.path, model.document, model.chunks)
+    (tmp_path / "my face.bin").write_bytes(content)
+    replace(animation, export=ExportSettings(face="my face.bin")).save(path)
+    assert path.stat().st_size < animation.model.stat().st_size + 50_000 - len(content)
+    assert not faults(path)
+    node, modules = found("three", "playwright-core")
+    times = [0.3, 0.6]
+    shown = run(node, HERE / "play.mjs", modules, chromium(), path, json.dumps(times))
+    ours = [np.interp(np.array(times) - 0.2, animation.times, w) for w in animation.weights.T]
+    for state, row in zip(shown, np.array(ours).T, strict=True):
         compare(animation.channels, state, row)
 
 

@@ -15,6 +15,7 @@ from lanes import swept
 from small_models import glb
 
 import lipsync_lang as ll
+from lipsync_lang.animations.animation_readers import read_animation
 from lipsync_lang.build import build_run, keeping, making, needs, process_pool
 from lipsync_lang.build.archives import rewrite
 from lipsync_lang.build.build_tally import BuildTally
@@ -473,6 +474,36 @@ def test_what_a_writer_remarks_on_a_model_is_said_once(game, capsys):
     (remark,) = game.build("--force").end["remarks"]
     assert remark in told
     assert game.build().end["remarks"] == []
+
+
+def test_lines_share_a_face(game):
+    project = PROJECT.replace("takes/{id}.csv", "takes/{id}.glb")
+    game.write("lipsync.yaml", project)
+    told = game.build()
+    assert told.built == ALL, [e.get("message") for e in told.events]
+    whole = {path.stem: path for path in (game.folder / "takes").glob("*.glb")}
+    weights = {name: read_animation(path).values for name, path in whole.items()}
+    sizes = {name: path.stat().st_size for name, path in whole.items()}
+    game.write("lipsync.yaml", project + "glb: {face: once}\n")
+    assert game.build("--dry-run").stale["low"] == [
+        "the frame rate, offset, motion, limits or `glb` changed"
+    ]
+    assert game.build().built == ALL
+    (face,) = (game.folder / "takes").glob("facefx-*.face.bin")
+    for name, path in whole.items():
+        assert path.stat().st_size <= sizes[name] - face.stat().st_size + 200
+        np.testing.assert_array_equal(read_animation(path).values, weights[name])
+    content = face.read_bytes()
+    face.unlink()
+    assert (game.build().built, face.read_bytes()) == ([], content)
+
+
+def test_an_archive_shares_no_face(game):
+    project = PROJECT.replace("takes/{id}.csv", "takes/all.zip/{id}.glb")
+    game.write("lipsync.yaml", project + "glb: {face: once}\n")
+    told = game.build()
+    assert told.code == 2
+    assert "P405 cannot be made on facefx: an archive cannot share a face" in told.err
 
 
 @pytest.mark.parametrize(("lines", "processes"), [(199, []), (200, [2])])

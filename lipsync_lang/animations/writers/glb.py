@@ -8,6 +8,8 @@ glTF has no negative time. If movement starts before the sound, all times are sh
 by default; with straight lines within an error, only the frames needed by any column. With `keys`,
 each sampler is a cubic spline, whose numbers share their keys: all shapes of a mesh, or all
 components of a bone's transform.
+
+With `face`, the model's data are in that file, and all lines beside it refer to it.
 """
 
 from collections import defaultdict
@@ -15,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache, reduce
 from pathlib import Path
 from typing import BinaryIO
+from urllib.parse import quote
 
 import numpy as np
 import numpy.typing as npt
@@ -92,7 +95,7 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     if animation.export.key_lines and error is not None:
         kept = needed(times[frames].astype(float), animation.weights[frames], error)
         frames, error = frames[kept], None
-    take = _NewAnimation(model, times[frames], error)
+    take = _NewAnimation(model, times[frames], error, quote(animation.export.face))
     floors = [animation.contacts.get(pose, 0.0) for pose in animation.poses]
     _move_shapes(take, channels, animation.weights[frames], floors)
     _move_nodes(take, channels, animation.weights[frames])
@@ -118,13 +121,16 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
 class _NewAnimation:
     """An animation under construction: new JSON rows and binary data."""
 
-    def __init__(self, model: Model, times: npt.NDArray[np.float32], error: float | None) -> None:
+    def __init__(
+        self, model: Model, times: npt.NDArray[np.float32], error: float | None, face: str
+    ) -> None:
         self.model = model
+        self.face = face
         self.times = times.astype(float)
         self.error = None if error is None else margin(error)
         self.changed: Json = {}
         self.appended: dict[str, list[Json]] = {}
-        self.binary = binary_of(model.path, model.document, model.chunks)
+        self.binary = b"" if face else binary_of(model.path, model.document, model.chunks)
         self.data: list[bytes] = []
         self.samplers: list[Json] = []
         self.channels: list[Json] = []
@@ -186,8 +192,13 @@ class _NewAnimation:
         length = sum(map(len, self.data[1:]))
         view = {"buffer": 0, "byteOffset": start, "byteLength": length}
         first, *others = self.model.document.get("buffers") or [{}]
-        kept = {key: value for key, value in first.items() if key != "uri"}
-        self.changed["buffers"] = [kept | {"byteLength": start + length}, *others]
+        own = {key: value for key, value in first.items() if key != "uri"}
+        if self.face:  # a GLB has its own data in the first buffer, so the others move up
+            others = [own | {"uri": self.face}, *others]
+            self.changed["bufferViews"] = [
+                _moved_up(view) for view in self.model.document.get("bufferViews", ())
+            ]
+        self.changed["buffers"] = [own | {"byteLength": start + length}, *others]
         taken = [row.get("name") for row in self.model.document.get("animations", ())]
         number, free = 1, name
         while free in taken:
@@ -206,6 +217,12 @@ class _NewAnimation:
             known, more = texts.get(name, "[]"), model.text(rows)
             texts[name] = more if known == "[]" else f"{known[:-1]},{more[1:]}"
         return "{" + ",".join(f"{model.text(name)}:{text}" for name, text in texts.items()) + "}"
+
+
+def _moved_up(row: Json) -> Json:
+    """Return a buffer view, and those within its extensions, in the next buffer."""
+    moved = {name: _moved_up(one) if isinstance(one, dict) else one for name, one in row.items()}
+    return moved | {"buffer": row["buffer"] + 1} if "buffer" in row else moved
 
 
 # Morph targets

@@ -120,6 +120,14 @@ class ScriptColumns(Strict):
     """The speaker. By default the first of `speaker`, `character` and such. In comments of gettext,
     the word before the name, or the form of the comment, such as `[{speaker}]`."""
 
+class GlbFields(Strict):
+    """How `build` writes GLB files."""
+
+    face: Literal["each", "once"] = "each"
+    """`each` file holds the character's whole model. With `once`, its data are in a file
+    `CHARACTER-DIGEST.face.bin` beside the GLB files, which hold the animation and refer to it."""
+
+
 
 class Project(PackModel):
     """Defaults for the commands of a folder; an option of the command line wins."""
@@ -153,6 +161,8 @@ class Project(PackModel):
 
     `{id}` and `{line}` stand for the line, and `{language}`, `{character}` and `{speaker}` for its
     own.
+    glb: GlbFields = GlbFields()
+    """How `build` writes GLB files."""
     """
     paths: Annotated[tuple[Text, ...], OrOne] = ()
     """Folders of packs to search first, from this folder."""

@@ -1,0 +1,49 @@
+"""Faces that lines share: the data of a character's model, once beside all its GLB files."""
+
+import posixpath
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from lipsync_lang.build.needs import PairNeeds
+from lipsync_lang.build.planned_line import PlannedLine
+from lipsync_lang.files.reach import refuse_outside
+from lipsync_lang.files.writing import atomic
+from lipsync_lang.rigs.container import binary_of
+from lipsync_lang.rigs.model import known_model
+
+GLB = "glb"
+"""Writer of the files that share a face."""
+
+MODEL_DIGEST_CHARS = 8
+
+Pairs = Mapping[tuple[str, str], PairNeeds]
+"""Resolved pairs by language and character."""
+
+
+def face_file(character: str, pair: PairNeeds) -> str:
+    """Return the name of the file with the data of a character's model; another has another."""
+    return f"{character}-{(pair.model_digest or '')[:MODEL_DIGEST_CHARS]}.face.bin"
+
+
+def face_files(lines: Iterable[PlannedLine], pairs: Pairs) -> dict[str, Path]:
+    """Return the models of lines, by the files of their data from the project's folder."""
+    found: dict[str, Path] = {}
+    for line in lines:
+        pair = pairs.get((line.language, line.character))
+        for name, path in line.outputs if pair and pair.performer.model else ():
+            if name == GLB:
+                place = posixpath.join(posixpath.dirname(path), face_file(line.character, pair))
+                found[place] = pair.performer.model
+    return found
+
+
+def write_faces(folder: Path, lines: Iterable[PlannedLine], pairs: Pairs) -> None:
+    """Write the faces of lines that are not there."""
+    for path, file in face_files(lines, pairs).items():
+        model, target = known_model(file, bones=True), folder / path
+        content = binary_of(model.path, model.document, model.chunks)
+        refuse_outside(target, folder)
+        if not target.is_file() or target.read_bytes() != content:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with atomic(target) as out:
+                out.write(content)
