@@ -165,6 +165,7 @@ def _part(scene: Scene, part: Primitive, pack: ArrayPack, kind: str) -> Json:
             "joints": pack.add(part.skin.bones, "u2"),
             "shares": pack.add(part.skin.shares, "u2", 65535),
         }
+    whole = pack.add(part.base - middle, "i2", SHORT / reach)  # arrays are numbered in this order
     shapes = []  # that channels move, or that are visible at rest
     rest, moved = part.weights.values[0], part.weights.values[1:] - part.weights.values[0]
     for row, target in zip(part.deltas, part.active, strict=True):
@@ -185,7 +186,7 @@ def _part(scene: Scene, part: Primitive, pack: ArrayPack, kind: str) -> Json:
         "count": len(part.base),
         "middle": middle.tolist(),
         "scale": reach / SHORT,
-        "points": pack.add(part.base - middle, "i2", SHORT / reach),
+        "points": whole,
         "shapes": shapes,
         "skin": skin,
     }

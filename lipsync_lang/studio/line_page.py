@@ -12,21 +12,19 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
 from lipsync_lang.performing.performed_line import PerformedLine, performer_of
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.quality.check_animation import check
 from lipsync_lang.quality.figures import Quality
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.module_bundle import bundle, static
 from lipsync_lang.studio.take_data import curves_data, take_data
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
 
 PAGE_FORMAT = "lipsync-lang page 1"
 
@@ -40,7 +38,7 @@ POLICY = (
 def line_page(
     animation: Animation,
     *,
-    performer: "Performer | None" = None,
+    performer: Performer | None = None,
     qualities: Mapping[str, Quality] | None = None,
 ) -> str:
     """Return an animation as a self-contained page, with the animations in `against` beside it.
@@ -72,7 +70,7 @@ def line_page(
 
 def _document(
     animation: Animation,
-    performer: "Performer | None",
+    performer: Performer | None,
     pack: ArrayPack,
     qualities: Mapping[str, Quality] | None,
 ) -> Json:

@@ -1,15 +1,12 @@
 """Control points of performed curves, as a start for curve edits."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.curve import bspline
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.schedule import Schedule
 
 POINTS_A_SOUND = 3
 """Number of control points for each sound of a span."""
@@ -25,7 +22,7 @@ CORRECTIONS = 6
 
 
 def performed_curves(
-    performer: "Performer", schedule: "Schedule", first: int, stop: int, fps: float
+    performer: Performer, schedule: Schedule, first: int, stop: int, fps: float
 ) -> dict[str, list[list[float]]]:
     """Return the curves of a character over sounds `first` to `stop`, without its curve edits.
 

@@ -37,9 +37,6 @@ MAX_SCRIPTS = 200
 MAX_FOLDERS = 2000
 """Maximum number of folders of a project to search for scripts."""
 
-JOIN_SECONDS = 600.0
-"""Maximum waiting time of `wait`."""
-
 
 @dataclass(eq=False)
 class _CountRun:
@@ -52,7 +49,6 @@ class _CountRun:
     fault: str = ""
     remarks: list[str] = field(default_factory=list)
     dropped: bool = False
-    thread: Thread | None = None
 
     def work(self, path: Path, reading: ScriptReading, scripts: Iterable[str]) -> None:
         """Count a script; an error becomes `fault`."""
@@ -161,15 +157,8 @@ class ScriptCount:
             self._run.dropped = True
         run = self._run = _CountRun(key, replace(performer))
         pack = workshop.library().language(compiled.language)
-        run.thread = Thread(
-            target=run.work, args=(self._path, reading, scripts_of(pack.model)), daemon=True
-        )
-        run.thread.start()
-
-    def wait(self) -> None:
-        """Wait until the count is done."""
-        if self._run is not None and self._run.thread is not None:
-            self._run.thread.join(JOIN_SECONDS)
+        own = self._path, reading, scripts_of(pack.model)
+        Thread(target=run.work, args=own, daemon=True).start()
 
     @property
     def progress(self) -> dict[str, Any]:

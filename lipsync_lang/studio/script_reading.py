@@ -2,15 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from lipsync_lang.coverage.corpus import Takes
 from lipsync_lang.packs.answers import column_names
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
-
-if TYPE_CHECKING:
-    from lipsync_lang.coverage.corpus import Takes
-    from lipsync_lang.studio.workshop import Workshop
+from lipsync_lang.studio.workshop import Workshop
 
 
 @dataclass(frozen=True)
@@ -35,13 +32,13 @@ class ScriptReading:
         return SpeakerFaces(dict(self.cast)) if self.cast else None
 
     @property
-    def takes(self) -> "Takes | None":
+    def takes(self) -> Takes | None:
         """The choice of the open character's lines; None for every line."""
         faces = self.faces
         return None if faces is None else lambda line: self.character in faces.of(line.speaker)
 
 
-def reading_of(workshop: "Workshop", column: str | None, *, sent: bool) -> ScriptReading:
+def reading_of(workshop: Workshop, column: str | None, *, sent: bool) -> ScriptReading:
     """Return the reading of a script for the open pair.
 
     A character that the project's `cast` does not name speaks every line: somebody chose it. The

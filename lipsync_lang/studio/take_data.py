@@ -6,7 +6,7 @@ Conventions: T frames of the animation, P poses; stages are (P, T).
 from collections.abc import Iterator
 from functools import cache
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,16 +15,13 @@ from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
 from lipsync_lang.performing.performed_line import PerformedLine
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.trace import DONE, VISIBLE, constraint_reason, held_reason
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
 from lipsync_lang.quality.figures import Quality, describe
 from lipsync_lang.render.plot import STAGES
 from lipsync_lang.studio.array_pack import ArrayPack
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.resolver.compiled import Origin
 
 WEIGHT_STEPS = 65535
 """Number of steps of a weight from 0 to 1."""
@@ -38,7 +35,7 @@ SHOWN_FOLDERS = 2
 
 def take_data(
     animation: Animation,
-    performer: "Performer | None",
+    performer: Performer | None,
     pack: ArrayPack,
     quality: Quality | None = None,
 ) -> Json:
@@ -105,7 +102,7 @@ class _Stages:
     """The stages of a performance on the frames of its animation."""
 
     def __init__(
-        self, animation: Animation, performer: "Performer", performance: Performance
+        self, animation: Animation, performer: Performer, performance: Performance
     ) -> None:
         self._performer = performer
         self._performance, self._schedule = performance, animation.schedule
@@ -221,7 +218,7 @@ class _Stages:
 
     def _bigram(self, number: int) -> Json:
         compiled, track = self._performer.compiled, self._performance.track
-        origin: Origin = compiled.origins[int(track.rows[number])]
+        origin = compiled.origins[int(track.rows[number])]
         pair = tuple(compiled.phonemes[int(i)] for i in track.ids[number : number + 2])
         data: Json = {
             "pair": "-".join(pair),

@@ -1,6 +1,7 @@
 """The coverage view's routes: the project's script, its count, and the bigrams to draw."""
 
 import json
+from time import sleep
 
 import pytest
 
@@ -36,7 +37,8 @@ def caller(workshop):
 
 def counted(workshop, caller):
     caller.api("coverage")
-    script_of(workshop).wait()
+    while script_of(workshop).progress["state"] == "counting":
+        sleep(0.01)
     return caller.api("coverage").json
 
 
