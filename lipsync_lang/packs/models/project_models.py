@@ -24,7 +24,6 @@ from lipsync_lang.packs.yaml.source import Data
 
 _RATE_PATTERN = r"^\d+(\.\d+)?(/\d+)?$"
 
-
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 
 PLACEHOLDERS = ("id", "line", "language", "character", "speaker")
@@ -38,14 +37,14 @@ def _outside(path: str) -> bool:
 def _within(output: str) -> str:
     """Refuse outputs elsewhere: a stranger's project writes into its own folder alone."""
     path = re.sub(r"^[a-z0-9-]{2,}:", "", output)
+    what = None
     if ":" in path[2:]:
         what = "'{path}' has a ':', which Windows does not allow; write FORMAT:FILE once"
-        raise PydanticCustomError("P106", what, {"path": path})
-    if _outside(path):
+    elif _outside(path):
         what = "'{path}' is outside the project's folder; name it with -o instead"
-        raise PydanticCustomError("P106", what, {"path": path})
-    if ":" in path:
+    elif ":" in path:
         what = "'{path}' has a ':', which Windows does not allow; write FILE or FORMAT:FILE"
+    if what is not None:
         raise PydanticCustomError("P106", what, {"path": path})
     return output
 
@@ -120,13 +119,13 @@ class ScriptColumns(Strict):
     """The speaker. By default the first of `speaker`, `character` and such. In comments of gettext,
     the word before the name, or the form of the comment, such as `[{speaker}]`."""
 
+
 class GlbFields(Strict):
     """How `build` writes GLB files."""
 
     face: Literal["each", "once"] = "each"
     """`each` file holds the character's whole model. With `once`, its data are in a file
     `CHARACTER-DIGEST.face.bin` beside the GLB files, which hold the animation and refer to it."""
-
 
 
 class Project(PackModel):
@@ -161,9 +160,9 @@ class Project(PackModel):
 
     `{id}` and `{line}` stand for the line, and `{language}`, `{character}` and `{speaker}` for its
     own.
+    """
     glb: GlbFields = GlbFields()
     """How `build` writes GLB files."""
-    """
     paths: Annotated[tuple[Text, ...], OrOne] = ()
     """Folders of packs to search first, from this folder."""
     lines: Annotated[tuple[ScriptPath, ...], OrOne] = ()
