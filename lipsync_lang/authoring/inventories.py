@@ -91,9 +91,8 @@ def _text(path: Path) -> str:
     except (EOFError, OSError, zlib.error):
         raise LipsyncError(f"{path}: is a broken gzip file; download it again") from None
     except UnicodeDecodeError as error:
-        raise LipsyncError(
-            f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-        ) from None
+        what = f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+        raise LipsyncError(what) from None
 
 
 def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:

@@ -129,13 +129,11 @@ def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> Lang
 
 def _refuse(wanted: LanguageWish) -> None:
     if not any((wanted.voice, wanted.epitran, wanted.lexicon, wanted.inventory)):
-        raise LipsyncError(
-            "a new language needs a source: --voice, --epitran, --lexicon or --inventory"
-        )
+        what = "a new language needs a source: --voice, --epitran, --lexicon or --inventory"
+        raise LipsyncError(what)
     if wanted.epitran and not wanted.texts:
-        raise LipsyncError(
-            "Epitran has no list of its sounds; give sample lines for it to read: --text FILE"
-        )
+        what = "Epitran has no list of its sounds; give sample lines for it to read: --text FILE"
+        raise LipsyncError(what)
     if wanted.epitran and wanted.lexicon:
         raise LipsyncError("--epitran and --lexicon both read text; give only one of them")
 

@@ -81,9 +81,8 @@ def draft(library: Library, wanted: PoseSetWish, folder: Path = Path()) -> PoseS
     path = folder / FOLDERS["poseset"] / wanted.name / POSESET
     check_name(wanted.name, path)
     if not wanted.poses and wanted.model is None and wanted.like is None:
-        raise LipsyncError(
-            "a new pose set needs a source: the names of its poses, --model or --like"
-        )
+        what = "a new pose set needs a source: the names of its poses, --model or --like"
+        raise LipsyncError(what)
     sets = _sets(library, wanted.like)
     shapes = read_model(wanted.model).shape_names if wanted.model is not None else ()
     names = list(dict.fromkeys(wanted.poses or shapes or sets[0].poses))

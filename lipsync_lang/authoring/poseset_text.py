@@ -36,12 +36,7 @@ def poseset_lines(
 
 
 def _lines(
-    model: PoseSet,
-    common: Phonemes,
-    why: Mapping[str, str],
-    left: Sequence[str],
-    *,
-    packed: bool,
+    model: PoseSet, common: Phonemes, why: Mapping[str, str], left: Sequence[str], *, packed: bool
 ) -> Iterator[str]:
     name = model.name
     yield f"# {model.title}: a draft. It runs as it is:"

@@ -76,9 +76,8 @@ def check(options: Namespace) -> int:
         try:
             limits[measure] = float(number)
         except ValueError:
-            raise LipsyncError(
-                f"--limit {one}: write NAME=NUMBER (--limit {measure or 'jitter'}=2)"
-            ) from None
+            what = f"--limit {one}: write NAME=NUMBER (--limit {measure or 'jitter'}=2)"
+            raise LipsyncError(what) from None
     judged = {
         name: judge(
             take, performer=performer, limits=limits, remarks=remarks if name == first else ()

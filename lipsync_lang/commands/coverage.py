@@ -9,12 +9,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from lipsync_lang.commands.coverage_corpus import (
-    CorpusPart,
-    corpus_parts,
-    shown_names,
-    weights_of,
-)
+from lipsync_lang.commands.coverage_corpus import CorpusPart, corpus_parts, shown_names, weights_of
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (

@@ -169,9 +169,8 @@ def weights_of(options: Namespace) -> dict[str, float]:
             raise LipsyncError(f"--weight {one}: write LANGUAGE=NUMBER")
         if own(given) not in counted:
             known = ", ".join(counted)
-            raise LipsyncError(
-                f"--weight {one}: {given} is not a language of this report; these are {known}"
-            )
+            what = f"--weight {one}: {given} is not a language of this report; these are {known}"
+            raise LipsyncError(what)
         weights[own(given)] = weight
     if weights and not any(weights.get(one, 1.0) for one in counted):
         raise LipsyncError("--weight: all weights are 0; give a language a larger weight")

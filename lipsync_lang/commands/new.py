@@ -126,12 +126,8 @@ def _of_table(options: Namespace) -> int:
     except LipsyncError as error:
         print(f"{error}\ncorrect the script, then run: lipsync-lang build", file=sys.stderr)
         return FAULTS
-    languages, characters = (
-        {getattr(one, of) for one in planned} for of in ("language", "character")
-    )
-    print(
-        f"{count(len(planned), 'line')} to make, in {count(len(languages), 'language')} on "
-        f"{count(len(characters), 'character')}; next, run: lipsync-lang build",
-        file=sys.stderr,
-    )
+    kinds = ("language", "character")
+    made = " on ".join(count(len({getattr(one, of) for one in planned}), of) for of in kinds)
+    told = f"{count(len(planned), 'line')} to make, in {made}; next, run: lipsync-lang build"
+    print(told, file=sys.stderr)
     return SOUND

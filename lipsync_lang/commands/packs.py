@@ -64,8 +64,6 @@ def add_languages(add: Add) -> None:
     )  # fmt: skip
     new.add_argument("--tag", metavar="TAG", help="the BCP 47 tag of the language")
     new.add_argument("--title", metavar="TITLE", help="the full name of the language")
-    add_path(made)
-    add_json(made)
 
 
 @command("posesets")
@@ -83,13 +81,9 @@ def add_posesets(add: Add) -> None:
         "--like", metavar="POSESET",
         help="copy the motion of known poses from this pose set [the best match]",
     )  # fmt: skip
-    new.add_argument(
-        "--guess", action="store_true",
-        help="assign sounds to unknown poses by a first guess",
-    )  # fmt: skip
+    guessed = "assign sounds to unknown poses by a first guess"
+    new.add_argument("--guess", action="store_true", help=guessed)
     new.add_argument("--title", metavar="TITLE", help="its title in lists")
-    add_path(made)
-    add_json(made)
 
 
 @command("characters")
@@ -102,8 +96,6 @@ def add_characters(add: Add) -> None:
     new.add_argument("--poseset", metavar="POSESET", help="its pose set [the best match]")
     new.add_argument("--rig", metavar="RIG", help="a rig of the pose set [the best match]")
     new.add_argument("--title", metavar="TITLE", help="its title in lists")
-    add_path(made)
-    add_json(made)
 
 
 def _add_kind(add: Add, kind: str, title: str, actions: tuple[str, ...]) -> argparse.ArgumentParser:
@@ -111,6 +103,8 @@ def _add_kind(add: Add, kind: str, title: str, actions: tuple[str, ...]) -> argp
     made.set_defaults(kind=kind[:-1])
     made.add_argument("action", choices=actions, nargs="?", default="list")
     made.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to create")
+    add_path(made)
+    add_json(made)
     return made
 
 
@@ -169,11 +163,8 @@ def _with_losses(library: "Library", options: Namespace, told: "Description") ->
     lines = [
         f"\nnot shown by {name}\n{indent(loss_table(lost), '  ')}" for name, lost in found.items()
     ]
-    data = {
-        **told.data,
-        "losses": {n: [one.to_dict() for one in lost] for n, lost in found.items()},
-    }
-    return Description("\n".join([told.text, *lines]), data)
+    data = {n: [one.to_dict() for one in lost] for n, lost in found.items()}
+    return Description("\n".join([told.text, *lines]), {**told.data, "losses": data})
 
 
 def _new_language(library: "Library", options: Namespace) -> "PackDraft":
@@ -206,9 +197,8 @@ def _new_character(library: "Library", options: Namespace) -> "PackDraft":
     from lipsync_lang.authoring.character_draft import CharacterWish, draft
 
     if options.name is None or options.model is None:
-        raise LipsyncError(
-            "name the new character, and its model: characters new NAME --model FILE"
-        )
+        what = "name the new character, and its model: characters new NAME --model FILE"
+        raise LipsyncError(what)
     wanted = CharacterWish(
         options.name, options.model, options.poseset, options.rig, title=options.title
     )

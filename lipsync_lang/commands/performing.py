@@ -149,9 +149,8 @@ def _timed(options: Namespace, performer: "Performer") -> "Schedule":
     if not isinstance(found, TimedWords):
         return with_sound(found, audio, channel)
     if options.notation is not None:
-        raise LipsyncError(
-            f"{options.schedule} has timed words, not phonemes; leave out --notation"
-        )
+        what = f"{options.schedule} has timed words, not phonemes; leave out --notation"
+        raise LipsyncError(what)
     if audio is None:
         return filled(performer.speaker, found)
     with listening(f"listening to {audio}"):

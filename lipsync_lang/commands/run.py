@@ -223,10 +223,7 @@ def _summary(performer: "Performer", animation: "Animation", written: list[Path]
     if animation.schedule.confidence is not None:
         how = "recognised" if animation.schedule.recognised else "aligned"
         told += f"\n{how} with a confidence of {animation.schedule.confidence:.2f}"
-    remarks = (
-        *animation.schedule.remarks,
-        *label_remarks(performer.labels, animation.schedule),
-    )
+    remarks = (*animation.schedule.remarks, *label_remarks(performer.labels, animation.schedule))
     told += "".join(f"\n{as_options(remark)}" for remark in remarks)
     if not written:
         return f"{told}\nno file was written; name files with -o line.csv or --plot line.png"
@@ -250,7 +247,6 @@ def _take(
         other = performer_for(options, name)
     except LipsyncError as error:
         known = ", ".join(BASELINES)
-        raise LipsyncError(
-            f"--against {name}: not a file, a plain method ({known}) or a character: {error}"
-        ) from None
+        what = f"--against {name}: not a file, a plain method ({known}) or a character: {error}"
+        raise LipsyncError(what) from None
     return other.rigged(other.perform(animation.schedule, options.fps))

@@ -110,9 +110,7 @@ def add_line(made: argparse.ArgumentParser) -> None:
         "--line", metavar="NAME", help="the line whose edits in the character's file are applied"
     )
     said.add_argument(
-        "--tts",
-        metavar="ENGINE",
-        help="speech engine; none estimates times [the language's]",
+        "--tts", metavar="ENGINE", help="speech engine; none estimates times [the language's]"
     )
     add_values(said)
     how = made.add_argument_group("performance")

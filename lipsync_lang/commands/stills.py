@@ -44,9 +44,8 @@ def stills(options: Namespace) -> int:
     try:
         seconds = [float(one) for one in options.at.split(",")]
     except ValueError:
-        raise LipsyncError(
-            f"--at {options.at}: write seconds separated by commas (--at 0.5,0.7)"
-        ) from None
+        what = f"--at {options.at}: write seconds separated by commas (--at 0.5,0.7)"
+        raise LipsyncError(what) from None
     performer = performer_for(options)
     animation = perform_line(options, performer, schedule_for(options, performer))
     shown = performer.rigged(animation)

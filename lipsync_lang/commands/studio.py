@@ -71,9 +71,8 @@ def studio(options: Namespace) -> int:
 
         from lipsync_lang.studio.server import app
     except ImportError:
-        raise LipsyncError(
-            f"the studio needs Starlette and uvicorn: {install_line('studio')}"
-        ) from None
+        what = f"the studio needs Starlette and uvicorn: {install_line('studio')}"
+        raise LipsyncError(what) from None
     from platformdirs import user_state_path
 
     from lipsync_lang.commands.performing import motion_settings
@@ -144,12 +143,10 @@ def _listening(host: str, port: int) -> "socket.socket":
     import socket
 
     if not 0 <= port <= MAX_PORT:
-        raise LipsyncError(
-            f"--port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free one"
-        )
+        what = f"--port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free one"
+        raise LipsyncError(what)
     try:
         return socket.create_server((host, port))
     except OSError as error:
-        raise LipsyncError(
-            f"--host {host} --port {port}: cannot be used: {error}; port 0 takes a free one"
-        ) from None
+        what = f"--host {host} --port {port}: cannot be used: {error}; port 0 takes a free one"
+        raise LipsyncError(what) from None

@@ -59,9 +59,8 @@ def parse_address(text: str) -> LiveAddress:
         if not colon and not rest.isdecimal():  # a number without a host is a port
             host, port = rest, ""
     if port and not (port.isascii() and port.isdecimal() and 0 < int(port) <= MAX_PORT):
-        raise LipsyncError(
-            f"--to {text}: '{port}' is not a port; give a number from 1 to {MAX_PORT}"
-        )
+        what = f"--to {text}: '{port}' is not a port; give a number from 1 to {MAX_PORT}"
+        raise LipsyncError(what)
     return LiveAddress(kind, host or LOCAL, int(port) if port else USUAL_PORTS[kind])
 
 

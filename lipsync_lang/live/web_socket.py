@@ -98,9 +98,8 @@ class Client:
         if self.stream is None:
             notation = asked.get("notation")
             if notation is not None and not isinstance(notation, str):
-                raise LipsyncError(
-                    "`notation` must be a string: the name of a notation of the language"
-                )
+                what = "`notation` must be a string: the name of a notation of the language"
+                raise LipsyncError(what)
             self.stream = self.open_stream(notation)
         return self._feed(self.stream, asked)
 
@@ -165,9 +164,8 @@ class WebSocketOutlet:
         try:
             import websockets.asyncio.server
         except ImportError:
-            raise LipsyncError(
-                f"a WebSocket server needs the package websockets: {install_line('live')}"
-            ) from None
+            what = f"a WebSocket server needs the package websockets: {install_line('live')}"
+            raise LipsyncError(what) from None
         family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
         try:
             self.socket = socket.create_server((address.host, address.port), family=family)

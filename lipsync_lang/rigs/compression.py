@@ -80,9 +80,8 @@ def draco_mesh(
     else:
         faces, own = islice(_varints(data, size), 2)
     if 3 * faces > corners or own > points:
-        raise ValueError(
-            f"has {3 * faces} corners of {own} points, but states {corners} of {points}"
-        )
+        what = f"has {3 * faces} corners of {own} points, but states {corners} of {points}"
+        raise ValueError(what)
     if corners + points > NUMBERS_PER_BYTE * len(data):
         raise ValueError(f"states {corners} corners of {points} points in {len(data)} bytes")
     try:
