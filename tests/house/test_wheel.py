@@ -233,7 +233,9 @@ def test_a_project_is_built_below_a_home_with_spaces_and_other_letters(
     assert (done.returncode, done.stdout) == (0, ""), done.stderr
     assert "wrote テスト 1.csv" in done.stderr
     assert Path("テスト 1.csv").read_text().startswith("time_s,open,")
-    assert start("validate").returncode == 0
+    told = start("validate").stdout
+    assert told.count(": P") == 1, told
+    assert "P406 not installed: speech (for english)" in told
     assert any((home / "cache").iterdir())
 
 
