@@ -1,13 +1,13 @@
 """Judgement of a finished animation: every measure, compared with the limits of its face."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.performing.performed_line import performer_of
-from lipsync_lang.quality.figures import Quality
+from lipsync_lang.quality.figures import Figure, Quality
 from lipsync_lang.quality.measured_scene import scene_of
 from lipsync_lang.quality.measures import load_measures
 
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 MAX_SUBJECT_CHARS = 60
 """Characters of the text of a line in the subject of its quality."""
+
+BLOCK_LINES = 32
+"""Lines that are judged at once: their arrays stay in the processor's cache."""
 
 Limits = Mapping[str, float]
 """Highest acceptable values by the name of the measure."""
@@ -54,8 +57,15 @@ def check(
     performer = performer or performer_of(animation)
     if performer is None:
         raise LipsyncError("this animation has no performer; give a performer of its face")
+    (quality,) = check_all([animation], performer, limits)
+    return replace(quality, remarks=remarks)
+
+
+def check_all(
+    animations: "Sequence[Animation]", performer: "Performer", limits: Limits | None = None
+) -> list[Quality]:
+    """Measure animations of one face at once: `check` takes ten times as long for each."""
     measures = load_measures()
-    scene = scene_of(animation, performer)
     asked = {name: one.limit for name, one in measures.items()}
     asked["speed"] = performer.motion.speed_limit
     asked |= performer.compiled.checks["limits"]
@@ -65,19 +75,32 @@ def check(
         if not isfinite(value) or value < 0:
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
         asked[name] = value
-    figures = [
-        replace(
-            found,
-            name=f"{name} {found.name}".rstrip(),
-            unit=one.unit,
-            limit=asked[name] if found.limit is None else found.limit,
-        )
-        for name, one in measures.items()
-        for found in one.find(scene)
+    figures: list[list[Figure]] = [[] for _ in animations]
+    for start in range(0, len(animations), BLOCK_LINES):
+        scene = scene_of(animations[start : start + BLOCK_LINES], performer)
+        for name, one in measures.items():
+            for own, found in zip(figures[start:], one.find(scene), strict=False):
+                own += [
+                    Figure(
+                        f"{name} {of}" if of else name,
+                        value,
+                        one.unit,
+                        asked[name] if limit is None else limit,
+                        parts,
+                        findings,
+                        why,
+                    )
+                    for of, value, _, limit, parts, findings, why in found
+                ]
+    return [
+        Quality(_subject(animation, performer), tuple(own))
+        for animation, own in zip(animations, figures, strict=True)
     ]
+
+
+def _subject(animation: "Animation", performer: "Performer") -> str:
     words = " ".join(word.text for word in animation.schedule.words)
     said = repr(words) if words else animation.schedule.source
     if len(said) > MAX_SUBJECT_CHARS:
         said = f"{said[: MAX_SUBJECT_CHARS - 3]}..."
-    subject = f"{performer.language} on {performer.character}, {animation.fps:g} fps: {said}"
-    return Quality(subject, tuple(figures), remarks)
+    return f"{performer.language} on {performer.character}, {animation.fps:g} fps: {said}"

@@ -8,7 +8,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Figure, Finding
-from lipsync_lang.quality.measured_scene import MeasuredScene
+from lipsync_lang.quality.measured_scene import MeasuredScene, search
 from lipsync_lang.quality.measures import measure, once, one, places, runs, unjudged
 
 SEARCH_SECONDS = 0.25
@@ -24,7 +24,7 @@ NO_CONTACT = "the pose set has no contacts"
 
 
 @measure("contacts", "of sounds", limit=0)
-def contacts(scene: MeasuredScene) -> Iterable[Figure]:
+def contacts(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Sounds that demand a contact and do not get it, for each contact.
 
     A sound gets its contact if two conditions hold at one frame, within half a frame of the sound.
@@ -37,19 +37,25 @@ def contacts(scene: MeasuredScene) -> Iterable[Figure]:
         value = missed / demanded
     """
     unmade = scene.demanded & ~(scene.highest(scene.margin) >= 0)
-    for number, (touch, count) in enumerate(zip(scene.face.touches, scene.wanted, strict=True)):
-        if not count:
-            yield from unjudged("no sound of the line demands this contact", of=touch.name)
-            continue
-        missed = np.flatnonzero(unmade[number])
-        yield Figure(
-            touch.name,
-            len(missed) / count,
-            parts={"made": count - len(missed), "missed": len(missed)},
-            findings=tuple(_missed(scene, number, missed)) if len(missed) else (),
-        )
-    if not scene.face.touches:
-        yield from unjudged(NO_CONTACT)
+    wanted, missed = (scene.counts(marks).tolist() for marks in (scene.demanded, unmade))
+    for line, (asked, lacking) in enumerate(zip(wanted, missed, strict=True)):
+        out = [] if scene.face.touches else unjudged(NO_CONTACT)
+        for number, touch in enumerate(scene.face.touches):
+            count, short = asked[number], lacking[number]
+            if not count:
+                out += unjudged("no sound of the line demands this contact", of=touch.name)
+                continue
+            findings = _missed(scene, number, _within(scene, line, unmade[number])) if short else ()
+            parts = {"made": count - short, "missed": short}
+            out.append(Figure(touch.name, short / count, parts=parts, findings=tuple(findings)))
+        yield out
+
+
+def _within(scene: MeasuredScene, line: int, marked: Bools) -> Ints:
+    """Return the phonemes of a line that are marked."""
+    first, past = scene.phonemes[line : line + 2]
+    own: Ints = first + marked[first:past].nonzero()[0]
+    return own
 
 
 def _missed(scene: MeasuredScene, contact: int, missed: Ints) -> Iterator[Finding]:
@@ -73,33 +79,35 @@ def _missed(scene: MeasuredScene, contact: int, missed: Ints) -> Iterator[Findin
 
 
 @measure("false_contacts", "of sounds", limit=0)
-def false_contacts(scene: MeasuredScene) -> Iterable[Figure]:
+def false_contacts(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Sounds with a contact at their middle frame that they do not demand, for each contact.
 
     Contacts that raise no pose are left out, because a face at rest makes them too::
 
         value = made / sounds that do not demand it
     """
-    middles = (scene.track.bounds[:-1] + scene.track.bounds[1:]) / 2
-    frames = scene.times.searchsorted(middles - scene.frame / 2)
-    making = scene.margin[:, np.minimum(frames, len(scene.times) - 1)] >= 0
     if not scene.face.touches:
-        yield from unjudged(NO_CONTACT)
+        yield from (unjudged(NO_CONTACT) for _ in scene.spans)
         return
-    others = scene.sounds & ~scene.face.demanding[:, scene.track.ids]
+    middles = (scene.begin + scene.end) / 2 - scene.frame[scene.line] / 2
+    frames = search((scene.frame_line, scene.times), (scene.line, middles))
+    making = scene.margin[:, np.minimum(frames, scene.frames[scene.line + 1] - 1)] >= 0
+    others = scene.sounds & ~scene.face.demanding[:, scene.ids]
     wrong = others & making
-    counts = zip(wrong.sum(axis=1).tolist(), others.sum(axis=1).tolist(), strict=True)
-    for number, (touch, (count, sounds)) in enumerate(zip(scene.face.touches, counts, strict=True)):
-        if not scene.face.raised[number]:
-            yield from unjudged("a face at rest makes this contact", of=touch.name)
-            continue
-        made = np.flatnonzero(wrong[number]).tolist() if count else []
-        yield Figure(
-            touch.name,
-            count / max(1, sounds),
-            parts={"made": count} if count else {},
-            findings=tuple(places(scene, dict.fromkeys(made, f"makes '{touch.name}'"))),
-        )
+    made, sounds = (scene.counts(marks).tolist() for marks in (wrong, others))
+    for line in range(len(scene.spans)):
+        out = []
+        for number, touch in enumerate(scene.face.touches):
+            if not scene.face.raised[number]:
+                out += unjudged("a face at rest makes this contact", of=touch.name)
+                continue
+            count = made[line][number]
+            which = _within(scene, line, wrong[number]).tolist() if count else ()
+            findings = tuple(places(scene, dict.fromkeys(which, f"makes '{touch.name}'")))
+            parts = {"made": count} if count else {}
+            value = count / max(1, sounds[line][number])
+            out.append(Figure(touch.name, value, parts=parts, findings=findings))
+        yield out
 
 
 class Offset(NamedTuple):
@@ -112,33 +120,44 @@ class Offset(NamedTuple):
 
 
 @once
-def offsets(scene: MeasuredScene) -> tuple[Offset, ...]:
-    """Return the offset of each closure of an animation."""
-    asked = [number for number, count in enumerate(scene.wanted) if count]
-    return tuple(offset for number in asked for offset in _offsets(scene, number))
+def offsets(scene: MeasuredScene) -> list[list[Offset]]:
+    """Return the offset of each closure, line by line."""
+    out: list[list[Offset]] = [[] for _ in scene.spans]
+    for contact in range(len(scene.face.touches)):
+        for offset in _offsets(scene, contact):
+            out[scene.line[offset.phoneme]].append(offset)
+    return out
 
 
 def _offsets(scene: MeasuredScene, contact: int) -> Iterator[Offset]:
-    bounds, raised = scene.track.bounds, scene.face.raised[contact]
+    raised = scene.face.raised[contact]
     # neighbours that demand the contact share one closure
-    begin, past = runs(scene.demanded[contact])
-    first, stop = runs(scene.margin[contact] >= 0)
+    begin, past = runs(scene.demanded[contact], scene.phonemes)
+    first, stop = runs(scene.margin[contact] >= 0, scene.frames)
+    # only lines with both sounds and closures
+    asked, closed = np.zeros((2, len(scene.spans)), bool)
+    of, on = scene.line[begin], scene.frame_line[first]
+    asked[of] = closed[on] = True
+    begin, past, of = (one[closed[of]] for one in (begin, past, of))
+    first, stop, on = (one[asked[on]] for one in (first, stop, on))
     if not first.size:
         return
     start, end = scene.times[first], scene.times[stop - 1]
-    middles = (bounds[begin] + bounds[past]) / 2
-    owner = _nearest(middles, (start + end) / 2)
-    sound = middles[owner]
-    off = (start + end) / 2 - sound
-    if not raised:
+    starts, ends = scene.begin[begin], scene.end[past - 1]
+    sound = middles = (starts + ends) / 2
+    middle = (start + end) / 2
+    if raised:
+        owner = _nearest((of, middles), (on, middle))
+        off = middle - middles[owner]
+    else:
         # rest before and after a sound makes the contact too, so its middle says nothing
         owner = np.arange(len(begin))
-        start, end = _covering(start, end, middles)
-        sound = middles
+        chosen = _covering((on, start), end, (of, middles))
+        on, start, end = of, start[chosen], end[chosen]
         off = np.maximum(0, start - sound) + np.minimum(0, end - sound)
     # a closure over several sounds belongs to none of them: which one it is late for is unknown
-    crowded = np.searchsorted(bounds[begin], end) - np.searchsorted(bounds[past], start) > 1
-    away = np.maximum(start - bounds[past][owner], bounds[begin][owner] - end)
+    crowded = search((of, starts), (on, end)) - search((of, ends), (on, start)) > 1
+    away = np.maximum(start - ends[owner], starts[owner] - end)
     off[(crowded & raised) | (away > SEARCH_SECONDS)] = np.inf
     least: dict[int, float] = {}
     for number, seconds in zip(owner.tolist(), off.tolist(), strict=True):
@@ -150,39 +169,47 @@ def _offsets(scene: MeasuredScene, contact: int) -> Iterator[Offset]:
             yield Offset(least[number], phoneme, name)
 
 
-def _covering(start: Floats, end: Floats, at: Floats) -> tuple[Floats, Floats]:
-    """Return the start and end of the run that covers each time, or of the nearest run."""
-    before = np.maximum(start.searchsorted(at, side="right") - 1, 0)
-    after = np.minimum(before + 1, len(start) - 1)
-    nearer = (start[after] - at < at - end[before]) & (at > end[before])
-    chosen = np.where(nearer, after, before)
-    return start[chosen], end[chosen]
+LineTimes = tuple[Ints, Floats]
+"""Lines and seconds of events, in ascending order."""
 
 
-def _nearest(places: Floats, to: Floats) -> Ints:
-    """Return the index of the nearest of `places`, which ascend, for each of `to`."""
-    if len(places) == 1:
-        return np.zeros(len(to), np.intp)
-    after = np.minimum(np.maximum(places.searchsorted(to), 1), len(places) - 1)
-    nearer: Bools = to - places[after - 1] <= places[after] - to
-    return np.where(nearer, after - 1, after)
+def _covering(start: LineTimes, end: Floats, at: LineTimes) -> Ints:
+    """Return the run that covers each time, or the nearest run of its line."""
+    lines, times = at
+    before = np.maximum(search(start, at, "right") - 1, start[0].searchsorted(lines))
+    after = np.minimum(before + 1, start[0].searchsorted(lines, "right") - 1)
+    nearer = (start[1][after] - times < times - end[before]) & (times > end[before])
+    return np.where(nearer, after, before)
 
 
-def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[Figure]:
-    """Return the largest offset in one direction: late for sign 1, early for -1."""
-    every = offsets(scene)
-    if not every:
-        return unjudged("no closure can be judged")
-    found = [offset for offset in every if offset.seconds * sign > 0]
+def _nearest(places: LineTimes, to: LineTimes) -> Ints:
+    """Return the index of the nearest of `places` in its line, for each of `to`."""
+    lines, times = to
+    first, last = places[0].searchsorted(lines), places[0].searchsorted(lines, "right") - 1
+    after = np.minimum(np.maximum(search(places, to), first + 1), last)
+    before = np.maximum(after - 1, first)
+    nearer: Bools = times - places[1][before] <= places[1][after] - times
+    return np.where(nearer, before, after)
+
+
+def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[list[Figure]]:
+    """Yield the largest offset in one direction: late for sign 1, early for -1."""
     word = "late" if sign > 0 else "early"
-    descriptions = {o.phoneme: f"closes '{o.touch}' {abs(o.seconds):.3f} s {word}" for o in found}
-    worst = sorted(found, key=lambda offset: -offset.seconds * sign)[:MAX_CLOSURES]
-    shown = {offset.phoneme: descriptions[offset.phoneme] for offset in worst}
-    return one(abs(worst[0].seconds) if worst else 0.0, {}, places(scene, shown))
+    for every in offsets(scene):
+        if not every:
+            yield unjudged("no closure can be judged")
+            continue
+        found = [offset for offset in every if offset.seconds * sign > 0]
+        descriptions = {
+            o.phoneme: f"closes '{o.touch}' {abs(o.seconds):.3f} s {word}" for o in found
+        }
+        worst = sorted(found, key=lambda offset: -offset.seconds * sign)[:MAX_CLOSURES]
+        shown = {offset.phoneme: descriptions[offset.phoneme] for offset in worst}
+        yield one(abs(worst[0].seconds) if worst else 0.0, {}, places(scene, shown))
 
 
 @measure("closure_late", "s", limit=0.045)
-def closure_late(scene: MeasuredScene) -> Iterable[Figure]:
+def closure_late(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Lateness of the latest closure.
 
     A closure is a run of frames that make a contact. It belongs to the sounds that demand it and
@@ -196,7 +223,7 @@ def closure_late(scene: MeasuredScene) -> Iterable[Figure]:
 
 
 @measure("closure_early", "s", limit=0.125)
-def closure_early(scene: MeasuredScene) -> Iterable[Figure]:
+def closure_early(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Earliness of the earliest closure; viewers notice an early picture beyond 0.125 s.
 
     It is::
@@ -207,22 +234,23 @@ def closure_early(scene: MeasuredScene) -> Iterable[Figure]:
 
 
 @measure("closure_offset", "s", limit=0.045)
-def closure_offset(scene: MeasuredScene) -> Iterable[Figure]:
+def closure_offset(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Absolute offset of the median closure; `median` is the signed offset, positive if late.
 
     It is::
 
         value = |median over closures of (middle of closure - middle of sound)|
     """
-    found = [offset.seconds for offset in offsets(scene)]
-    if not found:
-        return unjudged("no closure can be judged")
-    middle = median(found)
-    return one(abs(middle), {"median": round(middle, 6), "closures": len(found)})
+    for every in offsets(scene):
+        if not every:
+            yield unjudged("no closure can be judged")
+            continue
+        middle = median(offset.seconds for offset in every)
+        yield one(abs(middle), {"median": round(middle, 6), "closures": len(every)})
 
 
 @measure("rules", "of sounds", limit=0)
-def rules(scene: MeasuredScene) -> Iterable[Figure]:
+def rules(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Phonemes that violate a rule of the pose set, for each rule.
 
     A rule names phonemes, a measure of the pose set, and a bound. At one frame of the
@@ -231,36 +259,41 @@ def rules(scene: MeasuredScene) -> Iterable[Figure]:
 
         value = missed / phonemes of the rule
     """
-    if not scene.rules:
-        yield from unjudged("the pose set has no rules")
+    out: list[list[Figure]] = [[] for _ in scene.spans]
     for name, rule in scene.rules.items():
         gains = scene.face.measures.get(rule["measure"])
-        which = np.flatnonzero(scene.face.meant[name][scene.track.ids])
-        if gains is None or not which.size:
-            rigged, unsaid = (
-                "channels of a rig have no measures",
-                "no sound of the line has this rule",
-            )
-            yield from unjudged(rigged if gains is None else unsaid, of=name)
-            continue
-        shown = gains @ scene.curves
-        least, most = rule.get("at_least", -np.inf), rule.get("at_most", np.inf)
-        best = scene.highest(np.minimum(shown - least, most - shown))[which]
+        which = scene.face.meant[name][scene.ids].nonzero()[0]
+        why = (
+            "channels of a rig have no measures"
+            if gains is None
+            else "no sound of the line has this rule"
+        )
+        best = np.zeros(len(which))
+        if gains is not None and which.size:
+            shown = gains @ scene.curves
+            least, most = rule.get("at_least", -np.inf), rule.get("at_most", np.inf)
+            best = scene.highest(np.minimum(shown - least, most - shown))[which]
         # turned round, so that a phoneme without frames, whose best is NaN, is missed
         missed = ~(best >= -RULE_TOLERANCE)
-        count = int(np.count_nonzero(missed))
-        descriptions = {
-            int(number): f"misses the rule by {-short:.2f} of {rule['measure']}"
-            for number, short in zip(which[missed], best[missed], strict=True)
-        }
-        parts = {"kept": len(which) - count, "missed": count}
-        found = tuple(places(scene, descriptions))
-        share = count / len(which)
-        yield Figure(name, share, limit=rule["missed"], parts=parts, findings=found)
+        for line, part in enumerate(scene.split(which)):
+            if gains is None or part.start == part.stop:
+                out[line] += unjudged(why, of=name)
+                continue
+            numbers, own = which[part], missed[part]
+            told = {
+                number: f"misses the rule by {-short:.2f} of {rule['measure']}"
+                for number, short in zip(
+                    numbers[own].tolist(), best[part][own].tolist(), strict=True
+                )
+            }
+            parts = {"kept": len(numbers) - len(told), "missed": len(told)}
+            found, share = tuple(places(scene, told)), len(told) / len(numbers)
+            out[line].append(Figure(name, share, limit=rule["missed"], parts=parts, findings=found))
+    return out if scene.rules else [unjudged("the pose set has no rules") for _ in out]
 
 
 @measure("unopened", "of vowels", limit=0.34)
-def unopened(scene: MeasuredScene) -> Iterable[Figure]:
+def unopened(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Vowels that do not open the mouth.
 
     The opening is the measure `aperture` of the pose set, or else the sum of the poses that
@@ -274,14 +307,18 @@ def unopened(scene: MeasuredScene) -> Iterable[Figure]:
     """
     aperture, vowels = scene.face.aperture, scene.face.vowels
     if aperture is None or vowels is None:
-        return unjudged("the pose set states no aperture")
-    least = vowels[scene.track.ids]
-    which = np.flatnonzero(np.isfinite(least))
-    if not which.size:
-        return unjudged("no vowel of the line opens the mouth")
+        yield from (unjudged("the pose set states no aperture") for _ in scene.spans)
+        return
+    least = vowels[scene.ids]
+    which = np.isfinite(least).nonzero()[0]
     best = scene.highest(aperture @ scene.curves)
     # turned round, so that a vowel without frames, whose best is NaN, is missed
     missed = which[~(best[which] >= least[which])]
-    told = {n: f"opens the mouth to {best[n]:.2f}, below {least[n]:.2f}" for n in missed.tolist()}
-    parts = {"opened": len(which) - len(missed), "closed": len(missed)}
-    return one(len(missed) / len(which), parts, places(scene, told))
+    for judged, shut in zip(scene.split(which), scene.split(missed), strict=True):
+        count, closed = judged.stop - judged.start, missed[shut].tolist()
+        if not count:
+            yield unjudged("no vowel of the line opens the mouth")
+            continue
+        told = {n: f"opens the mouth to {best[n]:.2f}, below {least[n]:.2f}" for n in closed}
+        parts = {"opened": count - len(closed), "closed": len(closed)}
+        yield one(len(closed) / count, parts, places(scene, told))

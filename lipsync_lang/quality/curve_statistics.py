@@ -52,7 +52,7 @@ def high_share(curve: Floats, fps: float) -> float:
     return float(power[above].sum() / max(power.sum(), sys.float_info.min))
 
 
-@lru_cache(maxsize=64)  # the lengths of the lines of a script
+@lru_cache(maxsize=512)  # the lengths of the lines of a script
 def _spectrum(count: int, fps: float) -> tuple[Floats, Bools]:
     """Return the window for a number of frames, and the part of the spectrum above `HIGH_HERTZ`."""
     return np.hanning(count), np.fft.rfftfreq(count, 1 / fps) > HIGH_HERTZ
@@ -62,7 +62,10 @@ def turns(curve: Floats) -> int:
     """Count the extrema that differ from the last one by `TURN_SHARE` or more."""
     count, way = 0, 0
     last = float(curve[0])
-    for value in curve.tolist():
+    # of a stretch that only rises or falls, its end alone can turn
+    step = curve[1:] - curve[:-1]
+    ends = np.append((step[1:] * step[:-1] <= 0).nonzero()[0] + 1, len(curve) - 1)
+    for value in curve[ends].tolist():
         if way >= 0 and value < last - TURN_SHARE:
             count, last, way = count + 1, value, -1
         elif way <= 0 and value > last + TURN_SHARE:

@@ -1,7 +1,8 @@
 """Results of the judgement of an animation: figures with findings, and a verdict."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
@@ -21,8 +22,7 @@ class Finding(NamedTuple):
     what: str
 
 
-@dataclass(frozen=True)
-class Figure:
+class Figure(NamedTuple):
     """The value of one measure.
 
     Parameters
@@ -40,7 +40,7 @@ class Figure:
     value: float | None
     unit: str = ""
     limit: float | None = None
-    parts: Mapping[str, float] = field(default_factory=dict)
+    parts: Mapping[str, float] = MappingProxyType({})
     findings: tuple[Finding, ...] = ()
     why: str = ""
 
@@ -120,7 +120,7 @@ class Quality:
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain JSON data."""
         rows = [
-            asdict(figure)
+            figure._asdict()
             | {
                 "parts": dict(figure.parts),
                 "findings": [finding._asdict() for finding in figure.findings],

@@ -9,16 +9,17 @@ vary widely around them, so each limit has a margin, which its measure states.
 """
 
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.quality import curve_statistics as statistics
 from lipsync_lang.quality.face_columns import Roles
 from lipsync_lang.quality.figures import Figure, Finding
-from lipsync_lang.quality.measured_scene import MeasuredScene
+from lipsync_lang.quality.measured_scene import MeasuredScene, search
 from lipsync_lang.quality.measures import (
     VISIBLE_SHARE,
     measure,
@@ -56,13 +57,21 @@ MAX_PLACES = 8
 """Maximum number of sounds in findings."""
 
 
-class Jaw(NamedTuple):
-    """The jaw of a line, sampled like the captures."""
+class Jaws(NamedTuple):
+    """The jaws of lines, sampled like the captures, one after the other."""
 
+    whys: list[str]
+    """The reason why a line has no jaw; empty for others. (L,)"""
     times: Floats
     """(F,) seconds, `CAPTURE_FPS` apart."""
     curve: Floats
     """(F,) shares of the peak."""
+    cuts: Ints
+    """(jaws + 1,) first sample of each jaw, and F."""
+    line: Ints
+    """(F,) line of each sample."""
+    of: list[int]
+    """(jaws,) line of each jaw."""
 
 
 LEAST_SOUNDS = 3
@@ -74,47 +83,77 @@ class Opening(NamedTuple):
 
     curve: Floats
     """(T,) sum of these columns."""
-    peak: float
+    peaks: list[float]
+    """(L,)"""
+    whys: list[str]
+    """(L,) the reason why a line has no opening; empty for others."""
+
+    def level(self, scene: MeasuredScene) -> Floats:
+        """Return the level of a shut jaw in each frame."""
+        return statistics.SHUT_SHARE * np.array(self.peaks)[scene.frame_line]
 
 
 @once
-def _opening(scene: MeasuredScene) -> Opening | str:
-    """Return the opening of the mouth, or the reason why there is none."""
-    roles = scene.face.roles
+def _opening(scene: MeasuredScene) -> Opening:
+    """Return the opening of the mouth."""
+    roles, why = scene.face.roles, ""
     if roles is None:
-        return "channels of a rig have no roles; check the poses"
-    if scene.motion.hold > 0:
-        return "poses are shown one at a time"
-    if not roles.opening.any():
-        return "the pose set does not state the poses that open the mouth (`intensity`)"
+        why = "channels of a rig have no roles; check the poses"
+    elif scene.motion.hold > 0:
+        why = "poses are shown one at a time"
+    elif not roles.opening.any():
+        why = "the pose set does not state the poses that open the mouth (`intensity`)"
+    if why or roles is None:
+        return Opening(scene.times[:0], [], [why] * len(scene.spans))
     curve: Floats = scene.curves[roles.opening].sum(axis=0)
-    peak = statistics.peak(curve)
-    return "the mouth does not open" if peak < VISIBLE_SHARE else Opening(curve, peak)
+    peaks = [statistics.peak(curve[span]) for span in scene.spans]
+    flat = "the mouth does not open"
+    return Opening(curve, peaks, ["" if peak >= VISIBLE_SHARE else flat for peak in peaks])
 
 
 @once
-def _jaws(scene: MeasuredScene) -> list[Jaw] | str:
-    """Return the jaw sampled like the captures, or the reason why it cannot be compared.
+def _jaws(scene: MeasuredScene) -> Jaws:
+    """Return the jaws sampled like the captures.
 
     A multiple of the captures' frame rate gives several jaws, each one frame later.
     """
     opening = _opening(scene)
-    if isinstance(opening, str):
-        return opening
-    if 1 / scene.frame < LEAST_FPS:
-        return f"the animation has fewer than the {CAPTURE_FPS:g} frames per second of captures"
-    if scene.seconds < LEAST_SPEECH_SECONDS:
-        few = f"{scene.seconds:.1f} s of speech are too short"
-        return f"{few}; statistics need {LEAST_SPEECH_SECONDS:g} s"
-    curve = opening.curve / opening.peak
-    phases = max(1, int(1 / scene.frame / CAPTURE_FPS + 0.01))
-    starts = scene.times[0] + scene.frame * np.arange(phases)
-    grids = [np.arange(start, scene.times[-1] + 1e-9, 1 / CAPTURE_FPS) for start in starts]
-    return [Jaw(times, np.interp(times, scene.times, curve)) for times in grids]
+    whys, times, curves, of = opening.whys.copy(), [np.zeros(0)], [np.zeros(0)], []
+    frames = scene.frame.tolist()
+    for line, (span, frame, spoken) in enumerate(
+        zip(scene.spans, frames, scene.seconds, strict=True)
+    ):
+        if not whys[line] and 1 / frame < LEAST_FPS:
+            few = f"fewer than the {CAPTURE_FPS:g} frames per second of captures"
+            whys[line] = f"the animation has {few}"
+        elif not whys[line] and spoken < LEAST_SPEECH_SECONDS:
+            few = f"{spoken:.1f} s of speech are too short"
+            whys[line] = f"{few}; statistics need {LEAST_SPEECH_SECONDS:g} s"
+        if whys[line]:
+            continue
+        own, curve = scene.times[span], opening.curve[span] / opening.peaks[line]
+        end = float(own[-1]) + 1e-9
+        for phase in range(max(1, int(1 / frame / CAPTURE_FPS + 0.01))):
+            times.append(np.arange(float(own[0]) + frame * phase, end, 1 / CAPTURE_FPS))
+            curves.append(np.interp(times[-1], own, curve))
+            of.append(line)
+    counts = [len(one) for one in times]
+    lines = np.array(of, np.intp).repeat(counts[1:])
+    return Jaws(whys, np.concatenate(times), np.concatenate(curves), np.cumsum(counts), lines, of)
+
+
+def _jaw_figures(scene: MeasuredScene, values: Iterable[float]) -> Iterator[list[Figure]]:
+    """Yield the mean over the jaws of each line; `values` has one for each jaw."""
+    jaws = _jaws(scene)
+    own: list[list[float]] = [[] for _ in scene.spans]
+    for line, value in zip(jaws.of, values, strict=True):
+        own[line].append(value)
+    for why, found in zip(jaws.whys, own, strict=True):
+        yield unjudged(why) if why else one(sum(found) / len(found))
 
 
 @measure("jerk", "peaks per s^3", limit=2.2e4)
-def jerk(scene: MeasuredScene) -> Iterable[Figure]:
+def jerk(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Jerk of the jaw: the 95th percentile of its third derivative.
 
     Corners have a large jerk. Captures have 1.1e4 to 1.3e4 over eight lines. Single lines reach
@@ -123,17 +162,23 @@ def jerk(scene: MeasuredScene) -> Iterable[Figure]:
         value = 95th percentile over frames of |jaw'''(t)|,   jaw in shares of its peak
     """
     jaws = _jaws(scene)
-    if isinstance(jaws, str):
-        return unjudged(jaws)
-    size = np.concatenate([statistics.derivative(j.curve, CAPTURE_FPS, 3) for j in jaws])
-    # a third difference spans four frames: it counts at the second of them
-    times = np.concatenate([j.times[1:-2] for j in jaws])
-    at = round(float(times[size.argmax()]), 4)
-    return one(statistics.percentile(size, 95), {}, [Finding(at, "the highest jerk of the jaw")])
+    every = statistics.derivative(jaws.curve, CAPTURE_FPS, 3)
+    # a third difference spans four frames of one jaw: it counts at the second of them
+    jaw = np.arange(len(jaws.of)).repeat(jaws.cuts[1:] - jaws.cuts[:-1])
+    within = (jaw[3:] == jaw[:-3]).nonzero()[0]
+    size, times = every[within], jaws.times[within + 1]
+    cuts = jaws.line[within].searchsorted(np.arange(len(scene.spans) + 1)).tolist()
+    for why, (start, stop) in zip(jaws.whys, pairwise(cuts), strict=True):
+        if why:
+            yield unjudged(why)
+            continue
+        at = round(float(times[start + size[start:stop].argmax()]), 4)
+        found = [Finding(at, "the highest jerk of the jaw")]
+        yield one(statistics.percentile(size[start:stop], 95), {}, found)
 
 
 @measure("high_power", "of power", limit=0.055)
-def high_power(scene: MeasuredScene) -> Iterable[Figure]:
+def high_power(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Share of the power of the jaw's spectrum above 8 Hz.
 
     Speech is not that fast, so this power comes from corners and tremble. Captures have 0.010 to
@@ -143,13 +188,12 @@ def high_power(scene: MeasuredScene) -> Iterable[Figure]:
         value = power above 8 Hz / power,   Hann window, mean removed
     """
     jaws = _jaws(scene)
-    if isinstance(jaws, str):
-        return unjudged(jaws)
-    return one(float(np.mean([statistics.high_share(j.curve, CAPTURE_FPS) for j in jaws])))
+    curves = (jaws.curve[start:stop] for start, stop in pairwise(jaws.cuts.tolist()))
+    return _jaw_figures(scene, (statistics.high_share(curve, CAPTURE_FPS) for curve in curves))
 
 
 @measure("shelves", "of open frames", limit=0.1)
-def shelves(scene: MeasuredScene) -> Iterable[Figure]:
+def shelves(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Frames with an open jaw that stands still.
 
     A frame is still if the jaw moves by less than 0.015 of its peak before and after it, so a
@@ -160,28 +204,32 @@ def shelves(scene: MeasuredScene) -> Iterable[Figure]:
         value = still frames / frames with the jaw above 0.1 of its peak
     """
     jaws = _jaws(scene)
-    if isinstance(jaws, str):
-        return unjudged(jaws)
-    found: dict[int, float] = {}
-    standing = counted = 0
-    lasting = scene.sounds & (scene.lengths > HELD_SECONDS)
-    for jaw in jaws:
-        opened, still = statistics.open_frames(jaw.curve)
-        owner = scene.track.bounds.searchsorted(jaw.times, side="right") - 1
-        owner = np.minimum(np.maximum(owner, 0), len(scene.track.ids) - 1)
-        opened, still = opened & ~lasting[owner], still & ~lasting[owner]
-        standing += int(still.sum())
-        counted += int(opened.sum())
-        found |= dict(zip(owner[still].tolist(), jaw.times[still].tolist(), strict=True))
-    shown = [
-        Finding(round(at, 4), f"the jaw stands still in {scene.labels[number]}")
-        for number, at in found.items()
-    ]
-    return one(standing / max(1, counted), {}, shown)
+    opened, still = statistics.open_frames(jaws.curve)
+    opened[jaws.cuts[:-1]] = opened[jaws.cuts[1:] - 1] = False
+    still &= opened
+    owner = scene.owners(jaws.line, jaws.times)
+    free = ~(scene.sounds & (scene.lengths > HELD_SECONDS))[owner]
+    counted, standing = (
+        np.bincount(jaws.line[part & free], minlength=len(scene.spans)).tolist()
+        for part in (opened, still)
+    )
+    for line, why in enumerate(jaws.whys):
+        if why:
+            yield unjudged(why)
+            continue
+        found: dict[int, float] = {}
+        if standing[line]:
+            own = still & free & (jaws.line == line)
+            found = dict(zip(owner[own].tolist(), jaws.times[own].tolist(), strict=True))
+        shown = [
+            Finding(round(at, 4), f"the jaw stands still in {scene.labels[number]}")
+            for number, at in found.items()
+        ]
+        yield one(standing[line] / max(1, counted[line]), {}, shown)
 
 
 @measure("turns", "per second")
-def turns(scene: MeasuredScene) -> Iterable[Figure]:
+def turns(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Turns of the jaw, larger than 0.02 of its peak, per second of the line.
 
     Captures have 6.5 to 7.3. Mumbled or slow lines have fewer, so only packs that state a limit
@@ -190,14 +238,12 @@ def turns(scene: MeasuredScene) -> Iterable[Figure]:
         value = turns / seconds
     """
     jaws = _jaws(scene)
-    if isinstance(jaws, str):
-        return unjudged(jaws)
-    rates = [statistics.turns(jaw.curve) / len(jaw.curve) for jaw in jaws]
-    return one(CAPTURE_FPS * float(np.mean(rates)))
+    curves = (jaws.curve[start:stop] for start, stop in pairwise(jaws.cuts.tolist()))
+    return _jaw_figures(scene, (CAPTURE_FPS * statistics.turns(c) / len(c) for c in curves))
 
 
 @measure("lead_missing", "s", limit=0.05)
-def lead_missing(scene: MeasuredScene) -> Iterable[Figure]:
+def lead_missing(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Delay of poses with anticipation, relative to 0.1 s before their sound.
 
     A pose with anticipation (`anticipate`) begins when it rises to a tenth of its peak in a sound
@@ -207,43 +253,55 @@ def lead_missing(scene: MeasuredScene) -> Iterable[Figure]:
 
         value = max(0, 0.1 - median over sounds of (start of sound - start of rise))
     """
-    roles = scene.face.roles
+    roles, why = scene.face.roles, ""
     if roles is None:
-        return unjudged("channels of a rig have no roles; check the poses")
-    if scene.motion.hold > 0:
-        return unjudged("poses are shown one at a time")
-    if not (roles.ahead > 0).any():
-        return unjudged("no pose of the pose set has anticipation")
-    leads = dict(_leads(scene, roles))
-    if len(leads) < LEAST_SOUNDS:
-        return unjudged(f"fewer than {LEAST_SOUNDS} sounds allow the anticipation of a pose")
-    middle = median(leads.values())
-    late = sorted(leads, key=lambda number: leads[number])[:MAX_PLACES]
-    told = {number: f"begins {leads[number]:.3f} s ahead" for number in late}
-    parts = {"median": round(middle, 6), "sounds": len(leads)}
-    return one(max(0.0, LEAD_SECONDS - middle), parts, places(scene, told))
+        why = "channels of a rig have no roles; check the poses"
+    elif scene.motion.hold > 0:
+        why = "poses are shown one at a time"
+    elif not (roles.ahead > 0).any():
+        why = "no pose of the pose set has anticipation"
+    if why or roles is None:
+        yield from (unjudged(why) for _ in scene.spans)
+        return
+    every: list[dict[int, float]] = [{} for _ in scene.spans]
+    for number, lead in _leads(scene, roles):
+        every[scene.line[number]][number] = lead
+    for leads in every:
+        if len(leads) < LEAST_SOUNDS:
+            yield unjudged(f"fewer than {LEAST_SOUNDS} sounds allow the anticipation of a pose")
+            continue
+        middle = median(leads.values())
+        late = sorted(leads, key=leads.__getitem__)[:MAX_PLACES]
+        told = {number: f"begins {leads[number]:.3f} s ahead" for number in late}
+        parts = {"median": round(middle, 6), "sounds": len(leads)}
+        yield one(max(0.0, LEAD_SECONDS - middle), parts, places(scene, told))
 
 
 def _leads(scene: MeasuredScene, roles: Roles) -> Iterator[tuple[int, float]]:
     """Yield sounds and the seconds by which their poses lead, for sounds without an obstacle."""
-    track, times = scene.track, scene.times
-    for pose in np.flatnonzero(roles.ahead > 0).tolist():
-        wanted = (roles.begins[track.ids, pose] >= ROUNDED_SHARE) & scene.sounds
-        blocked = roles.blocks[track.ids, pose]
-        for number in np.flatnonzero(wanted).tolist():
-            start = float(track.bounds[number])
-            first = int(np.searchsorted(track.bounds, start - LEAD_SECONDS, side="right")) - 1
-            if blocked[max(0, first) : number].any():
-                continue
-            span = (start - MAX_LEAD_SECONDS, start, track.bounds[number + 1])
-            far, here, there = times.searchsorted(span).tolist()
-            begun = statistics.rise(scene.curves[pose, far:], here - far, there - far, ONSET_SHARE)
+    frames, phonemes = (scene.frame_line, scene.times), (scene.line, scene.begin)
+    for pose in (roles.ahead > 0).nonzero()[0].tolist():
+        wanted = (roles.begins[scene.ids, pose] >= ROUNDED_SHARE) & scene.sounds
+        which = wanted.nonzero()[0]
+        line, start = scene.line[which], scene.begin[which]
+        first = search(phonemes, (line, start - LEAD_SECONDS), "right") - 1
+        # blocked phonemes before each phoneme: equal counts have none between them
+        blocked = np.concatenate(([0], np.cumsum(roles.blocks[scene.ids, pose])))
+        free = blocked[np.maximum(first, scene.phonemes[line])] == blocked[which]
+        which, line, start = which[free], line[free], start[free]
+        times = (start - MAX_LEAD_SECONDS, start, scene.end[which])
+        spans = np.column_stack([search(frames, (line, one)) for one in times]).tolist()
+        for number, (far, here, there) in zip(which.tolist(), spans, strict=True):
+            curve = scene.curves[pose, far:there]
+            begun = statistics.rise(curve, here - far, there - far, ONSET_SHARE)
             if begun is not None:
-                yield number, start - float(times[far + begun])
+                # a sound may begin after the last frame
+                at = min(far + begun, int(scene.frames[scene.line[number] + 1]) - 1)
+                yield number, float(scene.begin[number] - scene.times[at])
 
 
 @measure("shut_vowels", "of frames", limit=0.12)
-def shut_vowels(scene: MeasuredScene) -> Iterable[Figure]:
+def shut_vowels(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Frames with a shut jaw, in sounds beside a contact that should open the mouth.
 
     These are the sounds that open the mouth wide if spoken alone. Captures keep the jaw shut for
@@ -251,31 +309,36 @@ def shut_vowels(scene: MeasuredScene) -> Iterable[Figure]:
 
         value = frames with the jaw below 0.1 of its peak / frames of such sounds
     """
-    opening = _opening(scene)
-    if isinstance(opening, str):
-        return unjudged(opening)
-    curve, level = opening.curve, statistics.SHUT_SHARE * opening.peak
+    opening, count = _opening(scene), len(scene.ids)
+    # silence is around each line, so that neighbours of sounds are in their line
     touched = _touched(scene)
-    beside = np.zeros(len(touched), bool)
+    beside = np.zeros(count, bool)
     beside[:-1] |= touched[1:]
     beside[1:] |= touched[:-1]
-    which = np.flatnonzero(beside & _opens(scene))
-    if len(which) < LEAST_SOUNDS:
-        return unjudged(f"fewer than {LEAST_SOUNDS} sounds beside a contact open the mouth")
-    meant = np.zeros(len(scene.track.ids), bool)
-    meant[which] = True
-    inside = meant[scene.owner]
-    closed = inside & (curve < level)
-    counts = np.bincount(scene.owner[closed], minlength=len(scene.track.ids))
-    worst = np.argsort(-counts, kind="stable")[:MAX_PLACES]
-    told = {
-        n: f"keeps the jaw closed for {counts[n] * scene.frame:.3f} s"
-        for n in worst.tolist()
-        if counts[n]
-    }
-    never = counts[which] == np.bincount(scene.owner, minlength=len(counts))[which]
-    parts = {"never": int(never.sum()), "sounds": len(which)}
-    return one(closed.sum() / max(1, inside.sum()), parts, places(scene, told))
+    meant = beside & _opens(scene)
+    which = meant.nonzero()[0]
+    closed = meant[scene.owner]
+    if opening.peaks:
+        closed &= opening.curve < opening.level(scene)
+    shut, whole = (
+        np.bincount(owner, minlength=count) for owner in (scene.owner[closed], scene.owner)
+    )
+    never, frame = shut == whole, scene.frame.tolist()
+    for line, (why, part) in enumerate(zip(opening.whys, scene.split(which), strict=True)):
+        own = which[part]
+        if why or len(own) < LEAST_SOUNDS:
+            few = f"fewer than {LEAST_SOUNDS} sounds beside a contact open the mouth"
+            yield unjudged(why or few)
+            continue
+        counts = shut[own]
+        worst = np.argsort(-counts, kind="stable")[:MAX_PLACES]
+        told = {
+            n: f"keeps the jaw closed for {frames * frame[line]:.3f} s"
+            for n, frames in zip(own[worst].tolist(), counts[worst].tolist(), strict=True)
+            if frames
+        }
+        parts = {"never": int(never[own].sum()), "sounds": len(own)}
+        yield one(counts.sum() / max(1, whole[own].sum()), parts, places(scene, told))
 
 
 @once
@@ -289,12 +352,12 @@ def _opens(scene: MeasuredScene) -> Bools:
     roles = scene.face.roles
     if roles is None:
         return np.zeros(len(scene.sounds), bool)
-    opens: Bools = scene.sounds & roles.opens[scene.track.ids]
+    opens: Bools = scene.sounds & roles.opens[scene.ids]
     return opens
 
 
 @measure("opening_lag", "s", limit=0.017)
-def opening_lag(scene: MeasuredScene) -> Iterable[Figure]:
+def opening_lag(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Time from the end of a sound with a contact until the mouth opens for the next sound.
 
     The sounds open the mouth wide if spoken alone, and follow a contact. Each counts the seconds
@@ -305,30 +368,39 @@ def opening_lag(scene: MeasuredScene) -> Iterable[Figure]:
         value = median over such sounds of (jaw opens - sound begins), at least 0
     """
     opening = _opening(scene)
-    if isinstance(opening, str):
-        return unjudged(opening)
-    curve, level = opening.curve, statistics.SHUT_SHARE * opening.peak
-    which = np.flatnonzero(_opens(scene)[1:] & _touched(scene)[:-1]) + 1
-    if len(which) < LEAST_SOUNDS:
-        return unjudged(f"fewer than {LEAST_SOUNDS} sounds after a contact open the mouth")
-    lags = np.array([_lag(scene, curve, level, number) for number in which.tolist()])
-    worst = np.argsort(-lags)[:MAX_PLACES]
-    told = {int(which[n]): f"opens the mouth {lags[n]:.3f} s late" for n in worst}
-    parts = {"longest": round(float(lags.max()), 6), "sounds": len(which)}
-    return one(median(lags.tolist()), parts, places(scene, told))
+    which = (_opens(scene)[1:] & _touched(scene)[:-1]).nonzero()[0] + 1
+    every = _lags(scene, opening, which) if opening.peaks else np.zeros(len(which))
+    for why, part in zip(opening.whys, scene.split(which), strict=True):
+        own, lags = which[part], every[part]
+        if why or len(own) < LEAST_SOUNDS:
+            few = f"fewer than {LEAST_SOUNDS} sounds after a contact open the mouth"
+            yield unjudged(why or few)
+            continue
+        worst = np.argsort(-lags)[:MAX_PLACES]
+        told = {int(own[n]): f"opens the mouth {lags[n]:.3f} s late" for n in worst.tolist()}
+        parts = {"longest": round(float(lags.max()), 6), "sounds": len(own)}
+        yield one(median(lags.tolist()), parts, places(scene, told))
 
 
-def _lag(scene: MeasuredScene, curve: Floats, level: float, number: int) -> float:
-    """Return the seconds from the start of a sound until the jaw opens and stays open."""
-    around = scene.track.bounds[number - 1 : number + 2]
-    _, start, end = map(float, around.tolist())
-    far, here, there = scene.times.searchsorted(around).tolist()
-    if not curve[here:there].max(initial=0.0) > level:
-        return end - start
-    top = here + int(curve[here:there].argmax())
-    low = np.flatnonzero(curve[far:top] <= level)
-    if not low.size:
-        return 0.0
-    frame = far + int(low[-1])
-    crossed = np.interp(level, curve[frame : frame + 2], scene.times[frame : frame + 2])
-    return max(0.0, float(crossed) - start)
+def _lags(scene: MeasuredScene, opening: Opening, which: Ints) -> Floats:
+    """Return the seconds from the start of sounds until the jaw opens and stays open."""
+    curve, times, level = opening.curve, scene.times, opening.level(scene)
+    start, end, frames = scene.begin[which], scene.end[which], (scene.frame_line, scene.times)
+    bounds = (scene.begin[which - 1], start, end)
+    spans = np.column_stack([search(frames, (scene.line[which], one)) for one in bounds]).tolist()
+    # the latest frame with a shut jaw, at each frame
+    shut = np.maximum.accumulate(np.where(curve <= level, np.arange(len(curve)), -1))
+    lags = (end - start).tolist()
+    for number, (far, here, there) in enumerate(spans):
+        if here == there:
+            continue
+        top = here + int(curve[here:there].argmax())
+        if not curve[top] > level[top]:
+            continue
+        low = int(shut[top])
+        if low < far:
+            lags[number] = 0.0
+            continue
+        crossed = np.interp(level[top], curve[low : low + 2], times[low : low + 2])
+        lags[number] = max(0.0, float(crossed - start[number]))
+    return np.array(lags)

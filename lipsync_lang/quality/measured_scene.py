@@ -1,13 +1,13 @@
-"""An animation with its phonemes, as arrays for all measures.
+"""Lines of one face with their phonemes, as arrays for all measures.
 
-Conventions: curves are (C, T); a column is a pose or a channel of a rig. Times are in seconds and
-ascend. The n phonemes are those of the track, with silence first and last, and n + 1 bounds.
+Conventions: curves are (C, T); a column is a pose or a channel of a rig. The T frames and the n
+phonemes of L lines follow each other, so that a measure reads all of them at once. Times are in
+seconds and ascend within a line; its phonemes have silence first and last.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -17,27 +17,56 @@ from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.quality.face_columns import Face, face_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.motion import Motion
-    from lipsync_lang.pipeline.track import Track
 
 CEILING_TOLERANCE = 0.05
 """Maximum invisible excess over a ceiling, as a share of the column's range."""
 
 
+def search(
+    places: tuple[Ints, Floats], to: tuple[Ints, Floats], side: Literal["left", "right"] = "left"
+) -> Ints:
+    """Return the result of `searchsorted` within each line, as indices over all lines.
+
+    Parameters
+    ----------
+    places, to : lines and times; those of `places` ascend
+    """
+    keys = []
+    for line, times in (places, to):
+        # complex numbers are sorted by their real part, then by the imaginary one
+        key = np.empty(len(times), np.complex128)
+        key.real, key.imag = line, times
+        keys.append(key)
+    return keys[0].searchsorted(keys[1], side)
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredScene:
-    """An animation with its phonemes and its face."""
+    """Lines with their phonemes and their face."""
 
     times: Floats
-    """(T,) seconds, rising."""
+    """(T,) seconds, rising within each line."""
     curves: Floats
     """(C, T)"""
+    frames: Ints
+    """(L + 1,) first frame of each line, and T."""
     face: Face
-    track: "Track"
+    ids: Ints
+    """(n,) common phonemes."""
+    begin: Floats
+    end: Floats
+    """(n,) seconds of each phoneme."""
+    waived: Bools
+    """(n,) True where a bigram of the phoneme waives its contacts."""
+    phonemes: Ints
+    """(L + 1,) first phoneme of each line, and n."""
     labels: tuple[str, ...]
-    """(n,) names of the track's phonemes for messages."""
+    """(n,) names of the phonemes for messages."""
     silence: int
     motion: "Motion"
     rules: dict[str, dict[str, Any]]
@@ -48,26 +77,59 @@ class MeasuredScene:
         return {}
 
     @cached_property
-    def steps(self) -> Floats:
-        """(T - 1,) seconds from frame to frame."""
-        return self.times[1:] - self.times[:-1]
+    def spans(self) -> list[slice]:
+        """The frames of each line."""
+        first = self.frames.tolist()
+        return list(map(slice, first, first[1:]))
 
     @cached_property
-    def frame(self) -> float:
-        """Seconds between frames."""
-        return median(self.steps.tolist()) if self.steps.size else 1.0
+    def frame_line(self) -> Ints:
+        """(T,) line of each frame."""
+        return np.arange(len(self.spans)).repeat(self.frames[1:] - self.frames[:-1])
+
+    @cached_property
+    def line(self) -> Ints:
+        """(n,) line of each phoneme."""
+        return np.arange(len(self.spans)).repeat(self.phonemes[1:] - self.phonemes[:-1])
+
+    @cached_property
+    def seams(self) -> Ints:
+        """(L - 1,) last frame of each line but the last."""
+        return self.frames[1:-1] - 1
+
+    @cached_property
+    def steps(self) -> Floats:
+        """(T - 1,) seconds from frame to frame; 1 between lines."""
+        steps: Floats = self.times[1:] - self.times[:-1]
+        steps[self.seams] = 1
+        return steps
+
+    @cached_property
+    def frame(self) -> Floats:
+        """(L,) median seconds between the frames of each line."""
+        out = []
+        for span in self.spans:
+            count = span.stop - span.start - 1
+            middle = ((count - 1) // 2, count // 2)
+            own = np.partition(self.steps[span.start : span.start + count], middle)
+            out.append((own[middle[0]] + own[middle[1]]) / 2)
+        return np.array(out)
 
     @cached_property
     def sounds(self) -> Bools:
         """(n,) True for sounds, False for silence."""
-        sounds: Bools = self.track.ids != self.silence
+        sounds: Bools = self.ids != self.silence
         return sounds
 
     @cached_property
     def owner(self) -> Ints:
         """(T,) index of each frame's phoneme; the outermost silences have no end."""
-        at = self.track.bounds.searchsorted(self.times, side="right") - 1
-        return np.minimum(np.maximum(at, 0), len(self.track.ids) - 1)
+        return self.owners(self.frame_line, self.times)
+
+    def owners(self, line: Ints, times: Floats) -> Ints:
+        """Return the index of the phoneme at times of lines."""
+        at = search((self.line, self.begin), (line, times), "right") - 1
+        return np.maximum(at, self.phonemes[line])
 
     @cached_property
     def speaking(self) -> Bools:
@@ -76,14 +138,16 @@ class MeasuredScene:
         return speaking
 
     @cached_property
-    def seconds(self) -> float:
-        """Total duration of the sounds."""
-        return float(self.lengths[self.sounds].sum())
+    def seconds(self) -> list[float]:
+        """Total duration of the sounds of each line."""
+        own = np.where(self.sounds, self.lengths, 0.0)
+        seconds: list[float] = np.add.reduceat(own, self.phonemes[:-1]).tolist()
+        return seconds
 
     @cached_property
     def lengths(self) -> Floats:
         """(n,) seconds of each phoneme."""
-        return self.track.bounds[1:] - self.track.bounds[:-1]
+        return self.end - self.begin
 
     @cached_property
     def share(self) -> Floats:
@@ -92,23 +156,38 @@ class MeasuredScene:
 
     @cached_property
     def changes(self) -> Floats:
-        """(C, T - 1) shares from frame to frame."""
-        return self.share[:, 1:] - self.share[:, :-1]
+        """(C, T - 1) shares from frame to frame; 0 between lines."""
+        changes: Floats = self.share[:, 1:] - self.share[:, :-1]
+        changes[:, self.seams] = 0
+        return changes
 
     @cached_property
     def speeds(self) -> Floats:
-        """(C, T - 1) shares per second from frame to frame."""
+        """(C, T - 1) shares per second from frame to frame; 0 between lines."""
         return np.abs(self.changes) / self.steps
+
+    def top(self, values: Floats) -> Floats:
+        """Return the maximum of (..., T) or (..., T - 1) values in each line: (..., L)."""
+        top: Floats = np.maximum.reduceat(values, self.frames[:-1], axis=-1)
+        return top
+
+    def counts(self, marked: Bools) -> Ints:
+        """Return the number of True of (..., n) marks in each line: (L, ...)."""
+        counts: Ints = np.add.reduceat(marked, self.phonemes[:-1], axis=-1, dtype=np.intp)
+        return counts.T
+
+    def split(self, numbers: Ints) -> list[slice]:
+        """Return the part of each line in ascending indices of phonemes."""
+        cuts = numbers.searchsorted(self.phonemes).tolist()
+        return list(map(slice, cuts, cuts[1:]))
 
     @cached_property
     def cuts(self) -> Ints:
         """(n, 2) first frame of each phoneme and the frame past its last, half a frame wider."""
-        half, bounds = self.frame / 2 + 1e-9, self.track.bounds
-        cuts = np.empty((len(bounds) - 1, 2), np.intp)
-        cuts[:, 0] = self.times.searchsorted(bounds[:-1] - half)
-        cuts[:, 1] = self.times.searchsorted(bounds[1:] + half, side="right")
-        np.maximum(cuts[:, 0], cuts[:, 1], out=cuts[:, 1])
-        return cuts
+        half, frames = self.frame[self.line] / 2 + 1e-9, (self.frame_line, self.times)
+        first = search(frames, (self.line, self.begin - half))
+        past = search(frames, (self.line, self.end + half), "right")
+        return np.column_stack((first, np.maximum(first, past)))
 
     def highest(self, values: Floats) -> Floats:
         """Return the maximum of (..., T) values in the frames of each phoneme: (..., n).
@@ -142,50 +221,49 @@ class MeasuredScene:
     def demanded(self) -> Bools:
         """(contacts, n) True for phonemes that demand a contact."""
         if not self.face.touches:
-            return np.zeros((0, len(self.track.ids)), bool)
-        demanded: Bools = self.face.demanding[:, self.track.ids] & ~self.track.waived
+            return np.zeros((0, len(self.ids)), bool)
+        demanded: Bools = self.face.demanding[:, self.ids] & ~self.waived
         return demanded
 
-    @cached_property
-    def wanted(self) -> list[int]:
-        """Number of phonemes that demand each contact."""
-        counts: list[int] = self.demanded.sum(axis=1).tolist()
-        return counts
 
-
-def scene_of(animation: "Animation", performer: "Performer") -> MeasuredScene:
-    """Return an animation with its phonemes as arrays.
+def scene_of(animations: "Sequence[Animation]", performer: "Performer") -> MeasuredScene:
+    """Return animations of one face with their phonemes as arrays.
 
     Raises
     ------
     LipsyncError
-        The animation is of another face, has fewer than two frames, times that do not rise, or
+        An animation is of another face, has fewer than two frames, times that do not rise, or
         weights that are not finite.
     """
-    face = face_of(animation, performer)
-    times, weights = animation.times, animation.weights
-    if len(times) < 2:  # noqa: PLR2004 one frame does not move
-        raise LipsyncError("the animation has fewer than two frames, which cannot be judged")
-    if not np.isfinite(weights).all() or (times[1:] <= times[:-1]).any():
-        raise LipsyncError(
-            "the animation has times that do not rise, or weights that are not finite numbers"
-        )
-    performed = PerformedLine.of(animation)
-    settings = performed.settings if performed else {}
-    track = performer.track(
-        animation.schedule, line=settings.get("line"), styles=settings.get("styles")
-    )
-    labels = animation.schedule.labels
-    compiled = performer.compiled
+    (face,) = {face_of(animation, performer) for animation in animations}
+    compiled, tracks, labels = performer.compiled, [], []
+    rest = compiled.phonemes[compiled.tables.silence]
+    for animation in animations:
+        times = animation.times
+        if len(times) < 2:  # noqa: PLR2004 one frame does not move
+            raise LipsyncError("the animation has fewer than two frames, which cannot be judged")
+        if not np.isfinite(animation.weights).all() or (times[1:] <= times[:-1]).any():
+            raise LipsyncError(
+                "the animation has times that do not rise, or weights that are not finite numbers"
+            )
+        performed = PerformedLine.of(animation)
+        settings = performed.settings if performed else {}
+        line, styles = settings.get("line"), settings.get("styles")
+        track = performer.track(animation.schedule, line=line, styles=styles)
+        tracks.append(track)
+        own = animation.schedule.labels
+        labels += [own[at] if at >= 0 else rest for at in track.source.tolist()]
     return MeasuredScene(
-        times,
-        np.ascontiguousarray(weights.T),
+        np.concatenate([animation.times for animation in animations]),
+        np.ascontiguousarray(np.concatenate([animation.weights for animation in animations]).T),
+        np.cumsum([0, *(len(animation.times) for animation in animations)]),
         face,
-        track,
-        tuple(
-            labels[at] if at >= 0 else compiled.phonemes[compiled.tables.silence]
-            for at in track.source
-        ),
+        np.concatenate([track.ids for track in tracks]),
+        np.concatenate([track.bounds[:-1] for track in tracks]),
+        np.concatenate([track.bounds[1:] for track in tracks]),
+        np.concatenate([track.waived for track in tracks]),
+        np.cumsum([0, *(len(track.ids) for track in tracks)]),
+        tuple(labels),
         compiled.tables.silence,
         performer.motion,
         compiled.checks["rules"],

@@ -5,7 +5,7 @@ Movement is in shares of a column's range, which is 1 for a pose. Figures in sec
 any frame rate, to within a frame.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, wraps
 from importlib import import_module
@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Bools, Ints
 from lipsync_lang.quality.figures import Figure, Finding
 from lipsync_lang.quality.measured_scene import MeasuredScene
 
@@ -36,8 +36,9 @@ FULL_TOLERANCE = 1e-3
 """Maximum distance of a full pose from its maximum."""
 
 
-Find = Callable[[MeasuredScene], Iterable[Figure]]
-"""A measure's function. The name of each figure is its contact or rule, or empty if it is alone."""
+Find = Callable[[MeasuredScene], Iterable[list[Figure]]]
+"""A measure's function, which yields the figures of each line. The name of a figure is its contact
+or rule, or empty if it is alone."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ MEASURES: dict[str, Measure] = {}
 
 
 def measure(name: str, unit: str, limit: float | None = None) -> Callable[[Find], Find]:
-    """Register a function ``scene -> figures`` as a measure; its docstring describes it."""
+    """Register a function ``scene -> figures of each line``; its docstring describes it."""
 
     def register(find: Find) -> Find:
         MEASURES[name] = Measure(name, unit, limit, find, find.__doc__ or "")
@@ -109,23 +110,25 @@ def share(part: Bools) -> float:
     return int(np.count_nonzero(part)) / part.size if part.size else 0.0
 
 
-def runs(mask: Bools) -> tuple[Ints, Ints]:
-    """Return the first frame of each run of True, and the frame past its last."""
-    padded = np.zeros(len(mask) + 2, bool)
-    padded[1:-1] = mask
-    edges = np.flatnonzero(padded[1:] != padded[:-1])
-    return edges[::2], edges[1::2]
+def runs(mask: Bools, cuts: Ints) -> tuple[Ints, Ints]:
+    """Return the first index of each run of True, and the index past its last.
+
+    A run ends at each of `cuts`, where another line begins; the last cut may be the end.
+    """
+    before, after = np.zeros((2, len(mask)), bool)
+    before[1:], after[:-1] = mask[:-1], mask[1:]
+    before[cuts[:-1]] = after[cuts[1:] - 1] = False
+    return (mask & ~before).nonzero()[0], (mask & ~after).nonzero()[0] + 1
 
 
 def places(scene: MeasuredScene, told: Mapping[int, str]) -> Iterator[Finding]:
-    """Yield a finding for each description, by the phoneme's index in the track."""
+    """Yield a finding for each description, by the phoneme's index."""
     for number, what in told.items():
-        at = round(float(scene.track.bounds[number]), 4)
+        at = round(float(scene.begin[number]), 4)
         yield Finding(at, f"{scene.labels[number]} {what}")
 
 
-def named(names: Iterable[str], values: Floats, least: float = 0.0) -> dict[str, float]:
+def named(names: Iterable[str], values: Sequence[float], least: float = 0.0) -> dict[str, float]:
     """Return the values above a minimum by name, largest first."""
-    listed = np.asarray(values).tolist()
-    pairs = [(n, round(v, 6)) for n, v in zip(names, listed, strict=True) if v > least]
+    pairs = [(n, round(v, 6)) for n, v in zip(names, values, strict=True) if v > least]
     return dict(sorted(pairs, key=lambda pair: -pair[1]))

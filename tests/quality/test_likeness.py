@@ -124,7 +124,7 @@ def test_a_rise_begins_where_the_last_valley_ends():
 
 
 def test_roles_are_read_off_the_pose_set():
-    scene = scene_of(performer().perform(line("nobody")), performer())
+    scene = scene_of([performer().perform(line("nobody"))], performer())
     roles, poses = scene.face.roles, performer().poses
     names = performer().compiled.phonemes
     assert [pose for pose, opens in zip(poses, roles.opening, strict=True) if opens] == ["open"]
@@ -280,11 +280,11 @@ def test_percentiles_are_those_of_numpy_to_the_last_bit(values, per_cent):
 
 
 def test_columns_are_derived_once_for_all_lines_of_a_performer():
-    first = scene_of(performer().perform(line("nobody")), performer())
-    second = scene_of(performer().perform(line("peter"), fps=24), performer())
+    first = scene_of([performer().perform(line("nobody"))], performer())
+    second = scene_of([performer().perform(line("peter"), fps=24)], performer())
     assert first.face is second.face
     other = resolve("english", "facefx", cache=False)
-    assert scene_of(other.perform(line("nobody")), other).face is not first.face
+    assert scene_of([other.perform(line("nobody"))], other).face is not first.face
 
 
 def test_a_line_is_performed_for_no_figure(monkeypatch):

@@ -23,7 +23,7 @@ from lipsync_lang.packs.models.check_models import Checks
 from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.quality.baselines import BASELINES, HOLD_SECONDS, compare, held
-from lipsync_lang.quality.check_animation import check
+from lipsync_lang.quality.check_animation import check, check_all
 from lipsync_lang.quality.face_columns import APERTURE
 from lipsync_lang.quality.figures import Figure, Finding, Quality
 from lipsync_lang.quality.measures import load_measures
@@ -642,3 +642,25 @@ def test_channels_need_a_rig(cli, schedule):
     ended = cli("check", *PAIR, *schedule, "--channels")
     assert ended.code == 2
     assert "has no rig" in ended.err
+
+
+# Many lines at once
+
+
+def test_lines_that_are_judged_at_once_have_the_figures_of_each_alone():
+    schedules = [
+        line(),
+        line(0.3),
+        Schedule(("_", "AA", "_"), [0, 0.5, 1.5, 2], notation="arpabet"),
+        Schedule(("_",), [0, 1.5], notation="arpabet"),
+        Schedule(("P", "AA", "P"), [0, 0.02, 0.03, 0.05], notation="arpabet"),
+    ]
+    for name in POSESETS:
+        face = performer(name)
+        made = [face.perform(one, fps) for one in schedules for fps in (24, 60)]
+        made.append(replace(made[1], times=made[1].times + 5, weights=np.roll(made[1].weights, 1)))
+        assert check_all(made, face) == [check(one) for one in made]
+
+
+def test_no_line_is_judged_at_once():
+    assert check_all([], performer()) == []
