@@ -14,7 +14,7 @@ from io import BytesIO
 from itertools import chain
 from pathlib import Path
 from stat import S_ISDIR
-from typing import BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, BinaryIO, NamedTuple
 from zlib import crc32
 
 from lipsync_lang.animations.animation import Animation, ExportSettings
@@ -33,6 +33,9 @@ from lipsync_lang.files.temporary import temporary_name, this_process
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import DOUBTFUL, Schedule
+
+if TYPE_CHECKING:
+    from lipsync_lang.quality.figures import Quality
 
 MAX_FINDINGS = 3
 """Maximum number of findings of a figure in a report."""
@@ -112,12 +115,7 @@ class LineMaker:
             own = [(line, said) for line, said in timed if line.character == character]
             performed = [*self._performed(pair.performer, own)]
             # Megabytes of outputs drive small arrays out of the processor's cache: judge all first.
-            judged = [
-                animation
-                if isinstance(animation, Exception)
-                else attempt(partial(self._judgement, pair, line, animation))
-                for line, animation in performed
-            ]
+            judged = self._judged(pair, performed)
             for (line, animation), found in zip(performed, judged, strict=True):
                 made[line.key] = self._made(pair, line, animation, found, contents[line.name])
         return [made[line.key] for line in batch.lines]
@@ -168,23 +166,45 @@ class LineMaker:
         for line, said in timed:
             yield line, said if isinstance(said, Exception) else next(animations)
 
-    def _judgement(self, pair: PairNeeds, line: PlannedLine, animation: Animation) -> LineJudgement:
-        from lipsync_lang.quality.check_animation import check
+    def _judged(
+        self, pair: PairNeeds, performed: Sequence[tuple[PlannedLine, Animation | Exception]]
+    ) -> list[LineJudgement | Exception]:
+        """Judge lines, or return the error of each; all at once if no line fails."""
+        from lipsync_lang.quality.check_animation import check, check_all
 
+        limits = {name: most for name, most in self.settings.limits.items() if name != CONFIDENCE}
+        sound = [one for _, one in performed if isinstance(one, Animation)]
+        found: list[Quality | Exception]
+        try:
+            found = [*check_all(sound, pair.performer, limits)]
+        except Exception:  # noqa: BLE001 each line reports its own error
+            found = [attempt(partial(check, one, limits=limits)) for one in sound]
+        qualities = iter(found)
+        out: list[LineJudgement | Exception] = []
+        for line, animation in performed:
+            quality = animation if isinstance(animation, Exception) else next(qualities)
+            if isinstance(quality, Exception):
+                out.append(quality)
+            elif isinstance(animation, Animation):
+                out.append(attempt(partial(self._judgement, pair, line, animation, quality)))
+        return out
+
+    def _judgement(
+        self, pair: PairNeeds, line: PlannedLine, animation: Animation, quality: "Quality"
+    ) -> LineJudgement:
         reasons = any(WRITERS[name].reasons for name, _ in line.outputs)
         needs = pair.of(animation.schedule, spoken=line.timings is None, reasons=reasons)
-        limits = {name: most for name, most in self.settings.limits.items() if name != CONFIDENCE}
         figures = [
             JudgedFigure(
-                one.name,
-                one.value,
-                one.unit,
-                one.limit,
-                tuple(finding.at for finding in one.findings[:MAX_FINDINGS]),
-                one.findings[0].what if one.findings else one.why,
-                one.name.partition(" ")[0] in limits,
+                name,
+                value,
+                unit,
+                limit,
+                tuple([at for at, _ in findings[:MAX_FINDINGS]]),
+                findings[0].what if findings else why,
+                name.partition(" ")[0] in self.settings.limits,
             )
-            for one in check(animation, limits=limits).figures
+            for name, value, unit, limit, _, findings, why in quality.figures
         ]
         confidence = animation.schedule.confidence
         if confidence is not None:
