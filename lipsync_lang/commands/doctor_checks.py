@@ -110,10 +110,8 @@ def _packs() -> Iterator[CheckedPart]:
     from lipsync_lang.packs.library import Library
 
     library = Library()
-    counts = (
-        count(len(library.names("language")), "language"),
-        count(len(library.names("poseset")), "pose set"),
-    )
+    languages = count(len(library.names("language")), "language")
+    told = f"{languages}, {count(len(library.names('poseset')), 'pose set')}"
     faults = validate(library)
     real = Counter(fault.code for fault in faults if fault.severity == "fault")
     if faults:
@@ -121,8 +119,6 @@ def _packs() -> Iterator[CheckedPart]:
         warned = count(len(faults) - real.total(), "warning")
         told = f"{count(real.total(), 'fault')}{codes and f' ({codes})'}, {warned}"
         told = f"{told}; list them: lipsync-lang validate --no-tests"
-    else:
-        told = ", ".join(counts)
     yield CheckedPart("packs", BROKEN if real else OK, told, ALWAYS)
 
 
@@ -132,9 +128,8 @@ def _project() -> Iterator[CheckedPart]:
 
     path = find_project()
     if path is None:
-        yield CheckedPart(
-            "project", MISSING, "none in this folder; make one: lipsync-lang new NAME", OPTIONAL
-        )
+        made = "none in this folder; make one: lipsync-lang new NAME"
+        yield CheckedPart("project", MISSING, made)
         return
     try:
         load_project(path)
@@ -329,12 +324,10 @@ def _browser() -> Iterator[CheckedPart]:
 @check
 def _fonts() -> Iterator[CheckedPart]:
     """Check the fonts of plots."""
-    from lipsync_lang.render.fonts import fonts_to_install, letters_of
+    from lipsync_lang.render.fonts import fonts_for, fonts_to_install, letters_of
 
     if any(one.name == "plot" and one.missing() for one in extras()):
         return  # the extra is told as missing
-    from lipsync_lang.render.fonts import fonts_for
-
     missing = fonts_for(letters_of([SAMPLES])).missing
     for name, how in fonts_to_install(missing).items():
         yield CheckedPart("font of plots", MISSING, f"{name}: {how}")

@@ -65,10 +65,8 @@ def live(options: Namespace) -> int:
         if not name or not other:
             raise LipsyncError(f"--rename {name}: write POSE=NAME, such as --rename mouth_open=A")
     refuse_unknown(renamed, performer.poses)
-    how: dict[str, Any] = {
-        "styles": levels("--style", options.styles),
-        "dials": levels("--dial", options.dials),
-    }
+    styles = levels("--style", options.styles)
+    how: dict[str, Any] = {"styles": styles, "dials": levels("--dial", options.dials)}
     delay = performer.stream(fps, **how).delay  # settings that cannot stream are refused here
     outlets: list[Outlet] = []
     player = LivePlayer(performer, fps, outlets, how)

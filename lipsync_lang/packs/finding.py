@@ -55,10 +55,7 @@ PACK_SUFFIXES = (".yaml", ".yml")
 WHOLE_MODELS = (".glb", ".vrm")
 """Endings of text that names a model with all its parts in one file."""
 
-MODEL_SUFFIXES = (
-    *(*WHOLE_MODELS, ".gltf", ".fbx", ".obj", ".blend", ".ma", ".mb", ".max"),
-    *(".dae", ".usd", ".usda", ".usdc", ".usdz"),
-)
+MODEL_SUFFIXES = (*WHOLE_MODELS, ".gltf", ".fbx", ".obj", ".blend", ".ma", ".mb", ".usd", ".usdz")
 """Endings of text that names a model; for other formats than glTF, an error says how to export."""
 
 PART_FOLDERS = {"banks": "bank", "rigs": "rig"}

@@ -52,14 +52,12 @@ def _plain(text: str) -> str:
 
 def _title(text: str) -> str:
     """Refuse curly quotes in place of straight ones, and words that YAML may read as booleans."""
-    context = {"text": text}
-    if text[:1] in {*"“”„‘"} and text[-1:] in {*"“”‘’"}:
-        context["hint"] = 'write straight quotes (") or none'
-        raise PydanticCustomError("P106", "{text} has curly quotes, which are no quotes", context)
-    if text.casefold() in RESERVED_WORDS:
-        context["hint"] = "write the name that readers see"
-        what = "the title '{text}' may be read as true or false"
-        raise PydanticCustomError("P106", what, context)
+    curly = text[:1] in {*"“”„‘"} and text[-1:] in {*"“”‘’"}
+    if curly or text.casefold() in RESERVED_WORDS:
+        word = "the title '{text}' may be read as true or false"
+        hint = 'write straight quotes (") or none' if curly else "write the name that readers see"
+        what = "{text} has curly quotes, which are no quotes" if curly else word
+        raise PydanticCustomError("P106", what, {"text": text, "hint": hint})
     return text
 
 
