@@ -84,9 +84,7 @@ class Trial:
 
 
 def try_out(
-    library: Library,
-    pack: Pack[models.Language],
-    read: "KnownReadings | None" = None,
+    library: Library, pack: Pack[models.Language], read: "KnownReadings | None" = None
 ) -> Trial:
     """Run the tests of a language through its engine; `read` is that of `Speaker`."""
     if not pack.model.tests:

@@ -119,11 +119,7 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
     lock = nullcontext() if options.dry_run else locked(project.folder, teller)
     with lock, Records.open(project.folder, write=not options.dry_run) as records:
         teller.begin(f"comparing {len(project.lines):,} lines with the last build")
-        plan = project.plan(
-            records,
-            force=options.force,
-            overwrite=options.overwrite,
-        )
+        plan = project.plan(records, force=options.force, overwrite=options.overwrite)
         if options.dry_run:
             return _listed(plan, project, as_events=options.json)
         if project.settings.face_once:
