@@ -12,6 +12,7 @@ from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stderr, suppress
 from io import TextIOWrapper
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.defaults import fill
@@ -21,6 +22,7 @@ from lipsync_lang.commands.registry import COMMANDS
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.extensions import PluginWarning, plug_in_behind
 from lipsync_lang.files.signals import Terminated, terminating
+from lipsync_lang.files.targets import read_only
 from lipsync_lang.terminal import safe_streams
 
 if TYPE_CHECKING:
@@ -66,7 +68,9 @@ def _worded(arguments: Sequence[str] | None) -> int:
             told = "the current folder no longer exists; change to another"
         else:
             where = f"{error.filename}: " if error.filename else ""
-            told = f"{where}{error.strerror or error}"
+            path = Path(error.filename or "")
+            locked = "" if os.path.exists(path) else read_only(path, error)  # noqa: PTH110 no error
+            told = f"{where}{locked or error.strerror or error}"
         print(f"lipsync-lang: {told}", file=sys.stderr)
         return MISUSE
     except MemoryError:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
+from lipsync_lang.files.writing import cannot_write
 from lipsync_lang.packs.yaml.value_text import INDENT, block_lines, plain_or_quoted
 
 if TYPE_CHECKING:
@@ -67,8 +68,7 @@ def make_room(path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        why = error.strerror or error
-        raise OutputError(f"{path.parent}: cannot be made: {why}; name another place") from None
+        raise cannot_write(path.parent, error) from None
 
 
 def add_bigrams(library: "Library", path: Path, made: BankBigrams) -> list[str]:

@@ -18,13 +18,13 @@ from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.build.needs import PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, Needs, PlannedStep
-from lipsync_lang.build.records import LineRecord, Records, record_folder
+from lipsync_lang.build.records import RECORD_CURE, LineRecord, Records, record_folder
 from lipsync_lang.build.timing_cache import prune_timings
 from lipsync_lang.build.workers import LostBatch, run_batches
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.locking import claim
 from lipsync_lang.files.temporary import sweep
-from lipsync_lang.files.writing import atomic
+from lipsync_lang.files.writing import atomic, cannot_write
 
 MAX_BATCH_LINES = 64
 """Maximum number of lines that a worker makes before it reports."""
@@ -102,9 +102,7 @@ def locked(folder: Path, tell: Tell) -> Iterator[None]:
             waiting = True
             sleep(WAIT_SECONDS)
     except OSError as error:
-        raise OutputError(
-            f"{path}: cannot be written: {error.strerror or error}; a build keeps its record there"
-        ) from None
+        raise cannot_write(path, error, RECORD_CURE) from None
     try:
         yield
     finally:
@@ -227,7 +225,7 @@ def _refuse_full(results: Sequence[MadeLine], done: int, of: int) -> None:
     if fatal is not None:
         raise OutputError(
             f"{fatal.built.message}; {done} of {of} lines were tried, and finished lines are "
-            "recorded: free some space, and build again"
+            "recorded: build again then"
         )
 
 

@@ -29,6 +29,7 @@ from lipsync_lang.build.timing import ScheduleOrError, attempt, schedules
 from lipsync_lang.build.timing_cache import TimingCache
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reach import refuse_outside
+from lipsync_lang.files.targets import read_only, refuse_locked
 from lipsync_lang.files.temporary import temporary_name, this_process
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performer import Performer
@@ -40,8 +41,8 @@ if TYPE_CHECKING:
 MAX_FINDINGS = 3
 """Maximum number of findings of a figure in a report."""
 
-ENDING = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EROFS))
-"""Errors of a disk that would affect every other line too."""
+FULL = frozenset((errno.ENOSPC, errno.EDQUOT))
+"""Errors of a full disk."""
 
 TIMING_DOUBT = "doubt of timings"
 """Figure of an aligned line: 1 minus its confidence."""
@@ -83,7 +84,7 @@ class MadeLine:
     remarks: tuple[str, ...] = ()
     """Remarks of the writers on the character's model and channels."""
     fatal: bool = False
-    """True if the disk refuses every other line, too."""
+    """True if the disk or the folder refuses every other line, too."""
 
 
 @dataclass(frozen=True)
@@ -253,18 +254,22 @@ class LineMaker:
 
     def _failed(self, line: PlannedLine, error: Exception) -> MadeLine:
         """Return a line with the reason why it failed, and its place."""
-        home = f"{self.folder}{os.sep}"
+        home, locked = f"{self.folder}{os.sep}", ""
+        if isinstance(error, OSError) and error.filename:
+            locked = read_only(Path(error.filename), error)
         if isinstance(error, LipsyncError):
             message = f"{line.place}: {error}".replace(home, "")
         elif isinstance(error, OSError):
-            where = f"{error.filename}: " if error.filename else ""
-            message = f"{line.place}: {where}{error.strerror or error}".replace(home, "")
+            where = f"{error.filename}: " if error.filename and not locked else ""
+            free = "; free some space" if error.errno in FULL else ""
+            why = locked or f"{error.strerror or error}{free}"
+            message = f"{line.place}: {where}{why}".replace(home, "")
         elif isinstance(error, MemoryError):
             message = f"{line.place}: out of memory; give fewer --workers, or split the line"
         else:
             why = f"an internal error stopped it ({type(error).__name__}: {error})"
             message = f"{line.place}: {why}; report the line"
-        fatal = isinstance(error, OSError) and error.errno in ENDING
+        fatal = bool(locked) or (isinstance(error, OSError) and error.errno in FULL)
         return MadeLine(BuiltLine(line, "failed", message), fatal=fatal)
 
     def _write(self, line: PlannedLine, animation: Animation, files: list[MadeFile]) -> None:
@@ -301,6 +306,7 @@ def created(temporary: str, target: str) -> BinaryIO:
         found = os.stat(target).st_mode  # noqa: PTH116 once a file
         if S_ISDIR(found):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), target)
+        refuse_locked(Path(target), found)
         mode = found & 0o666
     except FileNotFoundError:
         mode = 0o666

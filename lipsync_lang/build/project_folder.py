@@ -16,11 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.build.project_text import flow
-from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.names import fault_of_name
 from lipsync_lang.files.reach import name_folders
 from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.files.temporary import temporary_name
+from lipsync_lang.files.writing import cannot_write
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.project import FILE
 
@@ -81,9 +82,7 @@ def make_project(
             (waiting / path).write_text(text, encoding="utf-8", newline="\n")
         replace_file(waiting, target)
     except OSError as error:
-        why = error.strerror or error
-        mend = "change to a folder that you can write to"
-        raise OutputError(f"{name}: cannot be made: {why}; {mend}") from None
+        raise cannot_write(target, error, "change to another folder") from None
     finally:
         shutil.rmtree(waiting, ignore_errors=True)
     name_folders(target, library.paths)

@@ -19,11 +19,14 @@ from lipsync_lang.arrays import Floats
 from lipsync_lang.build.planned_line import JudgedFigure, Verdict
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.reach import refuse_outside
+from lipsync_lang.files.writing import cannot_write
 
 FOLDER = ".lipsync_lang"
 """Folder of a project for the records of builds."""
 
 RECORDS_FILE = "build.sqlite"
+
+RECORD_CURE = "copy the project to another folder, since a build keeps its record there"
 
 ROWS = 1000
 """Number of rows to read at once."""
@@ -135,10 +138,7 @@ class Records:
             except sqlite3.DatabaseError as error:
                 raise _damaged(path, error) from None
             except OSError as error:
-                raise LipsyncError(
-                    f"{path}: cannot be written: {error.strerror or error}; a build keeps its "
-                    "record there, so make the folder writable"
-                ) from None
+                raise cannot_write(path, error, RECORD_CURE) from None
             try:
                 yield cls(path, connection)
             except sqlite3.DatabaseError as error:

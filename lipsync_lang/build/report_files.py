@@ -12,7 +12,7 @@ from lipsync_lang.build.build_tally import BuildHeading, BuildTally, CountedLine
 from lipsync_lang.build.planned_line import BuiltLine
 from lipsync_lang.build.records import Key
 from lipsync_lang.errors import OutputError
-from lipsync_lang.files.writing import atomic
+from lipsync_lang.files.writing import atomic, cannot_write
 from lipsync_lang.reports.junit import JunitCase, JunitSuite, junit_text
 
 MakePages = Callable[[Sequence[BuiltLine]], Mapping[Key, Path]]
@@ -79,9 +79,7 @@ def write_report(
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise OutputError(
-                f"{path.parent}: cannot be made: {error.strerror}; name another place"
-            ) from None
+            raise cannot_write(path.parent, error) from None
         with atomic(path) as out:
             text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
             form.write(text, tally)

@@ -31,6 +31,7 @@ from lipsync_lang.build.workers import (
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 from lipsync_lang.files.temporary import sweep, temporary_name
+from lipsync_lang.files.writing import cannot_write
 from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
@@ -167,7 +168,7 @@ def sight_mark(folder: Path | None) -> Iterator[str]:
     try:
         path.touch()
     except OSError as error:
-        raise LipsyncError(f"{path.parent}: cannot be written: {error.strerror}") from None
+        raise cannot_write(path.parent, error, "copy the project to another folder") from None
     try:
         yield str(path)
     finally:

@@ -1,5 +1,6 @@
 """Find the target of an output: the regular file behind links, or a stream."""
 
+import errno
 import os
 import re
 import stat
@@ -51,20 +52,37 @@ def file_behind(path: Path) -> Path | None:
         raise OutputError(f"{path}: is a socket; write to - and pipe it into a program")
     if not stat.S_ISREG(there.st_mode):
         return None
-    # Version control marks files that are not checked out as read-only; root must heed it too.
-    if not there.st_mode & WRITE_BITS:
-        raise OutputError(
-            f"{path}: is read-only; open it in your version control or make it writable "
-            "(chmod u+w), or name another file"
-        )
+    refuse_locked(path, there.st_mode)
     if not may_write(path):
         raise OutputError(f"{path}: is write-protected; ask its owner, or name another file")
     return target
 
 
+def refuse_locked(path: Path, mode: int) -> None:
+    """Raise an error if the mode of a file makes it read-only.
+
+    Version control marks files that are not checked out so, and root must heed it too.
+    """
+    if not mode & WRITE_BITS:
+        raise OutputError(
+            f"{path}: is read-only; open it in your version control or make it writable "
+            "(chmod u+w), or name another file"
+        )
+
+
 def may_write(path: Path) -> bool:
     """Return True if the effective user may write a file, or into a folder."""
     return os.access(path, os.W_OK, effective_ids=os.access in os.supports_effective_ids)
+
+
+def read_only(path: Path, error: OSError | ValueError) -> str:
+    """Describe the read-only folder or disk that refused a path, with its cure; else empty."""
+    folder = next((one for one in (path, *path.parents) if os.path.isdir(one)), path)  # noqa: PTH112 no error
+    if getattr(error, "errno", None) == errno.EROFS:
+        return f"the disk of the folder {folder} is read-only; make it writable"
+    if isinstance(error, PermissionError) and not may_write(folder):
+        return f"the folder {folder} is read-only; make it writable (chmod u+w) or ask its owner"
+    return ""
 
 
 def descriptor(path: Path) -> int | None:

@@ -17,7 +17,7 @@ from typing import IO, Any, BinaryIO, cast
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.files.signals import undisturbed
-from lipsync_lang.files.targets import STANDARD_STREAM, descriptor, file_behind, may_write
+from lipsync_lang.files.targets import STANDARD_STREAM, descriptor, file_behind, read_only
 from lipsync_lang.files.temporary import sweep, temporary_name
 
 IN_USE = (5, 32)
@@ -74,7 +74,7 @@ def _worded(path: Path) -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise _cannot_write(path, error) from None
+        raise cannot_write(path, error) from None
 
 
 @contextmanager
@@ -109,7 +109,7 @@ class _Outputs:
             self.files.append(waiting)  # before the file is created: a signal may come any time
             return waiting.open()
         except (OSError, ValueError) as error:
-            raise _cannot_write(path, error) from None
+            raise cannot_write(path, error) from None
 
     def commit(self, ready: Callable[[], object]) -> None:
         """Put the files in place, then write the streams."""
@@ -234,15 +234,16 @@ def _sync_folder(folder: Path) -> None:
             os.close(handle)
 
 
-def _cannot_write(path: Path, error: OSError | ValueError) -> OutputError:
+def cannot_write(
+    path: Path, error: OSError | ValueError, mend: str = "name another place"
+) -> OutputError:
+    """Return an error for a path that cannot be written, with the reason and cures."""
     if isinstance(error, FileNotFoundError):
         return OutputError(f"{path}: the folder {path.parent} does not exist; make it first")
-    why = getattr(error, "strerror", None) or error
-    if isinstance(error, PermissionError) and not may_write(path.parent):
-        why = f"the folder {path.parent} is read-only"
-    elif getattr(error, "winerror", None) in IN_USE:
-        return OutputError(
-            f"{path}: is open in another program, or write-protected; close it there, or name "
-            "another place"
-        )
-    return OutputError(f"{path}: cannot be written: {why}; name another place")
+    if why := read_only(path, error):
+        return OutputError(f"{path}: {why}, or {mend}")
+    if getattr(error, "winerror", None) in IN_USE:
+        why = "is open in another program, or write-protected; close it there"
+        return OutputError(f"{path}: {why}, or {mend}")
+    why = getattr(error, "strerror", None) or str(error)
+    return OutputError(f"{path}: cannot be written: {why}; {mend}")

@@ -8,6 +8,7 @@ from typing import Any
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files import write_all
 from lipsync_lang.files.targets import file_behind
+from lipsync_lang.files.writing import cannot_write
 from lipsync_lang.packs.finding import Finder
 from lipsync_lang.packs.yaml.faults import shown
 
@@ -56,7 +57,6 @@ def write_together(contents: Mapping[Path, bytes], ready: Callable[[], object]) 
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            why = error.strerror or error
-            raise OutputError(f"{path.parent}: cannot be made: {why}") from None
+            raise cannot_write(path.parent, error) from None
     outputs = {path: writer(content) for path, content in contents.items()}
     write_all(outputs, durable=True, ready=ready)

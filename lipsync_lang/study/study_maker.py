@@ -10,6 +10,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files import write_all
 from lipsync_lang.files.reach import refuse_links
+from lipsync_lang.files.writing import cannot_write
 from lipsync_lang.study.methods import Method, StudyCharacter, lacks, spoilt
 from lipsync_lang.study.study_clips import Clip, render_clips
 from lipsync_lang.study.study_file import (
@@ -227,6 +228,4 @@ def _refuse_another(folder: Path, study: Study) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise LipsyncError(
-            f"{folder}: cannot be made: {error.strerror}; name another folder"
-        ) from None
+        raise cannot_write(folder, error) from None

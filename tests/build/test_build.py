@@ -544,9 +544,9 @@ def test_lines_whose_workers_died_fail_and_are_made_by_the_next_build(game, monk
 @pytest.mark.parametrize(
     ("place", "code", "words"),
     [
-        (".lipsync_lang", 2, "build.lock: cannot be written: File exists; a build keeps"),
+        (".lipsync_lang", 2, "build.lock: cannot be written: File exists; copy the"),
         ("takes", 1, "script.csv:2: takes: File exists"),
-        ("build", 2, "build: cannot be made: File exists; name another place"),
+        ("build", 2, "build: cannot be written: File exists; name another place"),
     ],
 )
 def test_a_file_in_the_place_of_a_folder_is_named_and_kept(game, capsys, place, code, words):

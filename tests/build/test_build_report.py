@@ -303,7 +303,7 @@ def test_a_suffix_that_no_report_has_is_named_before_anything_is_written(tmp_pat
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match="file: cannot be made: "):
+    with pytest.raises(OutputError, match="file: cannot be written: "):
         write(tmp_path / "file" / "r.xml", [made()], HEADING)
 
 

@@ -240,7 +240,7 @@ def test_a_project_is_made_whole_or_not_at_all(cli, here, monkeypatch):
     monkeypatch.setattr(Path, "replace", fail)
     ended = cli("new", "game")
     assert ended.code == 2
-    assert "game: cannot be made: Permission denied; change to a folder" in ended.err
+    assert "game: cannot be written: Permission denied; change to another" in ended.err
     assert not list(here.iterdir())
 
 

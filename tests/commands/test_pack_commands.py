@@ -144,7 +144,7 @@ def test_drafts_are_written_once_and_then_used(cli, folder):
     ("target", "message"),
     [
         ("bank.json", "bank.json: is not a name for a bank; use a name that ends in .yaml"),
-        ("line.json/bank.yaml", "line.json: cannot be made: (File exists|Not a dir)"),
+        ("line.json/bank.yaml", "line.json: cannot be written: (File exists|Not a dir)"),
         ("english.yaml", "english.yaml: is not a bank of facefx; name another file"),
         ("list.yaml", "list.yaml"),
         ("folder.yaml", "folder.yaml: "),

@@ -16,10 +16,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
+from build_project import Game
 from lanes import full, swept
 
+from lipsync_lang.build import making
 from lipsync_lang.errors import OutputError
-from lipsync_lang.files import temporary, writing
+from lipsync_lang.files import targets, temporary, writing
 from lipsync_lang.files.writing import atomic, write_all
 
 ROWS = [("HH", 0, 0.08), ("AH0", 0.08, 0.15), ("L", 0.15, 0.25), ("OW1", 0.25, 0.5)]
@@ -203,12 +205,82 @@ def test_a_read_only_folder_is_told_and_a_file_of_somebody_else():
         Path(closed).chmod(0o555)
         os.seteuid(65534)
         try:
-            with pytest.raises(OutputError, match=rf"the folder {closed} is read-only; name"):
+            with pytest.raises(OutputError, match=rf"the folder {closed} is read-only; make it"):
                 put(f"{closed}/a.csv")
             with pytest.raises(OutputError, match=r"theirs.csv: is write-protected; ask its"):
                 put(f"{closed}/theirs.csv")
         finally:
             os.seteuid(0)
+
+
+READ_ONLY = {
+    errno.EROFS: "the disk of the folder {} is read-only; make it writable",
+    errno.EACCES: "the folder {} is read-only; make it writable (chmod u+w) or ask its owner",
+}
+
+
+@pytest.fixture(params=READ_ONLY, ids=["disk", "folder"])
+def locked(request, monkeypatch):
+    """Make every new file and folder fail as on a read-only place, and return the words."""
+
+    def refused(path, *_, **__):
+        raise OSError(request.param, os.strerror(request.param), str(path))
+
+    def lock():
+        monkeypatch.setattr(targets, "may_write", lambda _: False)
+        monkeypatch.setattr(os, "open", refused)
+        monkeypatch.setattr(os, "mkdir", refused)
+
+    return lock, READ_ONLY[request.param]
+
+
+def test_a_read_only_place_is_named_with_its_cure(cli, locked):
+    lock, words = locked
+    pair = ("-l", "english", "-c", "facefx")
+    assert cli("run", *pair, "--schedule", "line.json").code == 0  # compiled and cached
+    lock()
+    for command in (
+        ("run", *pair, "--schedule", "line.json", "-o", "a.csv"),
+        ("bank", "draft", *pair, "--write", "bmp-iy"),
+        ("new", "game"),
+        ("new", "game", "--example", "game"),
+    ):
+        ended = cli(*command)
+        assert (ended.code, words.format(".") in ended.err) == (2, True), ended.err
+
+
+def test_a_build_in_a_read_only_place_names_it_with_its_cure(folder, capsys, locked):
+    lock, words = locked
+    game = Game(folder, capsys)
+    lock()
+    assert f"{words.format(folder)}, or copy the project to another folder" in game.build().err
+
+
+def test_a_read_only_folder_of_outputs_ends_a_build(folder, capsys, locked, monkeypatch):
+    lock, words = locked
+    game = Game(folder, capsys)
+    created = making.created
+
+    def locked_when_made(*places):
+        lock()
+        return created(*places)
+
+    monkeypatch.setattr(making, "created", locked_when_made)
+    told = game.build("--workers", "1")
+    assert told.code == 2
+    assert f"{words.format('takes')}; 4 of 4 lines were tried" in told.err
+    assert "free some space" not in told.err
+
+
+def test_a_build_does_not_replace_a_read_only_file(folder, capsys):
+    game = Game(folder, capsys)
+    assert game.build().code == 0
+    (folder / "takes" / "low.csv").chmod(0o444)
+    before = game.takes()
+    game.say("low", "L OW M")
+    (failed,) = (one for one in game.build().events if one.get("outcome") == "failed")
+    assert failed["message"].startswith("script.csv:2: takes/low.csv: is read-only; open it in")
+    assert game.takes() == before
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o755, 0o664])
