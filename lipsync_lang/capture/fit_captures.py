@@ -21,10 +21,9 @@ from lipsync_lang.capture.fit_file import (
 )
 from lipsync_lang.capture.fit_folds import FitShares, FitTask, Fold, choose, errors, folds, run_fits
 from lipsync_lang.capture.fit_items import fit_items
-from lipsync_lang.capture.fit_lines import CapturedLine, fit_rate, lay_lines
+from lipsync_lang.capture.fit_lines import CapturedLine, ShownLine, fit_rate, lay_lines
 from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.capture.judging import outlying_lines
-from lipsync_lang.capture.shown_lines import ShownLine, shown_lines
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 from lipsync_lang.performing.performer import Performer
@@ -138,7 +137,8 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
     items = tuple(fit_items(pair, task, values, others))
     proposal = _proposal(pair, task, verdict, items, (*set_aside, *strays))
     before, after = (task.face.shown(one, task.lines) for one in (start, values))
-    return CaptureFit(proposal, shown_lines(task.lines, before, after), task.face, values)
+    pages = tuple(map(ShownLine.of, task.lines, before, after))
+    return CaptureFit(proposal, pages, task.face, values)
 
 
 def _proposal(
@@ -230,11 +230,8 @@ def _verdict(
         unseen = f"on held-out {units}"
         why = f"the fit does not generalise: {unseen}, the mean error is {means}"
     else:
-        extent = (
-            ""
-            if shares.values == 1
-            else f"; {shares.values:.0%} of the change gives the lowest error"
-        )
+        extent = f"; {shares.values:.0%} of the change gives the lowest error"
+        extent = "" if shares.values == 1 else extent
         bigrams = "" if shares.bigrams else "; fitted bigrams do not lower it and are left out"
         why = f"on held-out {units}, the mean error is {means}{extent}{bigrams}"
     return FitVerdict(accepted=accepted, why=why, folds=told)

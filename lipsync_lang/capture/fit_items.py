@@ -166,23 +166,20 @@ def _motion_items(
     pair: OpenPair, evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
 ) -> Iterator[FitItem]:
     task, start, poses = evidence.task, evidence.task.face.start, pair.shelf.poses
-    changed: dict[str, tuple[float, float, list[float], float]] = {}
-
-    def put(name: str, kind: str, pose: int, least: float) -> None:
-        each = (start, values, *others)
-        now, then, *rest = (float(getattr(one, kind)[pose]) for one in each)
-        changed[name] = (now, then, rest, least)
-
-    for region, some in task.softness.items():
-        put(f"softness.{region}", "softness", int(some[0]), LEAST_SECONDS)
-    for some in task.anticipate.values():
-        for pose in some.tolist():
-            put(f"anticipate.{poses[pose]}", "anticipate", pose, LEAST_SECONDS)
-    speeds = [one.speed for one in others]
-    changed["motion.speed_limit"] = (start.speed, values.speed, speeds, LEAST_SPEED_CHANGE)
+    every, least = (start, values, *others), LEAST_SECONDS
+    changed = [
+        (f"softness.{region}", [float(one.softness[some[0]]) for one in every], least)
+        for region, some in task.softness.items()
+    ]
+    changed += [
+        (f"anticipate.{poses[pose]}", [float(one.anticipate[pose]) for one in every], least)
+        for some in task.anticipate.values()
+        for pose in some.tolist()
+    ]
+    changed.append(("motion.speed_limit", [one.speed for one in every], LEAST_SPEED_CHANGE))
     everything = [np.ones(line.frames.count, bool) for line in task.lines]
     seen = evidence.of(everything, sum(len(line.track.ids) for line in task.lines))
-    for name, (was, value, rest, least) in changed.items():
+    for name, (was, value, *rest), least in changed:
         if abs(value - was) >= least:
             yield FitItem(
                 item=name,

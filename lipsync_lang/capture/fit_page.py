@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lipsync_lang.capture.fit_file import FitProposal
-from lipsync_lang.capture.shown_lines import ShownLine, SignalFigures
+from lipsync_lang.capture.fit_lines import ShownLine, SignalFigures
 from lipsync_lang.reports.pages import PageEnvironment
 
 MAX_DRAWN_LINES = 200

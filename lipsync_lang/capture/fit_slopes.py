@@ -217,6 +217,7 @@ def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
     row, pose = index // (poses * points), index // points % poses
     parts: list[tuple[Floats, Ints, Ints]] = []
     for ends, side in ((face.first, 0), (face.second, 1)):
+        trials: list[tuple[list[Target], Floats, Ints]] = []
         for step in range(most):
             moved, changes = [], []
             for target in targets:
@@ -226,22 +227,15 @@ def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
                     tried[step] += change
                 moved.append(Target(tried, target.dominance))
                 changes.append(change)
-            size = np.array(changes)[ends]
-            slope = _difference(face, targets, moved, side, now, size)
-            parts.append((slope, index, (ends[row] * most + step) * poses + pose))
+            columns = (ends[row] * most + step) * poses + pose
+            trials.append((moved, np.array(changes)[ends], columns))
         moved = [Target(t.weights, t.dominance * np.exp(DOMINANCE_STEP)) for t in targets]
-        size = np.full((rows, poses), DOMINANCE_STEP)
-        slope = _difference(face, targets, moved, side, now, size)
-        parts.append((slope, index, weights + ends[row] * poses + pose))
+        columns = weights + ends[row] * poses + pose
+        trials.append((moved, np.full((rows, poses), DOMINANCE_STEP), columns))
+        for moved, size, columns in trials:
+            drafts = face.drafted(*((targets, moved) if side else (moved, targets)))
+            parts.append((((drafts - now) / size[..., None]).ravel(), index, columns))
     data, at, columns = map(np.concatenate, zip(*parts, strict=True))
     kept = data != 0
     shape_ = rows * poses * points, weights + values.dominance.size
     return sparse.csr_matrix((data[kept], (at[kept], columns[kept])), shape=shape_)
-
-
-def _difference(  # noqa: PLR0913, PLR0917 two sets of targets, and their difference
-    face: FitFace, targets: list[Target], moved: list[Target], side: int, now: Floats, size: Floats
-) -> Floats:
-    sides = (moved, targets) if side == 0 else (targets, moved)
-    slope: Floats = (face.drafted(*sides) - now) / size[..., None]
-    return slope.ravel()

@@ -9,8 +9,8 @@ import pytest
 
 from lipsync_lang.capture import fit_page as page_module
 from lipsync_lang.capture.fit_file import FitFold, FitItem, FitProposal, FitVerdict, SetAside
+from lipsync_lang.capture.fit_lines import ShownLine, signal_figures
 from lipsync_lang.capture.fit_page import fit_page
-from lipsync_lang.capture.shown_lines import ShownLine, signal_figures
 
 ODD = "</script><script>alert(1)</script>\"'&"
 
