@@ -37,18 +37,14 @@ def add_report(action: Add) -> None:
         "folder]",
     )  # fmt: skip
     made.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        type=argument_path,
+        "-o", "--output", metavar="FILE", type=argument_path,
         help="write to a file, as HTML, JSON or text by its suffix; - is standard output [print "
         "it]",
-    )
+    )  # fmt: skip
     made.add_argument(
-        "--format",
-        metavar="NAME",
+        "--format", metavar="NAME",
         help="output format: text, json, html [by the suffix of -o, else text]",
-    )
+    )  # fmt: skip
     add_json_form(made)
     made.add_argument(
         "--failed-checks", metavar="N", type=int, default=0,

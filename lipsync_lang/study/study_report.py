@@ -68,13 +68,10 @@ class StudyReport:
 
 def _plain(value: Any) -> Any:
     """Return JSON data with named tuples converted to dictionaries."""
-    if hasattr(value, "_asdict"):
-        return _plain(value._asdict())
+    value = value._asdict() if hasattr(value, "_asdict") else value
     if isinstance(value, dict):
         return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(one) for one in value]
-    return value
+    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
 def report_study(

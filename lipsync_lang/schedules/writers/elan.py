@@ -62,10 +62,8 @@ def _add_timed_tier(
     starts: dict[float, str] = {}
     times = dict.fromkeys(sorted({*chain.from_iterable(span[1:] for span in spans)}), 0)
     last = -1
-    for time in times:
-        times[time] = last = max(
-            round(time * MILLISECONDS_PER_SECOND), last + 1
-        )  # no two boundaries are one
+    for time in times:  # no two boundaries are one
+        times[time] = last = max(round(time * MILLISECONDS_PER_SECOND), last + 1)
     for number, (label, start, end) in enumerate(spans):
         annotation = f"{name}{number}"
         slots = {"TIME_SLOT_REF1": f"{annotation}a", "TIME_SLOT_REF2": f"{annotation}b"}
