@@ -21,4 +21,8 @@ def replace_file(source: Path, target: Path) -> None:
             time.sleep(seconds)
         else:
             return
-    source.replace(target)
+    try:
+        source.replace(target)
+    except OSError as error:
+        error.filename = str(target)  # its user has never seen the temporary file
+        raise
