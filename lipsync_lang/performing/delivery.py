@@ -46,9 +46,10 @@ def delivery(
     LipsyncError
         A style or region is unknown, a level is out of range, or the line has fewer words.
     """
-    own = [compiled.delivery, compiled.line_deliveries.get(line or "", {})]
-    if not (styles or dials or any(any(stated.values()) for stated in own)):
+    usual, special = compiled.delivery, compiled.line_deliveries.get(line or "", {})
+    if not (styles or dials or any(usual.values()) or any(special.values())):
         return (), ()
+    own = [usual, special]
     known_styles, poses = compiled.style_names, len(compiled.poses)
     blends = [
         Blend(known_styles.index(name), level)

@@ -80,7 +80,8 @@ class LabelReader:
                     f"{one!a:.60} is no schedule: pass ll.speak(TEXT, LANGUAGE), "
                     "ll.align(RECORDING, TEXT, LANGUAGE) or ll.read_schedule(FILE)"
                 )
-        new = [one for one in schedules if one not in self._heard]
+        heard = [self._heard.get(one) for one in schedules]
+        new = [one for one, known in zip(schedules, heard, strict=True) if known is None]
         if new:
             values, marks = self._read_all(new)
             found = self._sounds.sounds(values, marks, [one.times for one in new])
@@ -91,7 +92,8 @@ class LabelReader:
                         "check the labels and their notation"
                     )
                 self._heard[schedule] = sounds
-        return [self._heard[one] for one in schedules]
+            heard = [self._heard[one] for one in schedules]
+        return [known for known in heard if known is not None]
 
     def _read_all(self, schedules: Sequence[Schedule]) -> tuple[Ints, Ints]:
         """Return numbers of values and marks of all labels: (n,) each."""

@@ -111,11 +111,12 @@ def prepare(tables: Tables, motion: Motion, fps: float) -> StageValues:
     fps : frames per second
     """
     known = tables.prepared
-    if (motion, fps) not in known:
+    # one look-up, since the hash of a motion takes all of its fields
+    found: StageValues | None = known.get((motion, fps))
+    if found is None:
         if len(known) >= MAX_PREPARED:
             known.clear()
-        known[motion, fps] = _prepared(tables, motion, fps)
-    found: StageValues = known[motion, fps]
+        found = known[motion, fps] = _prepared(tables, motion, fps)
     return found
 
 
