@@ -130,6 +130,15 @@ class Extensions(Mapping[str, T]):
 
         return add
 
+    def register_instance(self, name: str) -> Callable[[type[T]], type[T]]:
+        """Register an instance of the decorated class, which takes no arguments, under a name."""
+
+        def add(made: type[T]) -> type[T]:
+            self.add(name, made(), made.__module__)
+            return made
+
+        return add
+
     def built_in(self) -> dict[str, T]:
         """Return the built-in extensions."""
         with _lock:

@@ -88,17 +88,13 @@ def _aligned(batch: Sequence[Given], models: MfaModels) -> Iterator[Schedule | S
         yield from each(numbers, lambda number: _read(output, number, *batch[number]))
 
 
-def _file_name(number: int) -> str:
-    return f"{number:05d}"
-
-
 def _written(corpus: Path, numbered: tuple[int, Given]) -> float:
     """Write a sound and its text as a speaker of the corpus; return the length in seconds."""
     number, (sound, text) = numbered
     if not any(map(str.isalnum, text)):
         raise SpeechError(f"'{text[:60]}' has no words to align; give the spoken text")
     audio = sound()
-    place = corpus / _file_name(number)
+    place = corpus / f"{number:05d}"
     place.mkdir(parents=True)
     with wave.open(str(place / f"{place.name}.wav"), "wb") as file:
         file.setnchannels(1)
@@ -114,7 +110,7 @@ def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> S
     """Read the answer for a recording."""
     from lipsync_lang.schedules.timing_readers import read_schedule
 
-    file = next(output.rglob(f"{_file_name(number)}.TextGrid"), None)
+    file = next(output.rglob(f"{number:05d}.TextGrid"), None)
     if file is None:
         raise SpeechError(_unfit(text))
     try:

@@ -1,6 +1,7 @@
 """Recognition of recordings: their words and the times of these, by the pack's recogniser."""
 
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import overload
 
@@ -9,7 +10,7 @@ from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.speech.hearing.engine_names import engine_and_model
 from lipsync_lang.speech.hearing.recognise.recognisers import RECOGNISERS, Recogniser
-from lipsync_lang.speech.results import raised
+from lipsync_lang.speech.results import each, raised, tried
 from lipsync_lang.speech.sound import SoundSource, sound_of
 from lipsync_lang.speech.speaking.speaker import Speaker
 
@@ -89,11 +90,8 @@ def recognise_many(
     except SpeechError as error:
         yield from (error for _ in recordings)
         return
-    for audio in recordings:
-        try:
-            yield chosen.recognise(sound_of(audio), speaker, model)
-        except SpeechError as error:
-            yield error
+    sounds = map(tried(sound_of), recordings)
+    yield from each(sounds, partial(chosen.recognise, speaker=speaker, model=model))
 
 
 def _recogniser(speaker: Speaker, name: str | None) -> tuple[Recogniser, str | None]:

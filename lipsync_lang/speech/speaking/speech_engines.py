@@ -1,9 +1,9 @@
 """Registry and interface of speech engines."""
 
 import logging
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extensions import Extensions
@@ -49,17 +49,8 @@ ENGINES: Extensions[Engine] = Extensions(
 MIN_WORDS_PER_MINUTE, MAX_WORDS_PER_MINUTE = 80, 350
 """Speeds of the built-in engines; beyond them, times and sound come apart."""
 
-E = TypeVar("E", bound=Engine)
-
-
-def speech_engine(name: str) -> Callable[[type[E]], type[E]]:
-    """Register a class with a constructor without arguments as a speech engine."""
-
-    def register(made: type[E]) -> type[E]:
-        ENGINES.add(name, made(), made.__module__)
-        return made
-
-    return register
+speech_engine = ENGINES.register_instance
+"""Decorator that registers a class as the speech engine of a name."""
 
 
 def refuse_rate(engine: str, words_per_minute: int) -> None:

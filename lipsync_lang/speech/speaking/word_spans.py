@@ -40,8 +40,8 @@ def find_words(
     -------
     Words in order, without the silence around them; a word without phonemes is left out
     """
-    starts = _starts(text, [position for position, _ in marks])
-    tokens = _tokens(text)
+    tokens = [match.span() for match in _WORD_TOKEN.finditer(text)]
+    starts = _starts(text, tokens, [position for position, _ in marks])
     punctuation = {c for c in text if unicodedata.category(c)[0] == "P"}
     silent = "".join(punctuation - set(_SPOKEN_MARKS))
     words: list[Word] = []
@@ -70,13 +70,8 @@ def find_words(
     return tuple(words)
 
 
-def _tokens(text: str) -> list[tuple[int, int]]:
-    return [match.span() for match in _WORD_TOKEN.finditer(text)]
-
-
-def _starts(text: str, positions: Sequence[int]) -> list[int]:
+def _starts(text: str, tokens: Sequence[tuple[int, int]], positions: Sequence[int]) -> list[int]:
     """Return the word start of each mark, in non-decreasing order."""
-    tokens = _tokens(text)
     # Tokens with a letter, a digit or a named symbol are said.
     said = [
         any(

@@ -1,12 +1,13 @@
 """Registry and interface of aligners."""
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Protocol, TypeVar, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from lipsync_lang.extensions import Extensions
 from lipsync_lang.speech.results import raised
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from lipsync_lang.errors import SpeechError
     from lipsync_lang.schedules.schedule import Audio, Schedule
     from lipsync_lang.speech.speaking.speaker import Speaker
@@ -59,14 +60,5 @@ ALIGNERS: Extensions[Aligner] = Extensions(
 )
 """Aligners by name."""
 
-A = TypeVar("A", bound=Aligner)
-
-
-def aligner(name: str) -> Callable[[type[A]], type[A]]:
-    """Register a class with a constructor without arguments as an aligner."""
-
-    def register(made: type[A]) -> type[A]:
-        ALIGNERS.add(name, made(), made.__module__)
-        return made
-
-    return register
+aligner = ALIGNERS.register_instance
+"""Decorator that registers a class as the aligner of a name."""

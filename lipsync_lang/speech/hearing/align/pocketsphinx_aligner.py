@@ -5,7 +5,7 @@ package selects the most likely variant and its times.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import repeat
 from typing import TYPE_CHECKING
 
@@ -33,7 +33,7 @@ from lipsync_lang.speech.hearing.sphinx.scheduling import (
     prepared,
     timed_labels,
 )
-from lipsync_lang.speech.results import batches
+from lipsync_lang.speech.results import batches, raised, tried
 from lipsync_lang.speech.sound import SPEECH_RATE
 from lipsync_lang.speech.speaking.joining import stress_read
 from lipsync_lang.speech.speaking.speaker import BATCH_TEXTS
@@ -87,23 +87,21 @@ class PocketsphinxAligner(BatchAligner):
             reader = WordReader(
                 models, speaker, [one for one in read if not isinstance(one, SpeechError)]
             )
-            for (sound, _), transcript in zip(batch, read, strict=True):
-                if isinstance(transcript, SpeechError):
-                    yield transcript
-                    continue
-                try:
-                    yield self._aligned(sound(), transcript, reader)
-                except SpeechError as error:
-                    yield error
+            sounds = [sound for sound, _ in batch]
+            yield from map(tried(partial(self._aligned, reader)), zip(sounds, read, strict=True))
 
-    def _aligned(self, audio: Audio, transcript: "Transcript", reader: "WordReader") -> Schedule:
-        """Align a text that is read."""
+    def _aligned(
+        self, reader: "WordReader", one: "tuple[Callable[[], Audio], Transcript | SpeechError]"
+    ) -> Schedule:
+        """Align a text that is read, or raise the error of its reading."""
+        transcript = raised(one[1])
         models, speaker, text = reader.models, reader.speaker, transcript.text
         sayings = reader.sayings(transcript.words)
         if not sayings:
             raise SpeechError(
                 f"'{text[:MAX_SHOWN_TEXT]}' has no words to align; give the spoken text"
             )
+        audio = one[0]()
         sound = prepared(audio)
         heard = laid(models, features(sound), [saying.ways for saying in sayings])
         if heard is None:
@@ -150,15 +148,11 @@ def laid(
 
 def unfit(audio: Audio, phonemes: int) -> str:
     """Return the reason why words cannot be aligned, with a cure."""
-    if phonemes * STATES * FRAME_SECONDS > audio.seconds:
-        return (
-            f"the text has {phonemes} phonemes, and the recording {audio.seconds:.2f} s: more than "
-            "can be said in it; check that both are complete"
-        )
-    return (
-        f"the text has {phonemes} phonemes, and the recording {audio.seconds:.2f} s: the aligner "
-        "lost the text in it; check that the recording has all of the text, or align shorter parts"
-    )
+    why = "more than can be said in it; check that both are complete"
+    if phonemes * STATES * FRAME_SECONDS <= audio.seconds:
+        why = "the aligner lost the text in it; check that the recording has all of the text, "
+        why += "or align shorter parts"
+    return f"the text has {phonemes} phonemes, and the recording {audio.seconds:.2f} s: {why}"
 
 
 class WordReader:

@@ -7,6 +7,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.speech.hearing.align.bending import Fit, SpokenVoice
+from lipsync_lang.speech.hearing.sphinx.scheduling import logistic
 
 LEAST_SECONDS = 0.02
 """Duration below which phonemes count as equally short."""
@@ -41,13 +42,6 @@ class WarpEvidence(NamedTuple):
     """Share of the path where one of the sounds runs ahead."""
 
 
-def confidences(fit: Fit, lasts: Floats, voice: SpokenVoice) -> tuple[float, list[float]]:
-    """Return the confidence that the recording contains the text, and of each of its words."""
-    line, words = evidence(fit, lasts, voice)
-    sure = confidence_of(line)
-    return sure, [word_confidence_of(word, sure) for word in words]
-
-
 def evidence(
     fit: Fit, lasts: Floats, voice: SpokenVoice
 ) -> tuple[WarpEvidence, list[WarpEvidence]]:
@@ -74,23 +68,23 @@ def evidence(
 def confidence_of(line: WarpEvidence) -> float:
     """Return the confidence from 0 to 1 that the recording contains the text."""
     uneven = float(np.log(max(line.uneven, LEAST_UNEVEN)))
-    return _logistic(LINE_WEIGHTS, (min(line.better, MOST_BETTER), uneven, line.drift))
+    return logistic(_weighted(LINE_WEIGHTS, min(line.better, MOST_BETTER), uneven, line.drift))
 
 
 def word_confidence_of(word: WarpEvidence, line: float) -> float:
     """Return the confidence from 0 to 1 that a word is spoken in a line of known confidence."""
-    return _logistic(WORD_WEIGHTS, (word.better, word.uneven, _odds(line)))
+    return logistic(_weighted(WORD_WEIGHTS, word.better, word.uneven, _odds(line)))
 
 
 def in_part(confidence: float, phonemes: int) -> float:
     """Return a text's confidence in the best of several parts of the recording."""
     lost = PART_ODDS * max(1.0, TELLING_PHONEMES / phonemes)
-    return _logistic((-lost, 1.0), (_odds(confidence),))
+    return logistic(_odds(confidence) - lost)
 
 
 def _odds(confidence: float) -> float:
     return float(np.log((confidence + 1e-3) / (1 - confidence + 1e-3)))
 
 
-def _logistic(weights: Sequence[float], values: Sequence[float]) -> float:
-    return float(1 / (1 + np.exp(-weights[0] - np.dot(weights[1:], values))))
+def _weighted(weights: Sequence[float], *values: float) -> float:
+    return weights[0] + float(np.dot(weights[1:], values))

@@ -7,6 +7,7 @@ Pauses come from the recording.
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import tee
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,8 +26,13 @@ from lipsync_lang.speech.hearing.align.spectrum import (
     samples_of,
     speech_frames,
 )
-from lipsync_lang.speech.hearing.align.warp_evidence import confidences, in_part
-from lipsync_lang.speech.results import exhaust, next_result, raised
+from lipsync_lang.speech.hearing.align.warp_evidence import (
+    confidence_of,
+    evidence,
+    in_part,
+    word_confidence_of,
+)
+from lipsync_lang.speech.results import exhaust, next_result, raised, tried
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking.speaker import Speaker
@@ -121,32 +127,22 @@ def _warped(audio: Audio, said: Schedule) -> Schedule:
 
 def _surest(power: Floats, voice: SpokenVoice, seconds: float) -> "WarpedVoice":
     """Warp the voice to a recording, (T, BANDS), or to the part of it with the text."""
-    failed: SpeechError | None = None
-    whole: WarpedVoice | None = None
-    try:
-        whole = _warped_part(power, 0, voice, seconds)
-    except SpeechError as error:
-        failed = error
-    if whole and whole.confidence >= SURE_CONFIDENCE:
-        return whole
-    best = whole
-    for first, last in spans(power, voice):
-        try:
-            part = _warped_part(power[first:last], first, voice, seconds)
-        except SpeechError:
-            continue
+    attempt = tried(partial(_warped_part, power, voice, seconds))
+    whole = attempt((0, len(power)))
+    best = None if isinstance(whole, SpeechError) else whole
+    lowest = best.confidence if best else 0.0
+    if lowest >= SURE_CONFIDENCE:
+        return raised(whole)
+    for span in spans(power, voice):
+        part = attempt(span)
         least = max(MIN_PART_CONFIDENCE, best.confidence + MIN_GAIN if best else 0)
-        if part.confidence > least:
+        if not isinstance(part, SpeechError) and part.confidence > least:
             best = part
             if best.confidence >= SURE_CONFIDENCE:
                 break
-    if best is None:
-        assert failed is not None  # noqa: S101 without a result there is an error
-        raise failed
-    if best is whole:
-        return best
-    sure = in_part(best.confidence, len(voice.labels))
-    return best._replace(confidence=max(sure, whole.confidence if whole else 0.0))
+    if best is None or best is whole:
+        return raised(whole)
+    return best._replace(confidence=max(in_part(best.confidence, len(voice.labels)), lowest))
 
 
 class WarpedVoice(NamedTuple):
@@ -160,9 +156,11 @@ class WarpedVoice(NamedTuple):
     """First and last frame of the part."""
 
 
-def _warped_part(power: Floats, first: int, voice: SpokenVoice, seconds: float) -> WarpedVoice:
-    """Warp the voice to a part of a recording, (T, BANDS) from frame `first` on."""
-    heard = heard_in(power)
+def _warped_part(
+    power: Floats, voice: SpokenVoice, seconds: float, span: tuple[int, int]
+) -> WarpedVoice:
+    """Warp the voice to a part of a recording, (T, BANDS)."""
+    heard = heard_in(power[slice(*span)])
     kept = speech_frames(heard.spoken)
     if len(kept) * HOP < len(voice.labels) * MIN_PHONEME_SECONDS:
         raise SpeechError(
@@ -170,13 +168,15 @@ def _warped_part(power: Floats, first: int, voice: SpokenVoice, seconds: float) 
             f"{len(voice.labels)} phonemes of the text; check that they belong together"
         )
     fit = fitted(heard, kept, voice)
-    labels, times, words = _laid(fit.edges, kept + first, voice, seconds)
+    labels, times, words = _laid(fit.edges, kept + span[0], voice, seconds)
     lasts = np.diff(times)[[label != SILENCE for label in labels]]
-    surely, each_word = confidences(fit, lasts, voice)
+    line, each_word = evidence(fit, lasts, voice)
+    surely = confidence_of(line)
     sure_words = tuple(
-        replace(word, confidence=sure) for word, sure in zip(words, each_word, strict=True)
+        replace(word, confidence=word_confidence_of(one, surely))
+        for word, one in zip(words, each_word, strict=True)
     )
-    return WarpedVoice(labels, times, sure_words, surely, (first, first + len(power)))
+    return WarpedVoice(labels, times, sure_words, surely, span)
 
 
 def _laid(

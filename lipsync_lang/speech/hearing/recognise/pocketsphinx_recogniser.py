@@ -23,7 +23,7 @@ from lipsync_lang.speech.hearing.sphinx.decoders import decoded_phones, decoded_
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, HOP_SAMPLES, features
 from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme, lay
-from lipsync_lang.speech.hearing.sphinx.scheduling import Saying, prepared, timed_labels
+from lipsync_lang.speech.hearing.sphinx.scheduling import Saying, logistic, prepared, timed_labels
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking.speaker import Speaker
@@ -128,8 +128,7 @@ def chance(posterior: float, heard: Sequence[HeardPhoneme]) -> float:
     if not frames:
         return 0.0
     fit = np.average([one.fit for one in heard], weights=frames)
-    odds = CONSTANT + OF_POSTERIOR * np.log(max(posterior, MIN_POSTERIOR)) + OF_FIT * fit
-    return float(1 / (1 + np.exp(-odds)))
+    return logistic(CONSTANT + OF_POSTERIOR * np.log(max(posterior, MIN_POSTERIOR)) + OF_FIT * fit)
 
 
 def _remarks(

@@ -1,7 +1,7 @@
 """Registry and interface of recognisers."""
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
 
 from lipsync_lang.extensions import Extensions
 from lipsync_lang.speech.hearing.sphinx.scheduling import listed
@@ -40,17 +40,8 @@ RECOGNISERS: Extensions[Recogniser] = Extensions(
 )
 """Recognisers by name."""
 
-R = TypeVar("R", bound=Recogniser)
-
-
-def recogniser(name: str) -> Callable[[type[R]], type[R]]:
-    """Register a class with a constructor without arguments as a recogniser."""
-
-    def register(made: type[R]) -> type[R]:
-        RECOGNISERS.add(name, made(), made.__module__)
-        return made
-
-    return register
+recogniser = RECOGNISERS.register_instance
+"""Decorator that registers a class as the recogniser of a name."""
 
 
 def heard_remark(text: str) -> str:

@@ -124,9 +124,6 @@ class Listening:
         init=False, repr=False, default_factory=dict
     )
 
-    def __len__(self) -> int:
-        return len(self.features)
-
     def scores(self, phones: Sequence[Phone]) -> Singles:
         """Return the log likelihood of each frame in each state of the given phonemes.
 
@@ -141,11 +138,11 @@ class Listening:
         books: dict[int, list[int]] = {}
         for number, phone in enumerate(phones):
             books.setdefault(phone.book, []).append(number)
-        found = np.empty((len(self), len(phones), STATES), np.float32)
+        found = np.empty((len(self.features), len(phones), STATES), np.float32)
         for book, numbers in books.items():
             states = np.array([phones[number].states for number in numbers])
             wanted, back = np.unique(states, return_inverse=True)
-            heard = np.zeros((len(self), len(wanted)), np.float32)
+            heard = np.zeros((len(self.features), len(wanted)), np.float32)
             for stream in range(STREAMS):
                 # log sum exp, with the nearest Gaussian taken out so that no exponent underflows
                 shares, most = self._shares(book, stream)

@@ -8,7 +8,7 @@ again with their actual neighbours as context.
 The path of a window may end in any word. Where the model hears badly, as in languages that are not
 its own, such a path stays behind the voice: other sound is likelier there than the right phonemes.
 An anchored window ends in a word that the pace of the remaining text allows, and keeps its first
-half. Its cost is some 2.5 times as high.
+half; it takes twice the time.
 """
 
 from collections.abc import Sequence
@@ -201,12 +201,7 @@ def _lay(
 def _reach(
     features: Floats, words: Sequence[Pronunciations], done: int, *, anchored: bool
 ) -> tuple[int, int, int]:
-    """Return the frames of a window, the first word that it may end in, and the one after all.
-
-    Parameters
-    ----------
-    features : of the rest of the sound
-    """
+    """Return the frames of the next window, the first word that it may end in, and its limit."""
     window = min(len(features), ANCHORED_FRAMES if anchored else WINDOW_FRAMES)
     last = window == len(features)
     if not anchored or last or done == len(words):

@@ -203,7 +203,7 @@ def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
     noise = sum(one.noise * _frames(one) for one in said) / spoken
     din = DIN_WEIGHT * max(0.0, noise - SPEECH_NOISE_FIT)
     of_fit, of_share, constant = LINE_FIT_WEIGHTS
-    return _logistic(of_fit * fit + of_share * spoken / (spoken + other) + constant - din)
+    return logistic(of_fit * fit + of_share * spoken / (spoken + other) + constant - din)
 
 
 def word_confidence(phonemes: Sequence[HeardPhoneme]) -> float:
@@ -214,13 +214,14 @@ def word_confidence(phonemes: Sequence[HeardPhoneme]) -> float:
     fit = float(np.mean([one.fit for one in phonemes]))
     hurried = float(np.mean([_frames(one) <= HURRIED_FRAMES for one in phonemes]))
     of_fit, of_hurried, constant = WORD_FIT_WEIGHTS
-    return _logistic(of_fit * fit + of_hurried * hurried + constant)
+    return logistic(of_fit * fit + of_hurried * hurried + constant)
 
 
 def _frames(one: HeardPhoneme) -> int:
     return one.stop - one.first
 
 
-def _logistic(logit: float) -> float:
+def logistic(logit: float) -> float:
+    """Return the probability of log odds."""
     # Beyond these limits, `exp` would overflow with a warning, and the result is 0 or 1 anyway.
     return float(1 / (1 + np.exp(-np.clip(logit, -50, 50))))
