@@ -212,6 +212,7 @@ EXEMPT = {
     ("*/smartbody.py", "smartbody"): "the name of the format",
     ("schedules/readers/bml.py", "smartbody"): "the notation that the format is in",
     ("schedules/readers/json.py", "HH"): "the example of the format's form",
+    ("packs/finding.py", "vrm"): "the suffix of files in the format",
     ("phonology/g2p/kana.py", "japanese"): "the name of the extra that installs it",
     ("phonology/g2p/pinyin.py", "mandarin"): "the name of the extra that installs it",
     ("phonology/g2p/*.py", "kana"): "the name of a respeller, after the script it writes",
@@ -294,7 +295,7 @@ def test_every_room_has_a_folder_of_tests():
 
 
 SHARED_NAMES = {
-    *("ALONE", "BLOCK", "COMMANDS", "CONFIDENCE", "DECIMALS", "ENDING", "ENOUGH", "FORMS", "FREE"),
+    *("ALONE", "BLOCK", "COMMANDS", "CONFIDENCE", "DECIMALS", "ENOUGH", "FORMS", "FREE"),
     *("HOLD_SECONDS", "MARK", "MAX_FINDINGS", "MAX_LINE_CHARS", "MAX_NAMES", "MAX_PLACES"),
     *("MAX_SHOWN_CHARS", "MAX_SLUG_CHARS", "MAX_TABLE_ROWS", "MAX_VALUE_CHARS", "MOST", "NAME"),
     *("NAME_COLUMNS", "PACK_NAME", "PLAIN_SCALAR", "PROGRAM", "SHOWN", "SUFFIXES", "TIMES"),
