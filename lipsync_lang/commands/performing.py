@@ -11,6 +11,8 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import STANDARD_STREAM
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.delivery import Points
     from lipsync_lang.performing.performer import Performer
@@ -84,9 +86,23 @@ def motion_settings(settings: list[str]) -> dict[str, object]:
     return change
 
 
-def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
-    """Return timed phonemes of a text, a schedule file or a recording."""
+def schedule_for(
+    options: Namespace, performer: "Performer", outputs: "Mapping[str, list[str]] | None" = None
+) -> "Schedule":
+    """Return timed phonemes of a text, a schedule file or a recording.
+
+    Extras that the line or its `outputs`, each with its formats, lack are refused together before.
+    """
+    from lipsync_lang.speech.needed_extras import engines_of, refuse_missing
+
     _refuse_idle(options)
+    needed = dict(outputs or {})
+    if options.text is not None:
+        manner, heard = performer.speaker.manner, options.audio is not None
+        needed[manner.language] = [
+            *engines_of(manner, spoken=not heard, heard=heard, tts=options.tts)
+        ]
+    refuse_missing(needed)
     if options.schedule is not None:
         return _timed(options, performer)
     if options.audio is None:

@@ -96,7 +96,9 @@ def run(options: Namespace) -> int:
     if options.against and not any(writer.name == LINE_PAGE for writer in writers.values()):
         raise LipsyncError("--against needs a page; name it with -o line.html")
     performer = performer_for(options)
-    animation = perform_line(options, performer, schedule_for(options, performer))
+    formats = {str(path): [writer.name] for path, writer in writers.items()}
+    formats |= {str(options.plot): ["plot"]} if options.plot else {}
+    animation = perform_line(options, performer, schedule_for(options, performer, formats))
     offset = parse_offset(options.offset, animation.fps)
     shown = replace(
         _shown(options, performer, animation, writers),

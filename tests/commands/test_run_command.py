@@ -13,6 +13,8 @@ import pytest
 from command_line import PAIR, ROWS, SCHEDULE, listed, refused
 from lanes import full
 
+from lipsync_lang import extras
+
 try:
     import espeakng_loader
 except ImportError:
@@ -306,3 +308,14 @@ def test_explain_tells_of_a_frame(cli):
 def test_explain_refuses_times_outside(at, cli):
     ended = cli("explain", *PAIR, "--schedule", "line.json", f"--at={at}")
     refused(ended, "s is outside the animation, which runs from -0.250 to 0.750 s")
+
+
+def test_extras_that_a_line_and_its_files_lack_are_named_together(cli, monkeypatch):
+    monkeypatch.setattr(extras, "_there", lambda _: False)
+    ended = cli("run", "x", "-l", "mandarin", "-c", "facefx", "-o", "a.mp4", "--plot", "p.png")
+    assert ended.code == 2
+    told = "video (for a.mp4), plot (for p.png), mandarin (for mandarin), speech (for mandarin)"
+    assert f"not installed: {told}" in ended.err
+    assert '"lipsync-lang[mandarin,plot,speech,video]"' in ended.err
+    heard = cli("check", "x", *PAIR, "--audio", "a.wav").err
+    assert '"lipsync-lang[audio,speech]"' in heard
