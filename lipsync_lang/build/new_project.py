@@ -170,7 +170,7 @@ def read_cells(table: Path) -> Cells:
     if opened is None:
         known = ", ".join(sorted(s for s, one in by_suffix().items() if one.table is not None))
         raise LipsyncError(f"{table}: is not a table; known: {known}")
-    head, rows = opened(LineFile.of(file, lambda _: None, None, None))
+    head, rows = opened(LineFile(file, lambda _: None).at(file))
     taken = [row for _, row in islice(rows, MAX_TABLE_ROWS)]
     return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
 

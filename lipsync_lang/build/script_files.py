@@ -88,7 +88,8 @@ def read_rows(
     try:
         opened = by_suffix()[file.path.suffix.lower()].table
         if opened is not None:
-            source = LineFile.of(file.path, remark, None, file.encoding, file.cleaning)
+            settings = LineFile(file.path, remark, encoding=file.encoding, cleaning=file.cleaning)
+            source = settings.at(file.path)
             yield from _table_rows(file, source, opened(source), columns, faults)
             return
         if len(file.languages) > 1:

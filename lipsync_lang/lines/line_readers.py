@@ -50,20 +50,12 @@ class LineFile:
     names: tuple[str, ...] = ()
     speaker: str | None = None
 
-    @classmethod
-    def of(
-        cls,
-        path: Path,
-        remark: Remark,
-        column: str | None,
-        encoding: str | None,
-        cleaning: Cleaning = AS_WRITTEN,
-    ) -> Self:
-        """Open a file; read pipes at once, because they can be read only once."""
+    def at(self, path: Path) -> Self:
+        """Return a file with these settings; a pipe is read now, since it can be read only once."""
         piped = path == STANDARD_STREAM or not path.is_file()
         mend = "put the script into a file"
         content = read_input(path, MAX_PIPED_BYTES, mend=mend) if piped else None
-        return cls(path, remark, column, encoding, content, cleaning)
+        return replace(self, path=path, content=content)
 
     def open(self) -> BinaryIO:
         """Return its bytes from the start."""
@@ -263,8 +255,7 @@ def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line
     from lipsync_lang.lines.timings import SCHEDULE_FORMAT, is_timed
 
     for path, among_others in files:
-        own = LineFile.of(path, stated.remark, stated.column, stated.encoding, stated.cleaning)
-        source = replace(own, names=stated.names, speaker=stated.speaker)
+        source = stated.at(path)
         try:
             if path == STANDARD_STREAM:
                 form = LINE_READERS["text" if source.column is None else "table"]
