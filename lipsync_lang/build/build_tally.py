@@ -31,6 +31,9 @@ MIDDLE = BINS // 2
 MAX_WORST = 500
 """Maximum number of lines that a report shows in full; it counts all others."""
 
+BLOCK_LINES = 4096
+"""Number of lines that are judged at once, in arrays of a few megabytes."""
+
 ZERO_SCALE = 10
 """Badness of a value of 1 if the limit is 0."""
 
@@ -50,7 +53,7 @@ class BuildHeading:
 
 
 class CountedLine(NamedTuple):
-    """What the counts need of a line; the rest is read for the worst lines alone."""
+    """Line for the counts; the rest of it is read if it is among the worst."""
 
     line: PlannedLine
     failed: bool
@@ -149,10 +152,14 @@ class BuildTally:
             self.lines += 1
         ranks = [np.empty((0, 4))]
         every: dict[int, CountedLine] = {}
-        for (*_, heading), numbered in groups.items():
+        blocks = (
+            (heading, numbered[first : first + BLOCK_LINES])
+            for (*_, heading), numbered in groups.items()
+            for first in range(0, len(numbered), BLOCK_LINES)
+        )
+        for heading, numbered in blocks:
             order = self._add(heading, [one for _, one in numbered])
-            numbers = np.array([-number for number, _ in numbered])
-            rows = np.column_stack([*order, numbers])
+            rows = np.column_stack([*order, [-number for number, _ in numbered]])
             rows = rows[np.lexsort(rows.T[::-1])[::-1][:most]]
             ranks.append(rows)
             kept = {-int(number) for number in rows[:, 3]}

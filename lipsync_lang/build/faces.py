@@ -11,6 +11,8 @@ from lipsync_lang.files.writing import atomic
 from lipsync_lang.rigs.container import binary_of
 from lipsync_lang.rigs.model import known_model
 
+FACE_SUFFIX = ".face.bin"
+
 GLB = "glb"
 """Writer of the files that share a face."""
 
@@ -22,24 +24,21 @@ Pairs = Mapping[tuple[str, str], PairNeeds]
 
 def face_file(character: str, pair: PairNeeds) -> str:
     """Return the name of the file with the data of a character's model; another has another."""
-    return f"{character}-{(pair.model_digest or '')[:MODEL_DIGEST_CHARS]}.face.bin"
-
-
-def face_files(lines: Iterable[PlannedLine], pairs: Pairs) -> dict[str, Path]:
-    """Return the models of lines, by the files of their data from the project's folder."""
-    found: dict[str, Path] = {}
-    for line in lines:
-        pair = pairs.get((line.language, line.character))
-        for name, path in line.outputs if pair and pair.performer.model else ():
-            if name == GLB:
-                place = posixpath.join(posixpath.dirname(path), face_file(line.character, pair))
-                found[place] = pair.performer.model
-    return found
+    return f"{character}-{(pair.model_digest or '')[:MODEL_DIGEST_CHARS]}{FACE_SUFFIX}"
 
 
 def write_faces(folder: Path, lines: Iterable[PlannedLine], pairs: Pairs) -> None:
-    """Write the faces of lines that are not there."""
-    for path, file in face_files(lines, pairs).items():
+    """Write the data of models beside the GLB files of lines, where they are not there."""
+    models: dict[str, Path | None] = {}
+    for line in lines:
+        pair = pairs[line.language, line.character]
+        places = {posixpath.dirname(path) for name, path in line.outputs if name == GLB}
+        for place in places:
+            path = posixpath.join(place, face_file(line.character, pair))
+            models[path] = pair.performer.model
+    for path, file in models.items():
+        if file is None:
+            continue  # the writer refuses the line
         model, target = known_model(file, bones=True), folder / path
         content = binary_of(model.path, model.document, model.chunks)
         refuse_outside(target, folder)

@@ -60,7 +60,7 @@ STANDING = ("edited", "unknown")
 """States of an output that a build must not replace."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class PlannedStep:
     """A line with the reasons to make it, in words; none if its outputs are valid."""
 
@@ -146,7 +146,8 @@ def _changed_needs(
             grouped.setdefault((line.language, line.character), []).append(line.key)
     out: dict[Key, tuple[str, ...]] = {}
     for pair, keys in grouped.items():
-        each = [known[key].needs for key in keys]
+        own = records.needs(pair)
+        each = [own[key[2]] for key in keys]
         every = np.frombuffer(b"".join(each), NEED)
         if every["number"].max(initial=0) > len(records.names):
             raise unusable()
@@ -182,6 +183,7 @@ class _Planner:
         if record is None:
             reasons.append("it is new")
         else:
+            text = record.inputs if text == record.inputs else text  # one text for both
             reasons += self._inputs_changed(inputs, text, record)
             reasons += [f"{told(name)} changed" for name in changed]
             if record.verdict == "failed":

@@ -54,6 +54,8 @@ CREATE TABLE IF NOT EXISTS line (
 
 SELECT_RESULT = "SELECT result FROM line WHERE language = ? AND character = ? AND name = ?"
 
+SELECT_NEEDS = "SELECT name, needs FROM line WHERE language = ? AND character = ?"
+
 DELETE_LINE = "DELETE FROM line WHERE language = ? AND character = ? AND name = ?"
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
@@ -70,7 +72,7 @@ class OutputRecord(NamedTuple):
     """Digest of the file that it replaced; empty for none."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class LineRecord:
     """Inputs of a line as it was made, and its outcome.
 
@@ -78,7 +80,7 @@ class LineRecord:
     ----------
     inputs : statements of the project on the line, and sizes and times of its files; JSON
     contents : digest of each file that it was made from, by path; JSON
-    needs : bytes of (n,) `NEED`: needs with their digests
+    needs : bytes of (n,) `NEED`: needs with their digests; empty in `Records.lines`
     outputs : by path from the project's folder
     heading, figures : figures of quality, as `packed_figures` has them
     result : the rest of a `BuiltLine` as JSON, which is read by `Records.result` alone
@@ -145,9 +147,9 @@ class Records:
                 raise _damaged(path, error) from None
 
     def lines(self) -> dict[Key, LineRecord]:
-        """Return every record, without results."""
+        """Return every record, without results and needs."""
         cursor = self._base.execute(
-            "SELECT language, character, name, outputs, at, inputs, contents, needs, verdict, "
+            "SELECT language, character, name, outputs, at, inputs, contents, verdict, "
             "confidence, heading, figures FROM line"
         )
         found: dict[Key, LineRecord] = {}
@@ -157,16 +159,23 @@ class Records:
                 # Many outputs at once take half the time.
                 outputs = json.loads(f"[{','.join([row[3] for row in rows])}]")
                 for row, written in zip(rows, outputs, strict=True):
-                    at, inputs, contents, needs, verdict, confidence, heading, figures = row[4:]
-                    types = type(at), type(needs), type(figures), type(confidence or 0.0)
-                    if types != (int, bytes, bytes, float) or len(needs) % NEED.itemsize:
+                    at, inputs, contents, verdict, confidence, heading, figures = row[4:]
+                    types = type(at), type(figures), type(confidence or 0.0)
+                    if types != (int, bytes, float):
                         raise unusable()
                     paths = {path: OutputRecord(*one) for path, one in written.items()}
                     heading = headings.setdefault(heading, heading)
-                    known = inputs, contents, needs, paths, verdict, confidence
+                    known = inputs, contents, b"", paths, verdict, confidence
                     found[row[:3]] = LineRecord(*known, heading, figures, "", at)
         except (ValueError, TypeError, AttributeError, RecursionError):
             raise unusable() from None
+        return found
+
+    def needs(self, pair: tuple[str, str]) -> dict[str, bytes]:
+        """Return the needs of each line of a pair, by name."""
+        found = dict[str, bytes](self._base.execute(SELECT_NEEDS, pair).fetchall())
+        if any(type(one) is not bytes or len(one) % NEED.itemsize for one in found.values()):
+            raise unusable()
         return found
 
     def result(self, key: Key) -> Any:

@@ -54,26 +54,25 @@ class MadeByBuilds:
         """Read the current files of a project."""
         from lipsync_lang.build.archives import split_archive
         from lipsync_lang.build.build_reports import pages_folder
-        from lipsync_lang.build.faces import face_files
 
         files = {str(path.absolute()) for path in reports}
         for line in project.lines:
             for _, path in line.outputs:
                 split = split_archive(path)
                 files.add(str(project.folder / (path if split is None else split[0])))
-        files |= {str(project.folder / path) for path in face_files(project.lines, project.pairs)}
         self._files = frozenset(files)
         self._folders = tuple(f"{pages_folder(path.absolute())}" for path in reports)
 
     def has(self, path: str) -> bool:
         """Return True for a file that builds write."""
+        from lipsync_lang.build.faces import FACE_SUFFIX
         from lipsync_lang.build.records import FOLDER
         from lipsync_lang.files.temporary import SUFFIX
 
         at = Path(path)
         return (
             path in self._files
-            or path.endswith(SUFFIX)
+            or path.endswith((SUFFIX, FACE_SUFFIX))
             or FOLDER in at.parts
             or any(at.is_relative_to(folder) for folder in self._folders)
         )

@@ -121,7 +121,7 @@ class ScriptColumns(Strict):
 
 
 class GlbFields(Strict):
-    """How `build` writes GLB files."""
+    """Form of the GLB files of a build."""
 
     face: Literal["each", "once"] = "each"
     """`each` file holds the character's whole model. With `once`, its data are in a file
@@ -162,7 +162,7 @@ class Project(PackModel):
     own.
     """
     glb: GlbFields = GlbFields()
-    """How `build` writes GLB files."""
+    """Form of the GLB files of `build`."""
     paths: Annotated[tuple[Text, ...], OrOne] = ()
     """Folders of packs to search first, from this folder."""
     lines: Annotated[tuple[ScriptPath, ...], OrOne] = ()
