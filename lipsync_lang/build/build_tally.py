@@ -31,8 +31,8 @@ MIDDLE = BINS // 2
 MAX_WORST = 500
 """Maximum number of lines that a report shows in full; it counts all others."""
 
-BLOCK_LINES = 4096
-"""Number of lines that are judged at once, in arrays of a few megabytes."""
+MAX_COUNTED_LINES = 4096
+"""Maximum number of lines that are counted at once, in arrays of a few megabytes."""
 
 ZERO_SCALE = 10
 """Badness of a value of 1 if the limit is 0."""
@@ -153,9 +153,9 @@ class BuildTally:
         ranks = [np.empty((0, 4))]
         every: dict[int, CountedLine] = {}
         blocks = (
-            (heading, numbered[first : first + BLOCK_LINES])
+            (heading, numbered[first : first + MAX_COUNTED_LINES])
             for (*_, heading), numbered in groups.items()
-            for first in range(0, len(numbered), BLOCK_LINES)
+            for first in range(0, len(numbered), MAX_COUNTED_LINES)
         )
         for heading, numbered in blocks:
             order = self._add(heading, [one for _, one in numbered])
