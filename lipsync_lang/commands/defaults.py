@@ -81,7 +81,8 @@ def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
         options.unspoken = project.unspoken
     if getattr(options, "shades", True) is None:
         options.shades = project.shades
-    if getattr(options, "output", None) == []:
+    # `-o` of other commands names other files than the outputs of lines.
+    if getattr(options, "output", None) == [] and hasattr(options, "schedule"):
         file = options.schedule or options.audio
         line = _slug(options.line or (file.stem if file else options.text) or "") or "line"
         named = {"id": line, "line": line, "speaker": NARRATOR}
