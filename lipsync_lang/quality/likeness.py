@@ -93,15 +93,18 @@ class Opening(NamedTuple):
         return statistics.SHUT_SHARE * np.array(self.peaks)[scene.frame_line]
 
 
+def _unlike(scene: MeasuredScene) -> str:
+    """Return the reason why captures say nothing about a face; empty if there is none."""
+    if scene.face.roles is None:
+        return "channels of a rig have no roles; check the poses"
+    return "poses are shown one at a time" if scene.motion.hold > 0 else ""
+
+
 @once
 def _opening(scene: MeasuredScene) -> Opening:
     """Return the opening of the mouth."""
-    roles, why = scene.face.roles, ""
-    if roles is None:
-        why = "channels of a rig have no roles; check the poses"
-    elif scene.motion.hold > 0:
-        why = "poses are shown one at a time"
-    elif not roles.opening.any():
+    roles, why = scene.face.roles, _unlike(scene)
+    if roles is not None and not why and not roles.opening.any():
         why = "the pose set does not state the poses that open the mouth (`intensity`)"
     if why or roles is None:
         return Opening(scene.times[:0], [], [why] * len(scene.spans))
@@ -253,12 +256,8 @@ def lead_missing(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
         value = max(0, 0.1 - median over sounds of (start of sound - start of rise))
     """
-    roles, why = scene.face.roles, ""
-    if roles is None:
-        why = "channels of a rig have no roles; check the poses"
-    elif scene.motion.hold > 0:
-        why = "poses are shown one at a time"
-    elif not (roles.ahead > 0).any():
+    roles, why = scene.face.roles, _unlike(scene)
+    if roles is not None and not why and not (roles.ahead > 0).any():
         why = "no pose of the pose set has anticipation"
     if why or roles is None:
         yield from (unjudged(why) for _ in scene.spans)
@@ -311,7 +310,7 @@ def shut_vowels(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """
     opening, count = _opening(scene), len(scene.ids)
     # silence is around each line, so that neighbours of sounds are in their line
-    touched = _touched(scene)
+    touched = scene.demanded.any(axis=0)
     beside = np.zeros(count, bool)
     beside[:-1] |= touched[1:]
     beside[1:] |= touched[:-1]
@@ -341,12 +340,6 @@ def shut_vowels(scene: MeasuredScene) -> Iterable[list[Figure]]:
         yield one(counts.sum() / max(1, whole[own].sum()), parts, places(scene, told))
 
 
-@once
-def _touched(scene: MeasuredScene) -> Bools:
-    """Return True for the sounds that demand any contact: (n,)."""
-    return np.asarray(scene.demanded.any(axis=0))
-
-
 def _opens(scene: MeasuredScene) -> Bools:
     """Return True for the sounds that open the mouth if spoken alone: (n,)."""
     roles = scene.face.roles
@@ -368,7 +361,7 @@ def opening_lag(scene: MeasuredScene) -> Iterable[list[Figure]]:
         value = median over such sounds of (jaw opens - sound begins), at least 0
     """
     opening = _opening(scene)
-    which = (_opens(scene)[1:] & _touched(scene)[:-1]).nonzero()[0] + 1
+    which = (_opens(scene)[1:] & scene.demanded.any(axis=0)[:-1]).nonzero()[0] + 1
     every = _lags(scene, opening, which) if opening.peaks else np.zeros(len(which))
     for why, part in zip(opening.whys, scene.split(which), strict=True):
         own, lags = which[part], every[part]
