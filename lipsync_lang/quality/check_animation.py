@@ -64,7 +64,7 @@ def check(
 def check_all(
     animations: "Sequence[Animation]", performer: "Performer", limits: Limits | None = None
 ) -> list[Quality]:
-    """Measure animations of one face at once: `check` takes ten times as long for each."""
+    """Measure animations of one face at once: `check` takes four times as long for each."""
     measures = load_measures()
     asked = {name: one.limit for name, one in measures.items()}
     asked["speed"] = performer.motion.speed_limit

@@ -1,5 +1,6 @@
 """The studio's server: its checks of requests, its files, its pair and its line."""
 
+import errno
 import gzip
 import json
 import sys
@@ -277,6 +278,16 @@ def test_a_fault_of_the_program_shows_no_traceback(caller, monkeypatch):
     found = caller.api("state")
     assert found.status == 500
     assert b"secret" not in found.content
+
+
+def test_a_disk_that_is_full_is_told(caller, monkeypatch):
+    def fail(*_):
+        raise OSError(errno.ENOSPC, "No space left on device", "bank.yaml")
+
+    monkeypatch.setattr(Workshop, "state", fail)
+    found = caller.api("state")
+    assert found.status == 500
+    assert found.json["error"].startswith("bank.yaml: No space left on device")
 
 
 def test_another_pair_is_opened_or_refused(tmp_path):
