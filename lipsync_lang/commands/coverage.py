@@ -177,8 +177,7 @@ def _shown(lines: "Iterable[Line]", shown: "Callable[[str], str]") -> "Iterator[
 
 
 def _write(options: Namespace, found: "Coverage") -> None:
-    from lipsync_lang.coverage.forms import FORMS, FormOptions
-    from lipsync_lang.coverage.forms.report_forms import SUFFIXES
+    from lipsync_lang.coverage.forms import FORMS, SUFFIXES, FormOptions
     from lipsync_lang.files import write_all
 
     asked = FormOptions(everything=options.all, fail_under=options.fail_under)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import islice, pairwise
 from tempfile import SpooledTemporaryFile
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,6 @@ from lipsync_lang.pipeline.track import trigrams_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
-    from types import TracebackType
 
     import numpy.typing as npt
 
@@ -60,18 +59,8 @@ class Pages:
 
     def __init__(self) -> None:
         self._file = SpooledTemporaryFile(MAX_MEMORY_BYTES)  # noqa: SIM115 closed by `close`
+        self.close = self._file.close
         self._starts = array("Q", [0])
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: "type[BaseException] | None",
-        error: "BaseException | None",
-        trace: "TracebackType | None",
-    ) -> None:
-        self._file.close()
 
     def __len__(self) -> int:
         return len(self._starts) - 1
@@ -143,11 +132,8 @@ class Reading(NamedTuple):
     """Predicate of the lines to count; None for all."""
 
 
-class LinePhonemes(NamedTuple):
-    """A spoken line: ids of common phonemes and breaks, and words."""
-
-    ids: list[int]
-    words: list[str]
+LinePhonemes = tuple[list[int], list[str]]
+"""A spoken line: ids of common phonemes and breaks, and words."""
 
 
 class Count:
@@ -201,23 +187,20 @@ class Count:
                 self._starts.append(len(self._sets))
                 continue
             if line.schedule is not None:
-                said = self._scheduled(line)
-            else:
-                said = self._joined(next(left), heard, line.place)
-            is_first = self._count(number, said)
-            if is_first and line.schedule is None:
-                self._words.update(
-                    dict.fromkeys(w for w in said.words if len(w) <= MAX_EXAMPLE_CHARS)
-                )
+                self._count(number, *self._scheduled(line))
+                continue
+            ids, words = self._joined(next(left), heard, line.place)
+            if self._count(number, ids, words):
+                self._words |= dict.fromkeys(w for w in words if len(w) <= MAX_EXAMPLE_CHARS)
 
-    def _count(self, number: int, said: LinePhonemes) -> bool:
+    def _count(self, number: int, said: "Sequence[int]", words: "Sequence[str]") -> bool:
         """Count a line; return True if any of its bigrams is new."""
-        ids = np.array(said.ids, np.int64)
+        ids = np.array(said, np.int64)
         codes = ids[:-1] * self.size + ids[1:]
         codes = codes[(ids[:-1] != BREAK) & (ids[1:] != BREAK)]
         codes = codes[codes > 0]  # silence beside silence is no bigram
         self.lines += 1
-        self.words += len(said.words)
+        self.words += len(words)
         np.add.at(self.phonemes, ids[ids != BREAK], 1)
         np.add.at(self.bigrams, codes, 1)
         kinds = np.unique(codes)
@@ -254,12 +237,12 @@ class Count:
             if number:
                 ids += [BREAK, SILENT] if part[:1] in PAUSES else [BREAK]
             if part:
-                said = self._transcribed(next(heard), place)
-                ids += said.ids
-                words += said.words
+                own, spoken = self._transcribed(next(heard), place)
+                ids += own
+                words += spoken
             if number + 1 < len(parts) and part[-1:] in PAUSES:
                 ids.append(SILENT)
-        return LinePhonemes([*ids, SILENT], words)
+        return [*ids, SILENT], words
 
     def _transcribed(self, transcript: "Transcript", place: str) -> LinePhonemes:
         words = [word for word in transcript.words if word.labels]
@@ -274,9 +257,7 @@ class Count:
             for label in (label for word in words for label in word.labels):
                 if label in missing:
                     self.unmapped.add(label, place)
-        return LinePhonemes(
-            self._ids(transcript), [text for word in words for text in word.text.split()]
-        )
+        return self._ids(transcript), [text for word in words for text in word.text.split()]
 
     def _ids(self, transcript: "Transcript") -> list[int]:
         ids = [self._numbers[name] for name in transcript.phonemes]
@@ -296,7 +277,7 @@ class Count:
             BREAK if number == SILENT and label in missing else number
             for number, label in zip(ids.tolist(), source.tolist(), strict=True)
         ]
-        return LinePhonemes([SILENT, *said, SILENT], [word.text for word in schedule.words])
+        return [SILENT, *said, SILENT], [word.text for word in schedule.words]
 
     def examples(self) -> dict[int, str]:
         """Return an example word by code, for bigrams within a word."""

@@ -1,6 +1,7 @@
 """Reports for every language on every character, from one reading of the lines."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -76,7 +77,7 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
             keys.append(key)
             readings.append(Reading(performer, scripts_of(packs[performer.language]), takes))
         reading_of.append(keys.index(key))
-    with Pages() as pages:
+    with closing(Pages()) as pages:
         corpus, counts = count(lines, readings, pages, faces)
         if not corpus.lines:
             raise LipsyncError(

@@ -100,14 +100,11 @@ class LineOutlet:
 
     def send(self, frame: LiveFrame) -> None:
         """Write the time and the weights of a frame."""
-        self._write(as_row(frame))
+        self.tell(as_row(frame))
 
     def tell(self, event: Mapping[str, Any]) -> None:
         """Write an event."""
-        self._write(event)
-
-    def _write(self, data: Mapping[str, Any]) -> None:
-        self.out.write(json.dumps(data, separators=(",", ":")) + "\n")
+        self.out.write(json.dumps(event, separators=(",", ":")) + "\n")
         self.out.flush()
 
     def close(self) -> None:

@@ -55,7 +55,7 @@ class _CountRun:
         if reading.cast:
             self.remarks.append(f"counts the lines that `cast` gives to {reading.character}")
         pages = Pages()
-        finalize(self, pages.__exit__, None, None, None)
+        finalize(self, pages.close)
         try:
             lines = read_lines(
                 path, column=reading.column, encoding=reading.encoding,

@@ -9,7 +9,7 @@ Words and file names come from the corpus, so text that begins like a formula is
 import csv
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
+from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.total import piece_of
 from lipsync_lang.files.quoting import spreadsheet_text
 
@@ -47,14 +47,10 @@ def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
                     one.running, silence, one.layer, one.status, "yes" if one.authored else "no",
                     one.example, " ".join(one.places), report.column, report.poseset, *cells,
                 )  # fmt: skip
-                rows.writerow(map(_cell, row))
-
-
-def _cell(value: object) -> object:
-    """Quote text that a spreadsheet would evaluate; numbers are unchanged.
-
-    A carriage return becomes a line feed: Python's writer does not quote it, and readers end a row.
-    """
-    if not isinstance(value, str):
-        return value
-    return spreadsheet_text(value).replace("\r\n", "\n").replace("\r", "\n")
+                # Python's writer does not quote a carriage return, and readers end a row at it.
+                rows.writerow(
+                    spreadsheet_text(cell).replace("\r\n", "\n").replace("\r", "\n")
+                    if isinstance(cell, str)
+                    else cell
+                    for cell in row
+                )

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
+from lipsync_lang.coverage.forms import FORMS, FormOptions
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import Coverage

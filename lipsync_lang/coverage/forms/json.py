@@ -3,7 +3,7 @@
 import json
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
+from lipsync_lang.coverage.forms import FORMS, FormOptions
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import Coverage

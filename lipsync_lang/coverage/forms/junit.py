@@ -7,7 +7,7 @@ its properties are the figures of the total. Each suite has its figures as prope
 
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
+from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.forms.total_text import headline
 from lipsync_lang.reports.junit import JunitCase, JunitSuite, junit_text
 from lipsync_lang.reports.percentages import percentage_text

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
 from lipsync_lang.coverage.facts import authored
-from lipsync_lang.coverage.forms.report_forms import FORMS, FormOptions
+from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.forms.total_text import headline, total_lines
 from lipsync_lang.errors import shortlist
 from lipsync_lang.reports.percentages import percentage_text, ranked_text
