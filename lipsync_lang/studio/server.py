@@ -161,17 +161,12 @@ def _endpoint(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request
             return _too_large()
         except LipsyncError as error:
             return _error_response(error)
-        except OSError as error:
+        except Exception as error:  # noqa: BLE001 no traceback reaches a user; the log has it
             _log.exception("%s failed", request.url.path)
-            where = f"{error.filename}: " if error.filename else ""
-            return _error(
-                500, f"{where}{error.strerror or error}; mend that and try again. No edits are lost"
-            )
-        except Exception:  # noqa: BLE001 no traceback reaches a user; the log has it
-            _log.exception("%s failed", request.url.path)
-            return _error(
-                500, "the studio has failed; see its terminal for details. No edits are lost"
-            )
+            told = "the studio has failed; see its terminal for details"
+            if isinstance(error, OSError):  # such as a full disk
+                told = f"{error.filename or 'a file'}: {error.strerror or error}; mend that first"
+            return _error(500, f"{told}. No edits are lost")
         if isinstance(answer, PackedResponse):
             return Response(answer.content(), media_type="application/octet-stream")
         return AsciiResponse(answer)
