@@ -310,7 +310,7 @@ def shut_vowels(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """
     opening, count = _opening(scene), len(scene.ids)
     # silence is around each line, so that neighbours of sounds are in their line
-    touched = scene.demanded.any(axis=0)
+    touched = np.asarray(scene.demanded.any(axis=0))
     beside = np.zeros(count, bool)
     beside[:-1] |= touched[1:]
     beside[1:] |= touched[:-1]
@@ -361,7 +361,8 @@ def opening_lag(scene: MeasuredScene) -> Iterable[list[Figure]]:
         value = median over such sounds of (jaw opens - sound begins), at least 0
     """
     opening = _opening(scene)
-    which = (_opens(scene)[1:] & scene.demanded.any(axis=0)[:-1]).nonzero()[0] + 1
+    touched = np.asarray(scene.demanded.any(axis=0))
+    which = (_opens(scene)[1:] & touched[:-1]).nonzero()[0] + 1
     every = _lags(scene, opening, which) if opening.peaks else np.zeros(len(which))
     for why, part in zip(opening.whys, scene.split(which), strict=True):
         own, lags = which[part], every[part]
