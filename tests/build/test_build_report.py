@@ -247,11 +247,8 @@ def test_a_page_leads_to_the_pages_of_lines_or_gives_their_commands(report, tmp_
     page = Read(report([worst, said], pages=pages))
     assert [link["href"] for link in page.every("a")] == ["report/german/l%20%C3%BC.html"]
     (command,) = [one["data-command"] for one in page.every("span") if "data-command" in one]
-    parts = [
-        "lipsync-lang",
-        *["run", "-l", "german", "-c", "crab", "-o", "l1.html", "--"],
-        "It's -o; rm -rf",
-    ]
+    parts = ["lipsync-lang", "run", "-l", "german", "-c", "crab", "-o", "l1.html", "--"]
+    parts.append("It's -o; rm -rf")
     assert command == shell_command(parts)
 
 
