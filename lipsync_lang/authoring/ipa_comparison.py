@@ -38,10 +38,6 @@ class SymbolMappings(NamedTuple):
     """Names of the packs with this mapping."""
     unusual: tuple[UnusualMapping, ...]
 
-    def unexplained(self) -> tuple[str, ...]:
-        """Return the names of the packs that differ without a reason."""
-        return tuple(name for one in self.unusual if not one.reason for name in one.languages)
-
 
 def compare(library: Library) -> list[SymbolMappings]:
     """Compare the mappings of all languages found, the most widespread symbols first."""

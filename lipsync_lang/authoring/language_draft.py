@@ -179,14 +179,10 @@ def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str
 def _body(sounds: FoundSounds, found: Mapping[str, Nearest], order: Sequence[str]) -> Iterator[str]:
     """Yield the lines of the map and of the examples, doubtful labels first."""
     seen = [label for label, near in found.items() if near.value]
-    doubtful = sorted(
-        (label for label in seen if _doubtful(found[label])),
-        key=lambda label: -found[label].distance,
-    )
-    sure = sorted(
-        (label for label in seen if not _doubtful(found[label])),
-        key=lambda label: [order.index(name) for name, _ in found[label].value],
-    )
+    doubtful = [label for label in seen if _doubtful(found[label])]
+    doubtful.sort(key=lambda label: -found[label].distance)
+    sure = [label for label in seen if not _doubtful(found[label])]
+    sure.sort(key=lambda label: [order.index(name) for name, _ in found[label].value])
     yield "notations:"
     yield f"  {IPA}:"
     if doubtful:

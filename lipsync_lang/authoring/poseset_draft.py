@@ -134,7 +134,8 @@ def _made(
             "such as {NAME: 0.8}, or draft again with --guess to distribute the sounds."
         )
         origin = "all at rest until you give them targets, or use --guess"
-        return at_rest(names, common), {"": what}, origin
+        targets = {label: (models.PhonemeTarget(weights={}),) for label in common.base}
+        return _bare(dict.fromkeys(names, models.Pose()), targets=targets), {"": what}, origin
     made = guessed(names[: len(common.base)], _shutting(sets, common), common)
     kinds: dict[str, dict[str, None]] = {}
     for label, (target,) in made.targets.items():
@@ -158,8 +159,12 @@ def _called(names: Sequence[str], known: models.PoseSet) -> dict[str, str]:
     return {name: called[name] for name in names if name in called}
 
 
-def _bare(poses: Mapping[str, models.Pose]) -> models.PoseSet:
-    return models.PoseSet.model_construct(kind="poseset", format=1, name="", poses=dict(poses))
+def _bare(poses: Mapping[str, models.Pose], **fields: Any) -> models.PoseSet:
+    """Return a pose set without a name, by default with the speed limit of the default preset."""
+    fields.setdefault("motion", models.MotionFields(speed_limit=PRESETS["default"].speed_limit))
+    return models.PoseSet.model_construct(
+        kind="poseset", format=1, name="", poses=dict(poses), **fields
+    )
 
 
 def taken(
@@ -175,11 +180,9 @@ def taken(
 
     contacts = {
         name: models.ContactRule(
-            phonemes=contact.phonemes,
-            floor=renamed(contact.floor),
-            ceiling=renamed(contact.ceiling),
+            phonemes=rule.phonemes, floor=renamed(rule.floor), ceiling=renamed(rule.ceiling)
         )
-        for name, contact in known.contacts.items()
+        for name, rule in known.contacts.items()
     }
     targets = {
         label: tuple(
@@ -200,18 +203,17 @@ def taken(
     # The spellings of a pose in models go, because they are specific to its old name.
     old = {name: known.poses[pose] for name, pose in called.items()}
     poses = {name: models.Pose(title=pose.title, region=pose.region) for name, pose in old.items()}
-    return _bare(poses).model_copy(
-        update={
-            "constraints": _constraints(known.constraints, new),
-            "priority": tuple(name for pose in known.priority for name in new.get(pose, ())),
-            "contacts": {name: c for name, c in contacts.items() if c.floor or c.ceiling},
-            "motion": models.MotionFields(**unusual),
-            "targets": {
-                label: steps if any(step.weights for step in steps) else steps[:1]
-                for label, steps in {**dict.fromkeys(common.base, rest), **targets}.items()
-            },
-            "measures": {name: gains for name, gains in measures.items() if gains},
-        }
+    return _bare(
+        poses,
+        constraints=_constraints(known.constraints, new),
+        priority=tuple(name for pose in known.priority for name in new.get(pose, ())),
+        contacts={name: c for name, c in contacts.items() if c.floor or c.ceiling},
+        motion=models.MotionFields(**unusual),
+        targets={
+            label: steps if any(step.weights for step in steps) else steps[:1]
+            for label, steps in {**dict.fromkeys(common.base, rest), **targets}.items()
+        },
+        measures={name: gains for name, gains in measures.items() if gains},
     )
 
 
@@ -226,14 +228,6 @@ def _constraints(known: models.Constraints, new: Mapping[str, Sequence[str]]) ->
             one, other = new.get(pair.pose, ()), new.get(pair.at_most, ())
             pairs += [models.AtMost(pose=a, at_most=b) for a, b in product(one, other)]
     return models.Constraints(default=known.default, pairs=tuple(pairs))
-
-
-def at_rest(poses: Sequence[str], common: models.Phonemes) -> models.PoseSet:
-    """Return a pose set with all targets at rest."""
-    made = _bare(dict.fromkeys(poses, models.Pose()))
-    targets = {label: (models.PhonemeTarget(weights={}),) for label in common.base}
-    motion = models.MotionFields(speed_limit=PRESETS["default"].speed_limit)
-    return made.model_copy(update={"contacts": {}, "motion": motion, "targets": targets})
 
 
 def guessed(
@@ -265,25 +259,15 @@ def guessed(
         shut = {first: 0.0} if label in shutting else {}
         targets[label] = (models.PhonemeTarget(weights={**weights, **shut}),)
     contacts = {"closure": models.ContactRule(phonemes=tuple(shutting), ceiling={first: SHUT})}
-    return _bare(dict.fromkeys(poses, models.Pose())).model_copy(
-        update={
-            "contacts": contacts if shutting else {},
-            "motion": models.MotionFields(speed_limit=PRESETS["default"].speed_limit),
-            "targets": targets,
-        }
-    )
+    still = dict.fromkeys(poses, models.Pose())
+    return _bare(still, contacts=contacts if shutting else {}, targets=targets)
 
 
 def _shutting(sets: Iterable[models.PoseSet], common: models.Phonemes) -> list[str]:
     """Return the sounds with a contact ceiling in every pose set that has ceilings."""
     shut = [
-        {
-            label
-            for contact in one.contacts.values()
-            if contact.ceiling
-            for label in contact.phonemes
-        }
+        {label for rule in one.contacts.values() if rule.ceiling for label in rule.phonemes}
         for one in sets
     ]
-    agreed = set.intersection(*some) if (some := [labels for labels in shut if labels]) else set()
-    return [label for label in common.base if label in agreed]
+    stated = [labels for labels in shut if labels]
+    return [name for name in common.base if stated and all(name in labels for labels in stated)]

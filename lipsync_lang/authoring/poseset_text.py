@@ -90,17 +90,13 @@ def _targets(model: PoseSet, common: Phonemes, *, packed: bool) -> Iterator[str]
 
 def _poses(model: PoseSet, why: Mapping[str, str], *, packed: bool) -> Iterator[str]:
     if packed:
-        told = (
-            f"{scalar(n)}: {flow(_stated(region=p.region), _SPACED)}"
-            for n, p in model.poses.items()
-        )
+        told = (f"{scalar(n)}: {_pose('', p.region)}" for n, p in model.poses.items())
         yield from _wrapped("poses: {", told, "}")
         return
     yield "poses:"
     width = max(len(scalar(name)) for name in model.poses) + 1
     for name, pose in model.poses.items():
-        stated = flow(_stated(title=pose.title, region=pose.region), _SPACED)
-        entry = f"  {scalar(name) + ':':<{width}} {stated}"
+        entry = f"  {scalar(name) + ':':<{width}} {_pose(pose.title, pose.region)}"
         yield f"{entry}   # {why[name]}" if name in why else entry
 
 
@@ -127,8 +123,9 @@ def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
         yield from _wrapped("priority: [", map(scalar, model.priority), "]")
 
 
-def _stated(**fields: str) -> dict[str, str]:
-    return {field: text for field, text in fields.items() if text}
+def _pose(title: str, region: str) -> str:
+    fields = {"title": title, "region": region}
+    return flow({field: text for field, text in fields.items() if text}, _SPACED)
 
 
 def _wrapped(head: str, items: Iterable[str], end: str) -> Iterator[str]:

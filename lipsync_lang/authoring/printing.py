@@ -3,7 +3,6 @@
 Input is the plain data of the JSON output; output is one string with line breaks.
 """
 
-from collections.abc import Iterator
 from typing import Any
 
 from lipsync_lang.reports.text_table import columns
@@ -45,7 +44,13 @@ def language_table(told: dict[str, Any]) -> str:
     further notations are listed as labels per common phoneme.
     """
     also = f", also {', '.join(told['aliases'])}" if told["aliases"] else ""
-    lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}", *_facts(told)]
+    lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}"]
+    lines += [f"{what} text with {told[what]}" for what in ("reads", "speaks") if told[what]]
+    if told["extends"]:
+        lines.append(f"states only what differs from {told['extends']}")
+    if told["automatic"]:
+        lines.append("automatic: unmapped IPA goes to the nearest common phonemes")
+    lines += [f"note: {caveat}" for caveat in told["caveats"]]
     for number, (name, rows) in enumerate(told["notations"].items()):
         lines.append(f"\n{name}: {len(rows)} labels")
         if number == 0:
@@ -79,15 +84,3 @@ def language_table(told: dict[str, Any]) -> str:
     untested = tests["untested"].items()
     lines += [f"  untested {what}: {' '.join(which)}" for what, which in untested if which]
     return "\n".join(lines)
-
-
-def _facts(told: dict[str, Any]) -> Iterator[str]:
-    for what in ("reads", "speaks"):
-        if told[what]:
-            yield f"{what} text with {told[what]}"
-    if told["extends"]:
-        yield f"states only what differs from {told['extends']}"
-    if told["automatic"]:
-        yield "automatic: unmapped IPA goes to the nearest common phonemes"
-    for caveat in told["caveats"]:
-        yield f"note: {caveat}"
