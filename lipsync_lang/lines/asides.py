@@ -30,12 +30,8 @@ def is_aside(
 ) -> bool:
     """Return True if a passage in brackets or asterisks is an aside.
 
-    Parameters
-    ----------
-    said : the passage
-    before, after : the text around it
-    listed : the language's words of asides
-    starred : True if the passage is in asterisks, which emphasise other words
+    `before` and `after` are the text around it; `listed` are the language's words of asides;
+    `starred` is True if the passage is in asterisks, which emphasise other words.
 
     >>> is_aside("sighs deeply", "", " I know.", ["sigh..."])
     True
@@ -53,10 +49,8 @@ def is_aside(
     if not (begins and ends and 0 < len(said.split()) <= MAX_ASIDE_WORDS and _has_case(said)):
         return False
     if starred:
-        apart = (
-            (not last or last in SENTENCE_ENDS) and (not first or first.isupper()) and last + first
-        )
-        return said[0].islower() and bool(apart)
+        apart = (not last or last in SENTENCE_ENDS) and (not first or first.isupper())
+        return said[0].islower() and apart and bool(last + first)
     closed = said.rstrip()[-1] in PAUSES
     return not closed and (said[0].islower() or (said.isupper() and not after.strip()))
 
@@ -70,10 +64,8 @@ def _pattern(listed: tuple[str, ...]) -> re.Pattern[str]:
     """Return the pattern of listed words; without capitals, words may have no edges."""
     ways = []
     for one in listed:
-        word = plain(one.removesuffix(OPEN_END))
+        word = re.escape(plain(one.removesuffix(OPEN_END)))
         if _has_case(word):
-            word = rf"(?<!\w){re.escape(word)}" + ("" if one.endswith(OPEN_END) else r"(?!\w)")
-        else:
-            word = re.escape(word)
+            word = rf"(?<!\w){word}" + ("" if one.endswith(OPEN_END) else r"(?!\w)")
         ways.append(word)
     return re.compile("|".join(ways))

@@ -110,5 +110,4 @@ def _of_fluent(variants: str, value: str | None) -> str | None:
         one[2]: variants[one.end() : stop].strip() for one, stop in zip(found, stops, strict=True)
     }
     general = next((one[2] for one in found if one[1]), found[-1][2])
-    counted = "one" if value == "1" else general
-    return texts.get(value or "", texts.get(counted if value else general, texts[general]))
+    return texts.get(value or "", texts.get("one" if value == "1" else general, texts[general]))

@@ -83,9 +83,7 @@ def text_column(head: Sequence[str]) -> int:
 def language_column(head: Sequence[str], names: Sequence[str]) -> int:
     """Return the index of the column that is named after a language, or -1.
 
-    Parameters
-    ----------
-    names : of the language: its name, title, tag and aliases; the likeliest first
+    `names` are the name, title, tag and aliases of the language, the likeliest first.
     """
     wholes = [folded_language(name) for name in head]
     forms = [_forms(whole) for whole in wholes]

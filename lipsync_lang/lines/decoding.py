@@ -33,12 +33,8 @@ def numbered(
 ) -> Iterator[tuple[int, str]]:
     """Yield (number from 1, line without its end) for the lines of a file.
 
-    `path` is for messages only.
-
-    Raises
-    ------
-    LipsyncError
-        The file cannot be read, is not text, or is in another encoding.
+    `path` is for messages only. Raises LipsyncError if the file cannot be read, is not text, or is
+    in another encoding.
     """
     try:
         with opened() as stream:

@@ -56,11 +56,8 @@ def read(source: LineFile) -> Iterator[Line]:
             # A template states the word "CHARSET"; UTF-8 unasked may begin with its mark.
             if name not in ("charset", "utf-8", "utf8"):
                 source = replace(source, encoding=name)
-    translated = any(
-        any(entry.translations())
-        for entry in _entries(source)
-        if entry.texts.get("msgid") and not entry.fuzzy
-    )
+    sound = (one for one in _entries(source) if one.texts.get("msgid") and not one.fuzzy)
+    translated = any(any(entry.translations()) for entry in sound)
     left, named = 0, source.speaker is None or source.speaker.isdecimal()
     for entry in _entries(source):
         named |= bool(entry.speaker)

@@ -176,12 +176,8 @@ def line_files(
 ) -> list[tuple[Path, bool]]:
     """List the files that lines are read from, each once, with True for those found in a folder.
 
-    Files of a `project` must not be links out of its folder.
-
-    Raises
-    ------
-    LipsyncError
-        A path is missing or of no known format.
+    Files of a `project` must not be links out of its folder. Raises LipsyncError if a path is
+    missing or of no known format.
     """
     found: dict[str, tuple[Path, bool]] = {}
     for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):

@@ -221,7 +221,8 @@ class TextCleaner:
 
     def _say(self, text: str) -> None:
         self._left.append(text)
-        self._solid += _solid(text)
+        # The characters that are neither spaces nor pauses.
+        self._solid += len("".join(text.replace(PAUSE_MARK, " ").split()))
 
     def _sound(self, start: int, stop: int) -> str:
         """Return a part of the text without stray marks, and remark on them."""
@@ -293,11 +294,6 @@ def _paused(found: re.Match[str]) -> str:
     before, after = found["before"], found["after"]
     needless = not before or not after or before in PAUSES or after in PAUSES
     return f"{before} {after}" if needless else f"{before}{PAUSE_MARK} {after}"
-
-
-def _solid(text: str) -> int:
-    """Count the characters that are neither spaces nor pauses."""
-    return len("".join(text.replace(PAUSE_MARK, " ").split()))
 
 
 def ordinary(text: str) -> str:

@@ -52,11 +52,8 @@ class DialogueNames:
     def of(self, words: Sequence[str], text: str, arguments: str, clause: str) -> str:
         """Return the name of a line; empty for the caption of a menu.
 
-        Parameters
-        ----------
-        words : before the text: who speaks, and attributes
-        text : as it is written
-        clause : what follows the arguments
+        `words` come before the text: who speaks, and attributes. `text` is as it is written, and
+        `clause` is what follows the arguments.
         """
         before, self._before = self._before, ""
         if self._in_menu and not words:

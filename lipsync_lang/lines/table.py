@@ -104,10 +104,8 @@ def _rows(
 ) -> Iterator[tuple[int | str, Sequence[str]]]:
     """Yield (first line, cells) for each sound row, with the head as the first.
 
-    Raises
-    ------
-    LipsyncError
-        Rows are faulty: after the last row, or after `MAX_FAULTS` of them; at once for the head.
+    Faulty rows raise a LipsyncError after the last row, or after `MAX_FAULTS` of them; a faulty
+    head raises it at once.
     """
     rows = csv.reader(lines, delimiter=delimiter, strict=True)
     head: Sequence[str] = ()

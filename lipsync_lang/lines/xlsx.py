@@ -7,7 +7,7 @@ each scene; a remark names the rest. Formulas count as the values that the progr
 from collections.abc import Iterator, Sequence
 from contextlib import closing
 from itertools import islice
-from typing import Any, BinaryIO
+from typing import Any
 from zipfile import BadZipFile, ZipFile
 
 from lipsync_lang.errors import MAX_KNOWN, LipsyncError, shortlist
@@ -84,7 +84,16 @@ def _sheets(source: LineFile) -> Iterator[NamedSheet]:
             f"spreadsheets need openpyxl: {install_line('tables')}; or save them as .csv"
         ) from None
     with source.open() as stream:
-        _refuse_bombs(source, stream)
+        try:
+            # `zipfile` unpacks at most the size that a part states.
+            with ZipFile(stream) as parts:
+                largest = max((part.file_size for part in parts.infolist()), default=0)
+        except (BadZipFile, OSError, ValueError, NotImplementedError) as error:
+            raise _damaged(source, error) from None
+        if largest > MAX_PART_BYTES:
+            size = f"{largest // MIB_BYTES:,} MiB"
+            raise source.fault(1, f"unpacks to {size}; save the script as a table (.csv)")
+        stream.seek(0)
         try:
             book = openpyxl.load_workbook(stream, read_only=True, data_only=True, keep_links=False)
         except Exception as error:  # noqa: BLE001 damage shows anywhere in the library
@@ -99,33 +108,16 @@ def _cells(source: LineFile, sheet: Any) -> Iterator[SheetRow]:
     try:
         sheet.reset_dimensions()  # the size that a file states may be wrong
         for number, row in enumerate(islice(sheet.iter_rows(values_only=True), MAX_SHEET_ROWS), 1):
-            cells = [_text(value) for value in row[:MAX_COLUMNS]]
+            # A cell is text as its program shows it, without formats.
+            whole = (
+                int(one) if isinstance(one, float) and one.is_integer() else one
+                for one in row[:MAX_COLUMNS]
+            )
+            cells = ["" if one is None else str(one) for one in whole]
             if any(cells):
                 yield number, cells
     except Exception as error:  # noqa: BLE001 damage shows anywhere in the library
         raise _damaged(source, error) from None
-
-
-def _text(value: object) -> str:
-    """Return a cell as its program shows it, without formats."""
-    if value is None:
-        return ""
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return str(value)
-
-
-def _refuse_bombs(source: LineFile, stream: BinaryIO) -> None:
-    """Check the sizes of a file's parts; `zipfile` unpacks at most the stated size."""
-    try:
-        with ZipFile(stream) as parts:
-            largest = max((part.file_size for part in parts.infolist()), default=0)
-    except (BadZipFile, OSError, ValueError, NotImplementedError) as error:
-        raise _damaged(source, error) from None
-    if largest > MAX_PART_BYTES:
-        size = f"{largest // MIB_BYTES:,} MiB"
-        raise source.fault(1, f"unpacks to {size}; save the script as a table (.csv)")
-    stream.seek(0)
 
 
 def _damaged(source: LineFile, error: Exception) -> LipsyncError:
