@@ -22,7 +22,6 @@ from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.compression import (
     DRACO,
     MESHOPT,
-    MissingDecoderError,
     draco_mesh,
     meshopt_rows,
     meshopt_size,
@@ -138,7 +137,7 @@ class Accessors:
         """Raise the errors of a decoder with their place."""
         try:
             yield
-        except MissingDecoderError:
+        except ImportError:
             mend = f"to read it: {install_line('models')}; or export it without compression"
             fail(self.path, f"is compressed ({extension})", mend)
         except (ValueError, MemoryError) as error:

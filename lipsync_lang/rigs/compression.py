@@ -35,10 +35,6 @@ EDGEBREAKER = 1
 """Draco's encoding method with another byte before the counts; the other method is sequential."""
 
 
-class MissingDecoderError(Exception):
-    """The library for a compression is not installed."""
-
-
 def meshopt_size(row: Json, compressed: int) -> int:
     """Return the decoded size in bytes of a buffer view; a ValueError if its data are too short."""
     counts: list[Any] = [row.get("count"), row.get("byteStride")]
@@ -53,7 +49,7 @@ def meshopt_size(row: Json, compressed: int) -> int:
 
 def meshopt_rows(data: bytes, row: Json) -> memoryview:
     """Decode a buffer view of `meshopt_size` bytes, with its filter undone; or a ValueError."""
-    library = _library("meshopt")
+    library = import_module("meshopt")
     mode, kind = row.get("mode"), row.get("filter", "NONE")
     if kind != "NONE" and mode in ("TRIANGLES", "INDICES"):
         raise ValueError("has a filter for indices")
@@ -67,11 +63,11 @@ def draco_mesh(
     """Decode a Draco mesh of N points.
 
     The data may hold no more corners and points than the document states. Returns (F * 3,) point
-    numbers, and the (N, n) values of each attribute by its number in the data. Raises
-    MissingDecoderError if the library is not installed, and ValueError if the data are damaged, or
-    have other counts than stated.
+    numbers, and the (N, n) values of each attribute by its number in the data. Raises ImportError
+    if the library is not installed, and ValueError if the data are damaged, or have other counts
+    than stated.
     """
-    library = _library("DracoPy")
+    library = import_module("DracoPy")
     signature, size = DRACO_START
     if len(data) < size or not data.startswith(signature) or data[10] & 0x80:
         raise ValueError("is not a Draco mesh of bitstream 2.2 without metadata")
@@ -90,13 +86,6 @@ def draco_mesh(
         raise ValueError("has Draco data that cannot be decoded") from None
     found = {one["unique_id"]: np.asarray(one["data"]) for one in mesh.attributes}
     return np.asarray(mesh.faces, np.uint32).reshape(-1), found
-
-
-def _library(name: str) -> Any:
-    try:
-        return import_module(name)
-    except ImportError:
-        raise MissingDecoderError(name) from None
 
 
 def _varints(data: bytes, start: int) -> Iterator[int]:

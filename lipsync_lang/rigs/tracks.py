@@ -1,7 +1,6 @@
 """Animation tracks of a model: target node, property, times in seconds and values (T, n)."""
 
 from collections.abc import Collection, Iterator
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -76,7 +75,14 @@ def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
         fail(where, "a value of its animation is not a number")
     table = values.reshape(len(times), each, -1)
     if way == "CUBICSPLINE":
-        return _splined(where, times, table)
+        # Each key has a slope per second before it, its value, and a slope after it (glTF 2.0,
+        # appendix C.5). The spline becomes short straight lines.
+        seconds = times[-1] - times[0]
+        if (len(times) + seconds / SPLINE_SECONDS) * table.shape[2] > MAX_ACCESSOR_VALUES:
+            fail(where, f"its cubic splines last {seconds:.0f} s, too long to read")
+        at = np.union1d(times, np.arange(times[0], times[-1], SPLINE_SECONDS))
+        spline = Spline(np.arange(len(times)), table[:, 1], table[:, 0], table[:, 2])
+        return at, sample(times, spline, at)
     held = table[:, 0]
     if way == "LINEAR":
         return times, held
@@ -84,18 +90,3 @@ def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
     before = times[1:] - np.minimum(np.diff(times) / 2, STEPPED_KEY_SECONDS)
     order = np.argsort(np.concatenate((times, before)), kind="stable")
     return np.concatenate((times, before))[order], np.concatenate((held, held[:-1]))[order]
-
-
-def _splined(where: Path, times: Floats, table: Floats) -> tuple[Floats, Floats]:
-    """Convert a cubic spline, (K, 3, n), to short straight lines.
-
-    Each key has a slope per second before it, its value, and a slope after it (glTF 2.0, appendix
-    C.5).
-    """
-    count = len(times) + (times[-1] - times[0]) / SPLINE_SECONDS
-    if count * table.shape[2] > MAX_ACCESSOR_VALUES:
-        fail(where, f"its cubic splines last {times[-1] - times[0]:.0f} s, too long to read")
-    steps = np.arange(times[0], times[-1], SPLINE_SECONDS)
-    at = np.union1d(times, steps)
-    spline = Spline(np.arange(len(times)), table[:, 1], table[:, 0], table[:, 2])
-    return at, sample(times, spline, at)
