@@ -173,7 +173,7 @@ def short_holds(scene: MeasuredScene) -> Iterable[list[Figure]]:
         if not poses.size:
             yield unjudged(NO_SOUNDS)
             continue
-        times, stays = scene.times[first].tolist()[1:-1], poses[1:-1].tolist()
+        times, stays = scene.times[first[1:-1]].tolist(), poses[1:-1].tolist()
         seconds = [end - start for start, end in pairwise(times)]
         findings = [
             Finding(round(start, 4), f"{names[pose]} stays {stay:.3f} s")

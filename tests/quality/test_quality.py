@@ -659,6 +659,11 @@ def test_lines_that_are_judged_at_once_have_the_figures_of_each_alone():
         face = performer(name)
         made = [face.perform(one, fps) for one in schedules for fps in (24, 60)]
         made.append(replace(made[1], times=made[1].times + 5, weights=np.roll(made[1].weights, 1)))
+        # parts of a line begin and end within its sounds
+        made += [
+            replace(made[1], times=made[1].times[a:b], weights=made[1].weights[a:b])
+            for a, b in ((20, 50), (0, 40), (30, 32), (25, 45))
+        ]
         assert check_all(made, face) == [check(one) for one in made]
 
 
