@@ -143,9 +143,8 @@ def binary_of(path: Path, document: Json, chunks: Sequence[Chunk], *, alone: boo
         uri = row.get("uri")
         within = uri is None or (isinstance(uri, str) and uri.lower().startswith(("data:", "http")))
         if not within:
-            fail(
-                path, f"keeps a part in another file ('{str(uri)[:60]}')", f"{EXPORT}, in one file"
-            )
+            what = f"keeps a part in another file ('{str(uri)[:60]}')"
+            fail(path, what, f"{EXPORT}, in one file")
     if first.get("uri") is None:
         data = read_chunk(path, chunks[0]) if has_binary(chunks) else b""
     else:

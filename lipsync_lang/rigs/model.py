@@ -126,9 +126,8 @@ def some(names: Iterable[str]) -> str:
 
 def _document(path: Path, text: bytes) -> Json:
     try:
-        document = json.loads(
-            text.decode("utf-8-sig"), parse_float=_finite, parse_constant=_no_number
-        )
+        whole = text.decode("utf-8-sig")
+        document = json.loads(whole, parse_float=_finite, parse_constant=_no_number)
     except UnicodeDecodeError as error:
         fail(path, f"its JSON is not UTF-8 text (byte {error.start})")
     except ValueError as error:
@@ -199,11 +198,8 @@ def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
                 rest = numbers(path, f"weights of '{label}'", given, count)
             found.append(Mesh(number, label, row.get("name"), shapes, rest))
     if not found and not bones:
-        fail(
-            path,
-            f"no mesh has morph targets (meshes: {some(labels)})",
-            "export it with its shape keys (blend shapes)",
-        )
+        mend = "export it with its shape keys (blend shapes)"
+        fail(path, f"no mesh has morph targets (meshes: {some(labels)})", mend)
     return tuple(found)
 
 

@@ -215,16 +215,6 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     return ChannelPlaces({name: (*own,) for name, own in places.items()}, shared, (*doubts,))
 
 
-def reduced(rig: models.RigPack, found: ChannelPlaces) -> models.RigPack:
-    """Restrict a rig to the channels found on a model."""
-    kept = {name: one for name, one in channels_of(rig).items() if name in found.places}
-    plain = {
-        name: one if one.at_most in kept else one.model_copy(update={"at_most": None})
-        for name, one in kept.items()
-    }
-    return rig.model_copy(update={"channels": plain})
-
-
 def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
     poses = tuple(poseset.poses)
@@ -246,8 +236,12 @@ def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterato
         channels = Driver.from_plain(plain, poses, np.zeros(len(poses))).channels
         found = find(channels, model)
         if found.places:
-            kept = replace(rig, model=reduced(rig.model, found))
+            held = {n: one for n, one in channels_of(rig.model).items() if n in found.places}
+            for name, one in held.items():
+                if one.at_most not in held:
+                    held[name] = one.model_copy(update={"at_most": None})
             missing = tuple(one.name for one in channels if one.name not in found.places)
+            kept = replace(rig, model=rig.model.model_copy(update={"channels": held}))
             left, lost = _left(model, found), losses(library, kept)
             yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost)
 

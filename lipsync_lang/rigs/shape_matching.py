@@ -22,7 +22,7 @@ import re
 import unicodedata
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import lru_cache
 from itertools import groupby, islice
@@ -59,7 +59,7 @@ class Placement:
     """Channel number -> its shapes."""
     shared: dict[str, list[int]] = field(default_factory=dict)
     """Shape without a side -> numbers of the left and right channels that share it."""
-    doubts: tuple[str, ...] = ()
+    doubts: list[str] = field(default_factory=list)
     """Descriptions of ambiguous assignments."""
 
 
@@ -78,12 +78,11 @@ def placed(channels: Sequence[Channel], shapes: Sequence[str]) -> Placement:
                 wanted[grade].append((number, shape))
     found = Placement()
     taken: set[str] = set()
-    doubts: list[str] = []
     for grade in sorted(wanted):
         pairs = [(n, s) for n, s in wanted[grade] if n not in found.shapes and s not in taken]
-        doubts += _deal(found, grade[0], pairs, [channel.name for channel in channels])
+        found.doubts.extend(_deal(found, grade[0], pairs, [channel.name for channel in channels]))
         taken.update(shape for own in found.shapes.values() for shape in own)
-    return Placement(found.shapes, found.shared, tuple(doubts))
+    return found
 
 
 def on_mesh(channels: Sequence[Channel], mesh: Mesh) -> Placement:
@@ -96,7 +95,7 @@ def on_mesh(channels: Sequence[Channel], mesh: Mesh) -> Placement:
         more = placed([channels[n] for n in numbers], free)
         found.shapes.update({numbers[n]: shapes for n, shapes in more.shapes.items()})
         found.shared.update({s: [numbers[n] for n in own] for s, own in more.shared.items()})
-        found = replace(found, doubts=found.doubts + more.doubts)
+        found.doubts.extend(more.doubts)
     return found
 
 

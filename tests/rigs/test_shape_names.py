@@ -230,13 +230,13 @@ def test_exact_comes_before_folded_and_folded_before_a_pattern():
 def test_two_that_mean_one_shape_are_told():
     found = placed(channels(a=("*pen",), b=("*PEN",)), ["open"])
     assert found.shapes == {0: ["open"]}
-    assert found.doubts == ("'open' is used for 'a', but also fits 'b'",)
+    assert found.doubts == ["'open' is used for 'a', but also fits 'b'"]
 
 
 def test_one_that_means_two_shapes_takes_the_first_and_tells():
     found = placed(channels("jawOpen"), ["Jaw_Open", "JAW.OPEN", "x"])
     assert found.shapes == {0: ["Jaw_Open"]}
-    assert found.doubts == ("'jawOpen' is 'Jaw_Open', but 'JAW.OPEN' has a similar spelling",)
+    assert found.doubts == ["'jawOpen' is 'Jaw_Open', but 'JAW.OPEN' has a similar spelling"]
 
 
 def test_the_longer_pattern_decides():
