@@ -11,6 +11,7 @@ the packs in other folders.
 import argparse
 import ast
 import inspect
+import json
 import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -27,6 +28,7 @@ from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.authoring.ipa_comparison import SymbolMappings, UnusualMapping, compare
 from lipsync_lang.cli import parser
 from lipsync_lang.commands.completion import leaves
+from lipsync_lang.coverage.report import schema as coverage_schema
 from lipsync_lang.extensions import PROGRAM, F, Formats
 from lipsync_lang.lines.line_readers import LINE_READERS
 from lipsync_lang.packs.finding import built_in
@@ -43,6 +45,7 @@ HERE = Path(__file__).parent / "reference"
 README = Path(__file__).parents[1] / "README.md"
 INDEX = Path(__file__).parent / "README.md"
 DEVELOPMENT = Path(__file__).parent / "contributing" / "development.md"
+COVERAGE_SCHEMA = HERE / "coverage.schema.json"
 MADE = "<!-- Written by docs/build_reference.py; change the code, then run that. -->\n"
 
 Schema = dict[str, Any]
@@ -917,3 +920,6 @@ if __name__ == "__main__":
         sys.stdout.write(f"{counted}\n")
     DEVELOPMENT.write_text(development(DEVELOPMENT.read_text(encoding="utf-8")), encoding="utf-8")
     sys.stdout.write(f"{DEVELOPMENT}\n")
+    document = json.dumps(coverage_schema(), indent=2, ensure_ascii=False) + "\n"
+    COVERAGE_SCHEMA.write_text(document, encoding="utf-8")
+    sys.stdout.write(f"{COVERAGE_SCHEMA}\n")

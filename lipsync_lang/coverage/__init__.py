@@ -7,6 +7,7 @@ A bigram is *authored* if a bank has it edited or approved. Drafts are not autho
 bigrams fitted to captures, nor curves that an added phoneme borrows from a similar one.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -18,12 +19,7 @@ __all__ = ["Coverage", "coverage"]
 
 def __getattr__(name: str) -> object:
     """Import a public name at its first use."""
-    if name == "coverage":
-        from lipsync_lang.coverage.matrix import coverage
-
-        return coverage
-    if name == "Coverage":
-        from lipsync_lang.coverage.report import Coverage
-
-        return Coverage
+    homes = {"coverage": "matrix", "Coverage": "report"}
+    if name in homes:
+        return getattr(import_module(f"{__name__}.{homes[name]}"), name)
     raise AttributeError(f"module 'lipsync_lang.coverage' has no attribute '{name}'")

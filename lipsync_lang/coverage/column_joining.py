@@ -29,17 +29,12 @@ def joined(
             found = others.setdefault(tally.what, tally)
             if found.count < tally.count:
                 others[tally.what] = tally
-    columns = Counter(
-        language
-        for _, document in documents
-        for language in {report.language for report in document.reports}
-    )
+    read_in = {(one.language, at) for at, (_, d) in enumerate(documents) for one in d.reports}
+    columns = Counter(language for language, _ in read_in)
     reports = tuple(
-        report.model_copy(update={"column": column or ""})
-        if columns[report.language] > 1
-        else report
+        one.model_copy(update={"column": column or ""}) if columns[one.language] > 1 else one
         for column, document in documents
-        for report in document.reports
+        for one in document.reports
     )
     minutes = documents[0][1].minutes
     added = {one.language: one for _, document in documents for one in document.shared}
@@ -70,15 +65,14 @@ def shared_of(
     resolved: "Iterable[Report]", reports: Sequence[CoverageReport]
 ) -> tuple[LanguageAddition, ...]:
     """Return the bigrams that each language adds, with the number that any report needs."""
-    added = {one.language: (one.added, one.extra) for one in resolved}
     return tuple(
         LanguageAddition(
             language=language,
-            phonemes=phonemes,
-            bigrams=bigrams,
-            used=_used(language, phonemes, reports),
+            phonemes=one.added,
+            bigrams=one.extra,
+            used=_used(language, one.added, reports),
         )
-        for language, (phonemes, bigrams) in added.items()
+        for language, one in {one.language: one for one in resolved}.items()
     )
 
 

@@ -29,17 +29,13 @@ def needed(counts: Sequence[int]) -> dict[str, int]:
     """
     running = list(accumulate(counts))
     total = running[-1] if running else 0
-    return {
-        str(share): sum(100 * before < share * total for before in (0, *running[:-1]))
-        if total
-        else 0
-        for share in PERCENTS
-    }
+    starts = (0, *running[:-1]) if total else ()
+    return {str(share): sum(100 * at < share * total for at in starts) for share in PERCENTS}
 
 
-def affordable(minutes: float, hours: float = 1.0) -> int:
-    """Return the number of bigrams that can be authored in some hours."""
-    return int(60 * hours / minutes + 1e-9)
+def affordable(minutes: float) -> int:
+    """Return the number of bigrams that can be authored in an hour, at some minutes each."""
+    return int(60 / minutes + 1e-9)
 
 
 def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]:

@@ -91,14 +91,12 @@ class CountFigures:
     def sentences(self, missing: Sequence[int], names: Sequence[str]) -> tuple[Sentence, ...]:
         """Return a short list of lines that together have all missing bigrams."""
         sets, starts = self.count.sets()
-        return tuple(
-            Sentence(
-                place=self.pages[line][0],
-                text=self.pages[line][1],
-                bigrams=tuple(names[code] for code in new),
-            )
-            for line, new in plan.cover(sets, starts, np.array(missing, np.int64))
-        )
+        found = []
+        for line, new in plan.cover(sets, starts, np.array(missing, np.int64)):
+            place, text = self.pages[line]
+            bigrams = tuple(names[code] for code in new)
+            found.append(Sentence(place=place, text=text, bigrams=bigrams))
+        return tuple(found)
 
 
 def report_of(

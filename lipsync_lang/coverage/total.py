@@ -114,20 +114,15 @@ def _figures(
     """Return the fields of `TotalFigures`."""
     needed = {piece_of(report, need) for report in reports for need in report.bigrams}
     soon = ranking[: plan.affordable(minutes)]
-    reached = soon[-1].reaches if soon else 0.0
-    done = _authored(reports, weights)
+    done, left = _authored(reports, weights), len(ranking)
+    gain = round(max(soon[-1].reaches - done, 0.0), 4) if soon else 0.0
     is_all = not any(item.percent for item in ranking)
     return {
         "languages": tuple(dict.fromkeys(report.language for report in reports)),
         "needed": len(needed),
-        "authored": AuthoredShare(
-            bigrams=len(needed) - len(ranking), percent=rounded(done, is_all=is_all)
-        ),
-        "left": WorkLeft(bigrams=len(ranking), hours=round(len(ranking) * minutes / 60, 2)),
-        "next_hour": NextHour(
-            bigrams=tuple(item.bigram for item in soon),
-            percent=round(max(reached - done, 0.0), 4) if soon else 0.0,
-        ),
+        "authored": AuthoredShare(bigrams=len(needed) - left, percent=rounded(done, is_all=is_all)),
+        "left": WorkLeft(bigrams=left, hours=round(left * minutes / 60, 2)),
+        "next_hour": NextHour(bigrams=tuple(item.bigram for item in soon), percent=gain),
     }
 
 

@@ -5,6 +5,7 @@ authored are skipped, not failed. If there are several reports, a suite without 
 its properties are the figures of the total. Each suite has its figures as properties.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, TextIO
 
 from lipsync_lang.coverage.forms import FORMS, FormOptions
@@ -53,17 +54,12 @@ def _suite(report: "CoverageReport", fail_under: float | None) -> JunitSuite:
     for one in report.bigrams:
         origin = f"{one.layer}, {one.status or 'unanswered'}; {one.count} times"
         reason = f"{origin}: {', '.join(one.places)}"
-        cases.append(
-            JunitCase(name, one.bigram)
-            if one.authored
-            else JunitCase(name, one.bigram, "skipped", reason)
-        )
+        case = JunitCase(name, one.bigram)
+        cases.append(case if one.authored else replace(case, outcome="skipped", message=reason))
     found = [(one, "not read") for one in report.unread]
     found += [(one, "no map for") for one in report.unmapped]
-    found += [
-        (one, f"in another script{'' if one.counted else ', not counted'}")
-        for one in report.other_scripts
-    ]
+    for word in report.other_scripts:
+        found.append((word, f"in another script{'' if word.counted else ', not counted'}"))
     lines = [f"{percentage_text(share)} of {report.occurrences} occurrences are authored"]
     lines += [f"{one.place}: {problem}: {one.what} ({one.count} times)" for one, problem in found]
     return JunitSuite(name, cases, _properties(report), "\n".join(lines))

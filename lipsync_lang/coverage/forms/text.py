@@ -51,15 +51,13 @@ def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
         block += ["", *(f"  {line}" for line in _facts(report, everything=options.everything))]
         blocks.append(block)
     if len(coverage.shared) > 1 or any(one.bigrams for one in coverage.shared):
-        blocks.append(
-            [
-                f"{own.language} adds {_count(own.bigrams, 'bigram')} with "
-                f"{', '.join(own.phonemes)}, {own.used} of them needed here"
-                if own.bigrams
-                else f"{own.language} adds nothing: all its bigrams are shared"
-                for own in coverage.shared
-            ]
-        )
+        blocks.append([])
+        for own in coverage.shared:
+            added = "nothing: all its bigrams are shared"
+            if own.bigrams:
+                added = f"{_count(own.bigrams, 'bigram')} with {', '.join(own.phonemes)}, "
+                added += f"{own.used} of them needed here"
+            blocks[-1].append(f"{own.language} adds {added}")
     blocks += [_since(coverage.since)] if coverage.since else []
     out.write("\n\n".join("\n".join(lines) for lines in blocks) + "\n")
 
@@ -79,10 +77,8 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
             f"next: draw {_count(len(soon), 'bigram')} in {within}, {minutes:g} minutes each, for "
             f"{percentage_text(report.next_hour.percent)} of the speech:"
         )
-        yield (
-            f"  lipsync-lang bank draft -l {report.language} -c {report.character} "
-            f"--write {' '.join(soon)}"
-        )
+        whose = f"-l {report.language} -c {report.character}"
+        yield f"  lipsync-lang bank draft {whose} --write {' '.join(soon)}"
     else:
         yield f"next: draw {report.left.bigrams} bigrams; an hour is not enough for one"
     yield (
@@ -95,20 +91,11 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
 def _table(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
     shown = report.bigrams if everything else report.bigrams[:MAX_RANKING_ROWS]
     rows = [("rank", "bigram", "count", "%", "running", "from", "status", "in", "first at")]
-    rows += [
-        (
-            f"{rank:4}",
-            one.bigram,
-            f"{one.count:5}",
-            f"{ranked_text(one.percent):>5}",
-            f"{ranked_text(one.running):>7}",
-            one.layer,
-            one.status or "unanswered",
-            one.example,
-            one.places[0] if one.places else "",
-        )
-        for rank, one in enumerate(shown, 1)
-    ]
+    for rank, one in enumerate(shown, 1):
+        share, running = f"{ranked_text(one.percent):>5}", f"{ranked_text(one.running):>7}"
+        source = one.layer, one.status or "unanswered"
+        met = one.example, one.places[0] if one.places else ""
+        rows.append((f"{rank:4}", one.bigram, f"{one.count:5}", share, running, *source, *met))
     yield from columns(rows)
     if len(shown) < len(report.bigrams):
         yield f"... and {len(report.bigrams) - len(shown)} more; --all lists them"
@@ -122,9 +109,8 @@ def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
     drawn = sum(authored(one.layer, one.status) for one in report.silence)
     yield f"with silence: {len(report.silence)} bigrams, {drawn} of them authored"
     if report.trigrams:
-        played = [
-            f"{one.trigram} ({one.count}, {one.places[0]})" for one in report.trigrams if one.count
-        ]
+        met = (one for one in report.trigrams if one.count)
+        played = [f"{one.trigram} ({one.count}, {one.places[0]})" for one in met]
         told = f": {_few(played)}" if played else ""
         yield f"{_count(len(report.trigrams), 'trigram')} drawn, {len(played)} of them played{told}"
     if report.unread:
@@ -162,11 +148,9 @@ def _since(since: "CoverageChanges") -> list[str]:
         lines.append(f"  {whose}: {_count(has, 'line')}, {was:,} before; {told}")
         lines += [f"    {what}: {_few(names)}" for what, names in parts if names]
     for change in since.reports:
-        lines.append(
-            f"  {change.label} on {change.character}: {percentage_text(change.percent[0])} to "
-            f"{percentage_text(change.percent[1])} authored, {change.left[0]} to "
-            f"{change.left[1]} left"
-        )
+        share = " to ".join(map(percentage_text, change.percent))
+        left = " to ".join(map(str, change.left))
+        lines.append(f"  {change.label} on {change.character}: {share} authored, {left} left")
         lists = (
             ("authored", change.authored),
             ("no longer authored", change.lost),

@@ -83,18 +83,11 @@ def _ranking(total: "Total", items: "Sequence[WorkItem]") -> list[tuple[str, ...
     several = len({face.poseset for face in total.faces}) > 1
     own = ["pose set"] if several else []
     rows = [("rank", "bigram", *own, "gain %", "then %", "count", "serves")]
-    rows += [
-        (
-            f"{rank:4}",
-            item.bigram,
-            *([item.poseset] if several else []),
-            f"{ranked_text(item.percent):>6}",
-            f"{ranked_text(item.reaches):>6}",
-            f"{item.count:5}",
-            serves(item, total),
-        )
-        for rank, item in enumerate(items, 1)
-    ]
+    for rank, item in enumerate(items, 1):
+        own = [item.poseset] if several else []
+        gain, then = f"{ranked_text(item.percent):>6}", f"{ranked_text(item.reaches):>6}"
+        count = f"{item.count:5}"
+        rows.append((f"{rank:4}", item.bigram, *own, gain, then, count, serves(item, total)))
     return rows
 
 

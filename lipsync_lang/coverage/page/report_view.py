@@ -69,11 +69,9 @@ class ReportView:
     @property
     def stack_description(self) -> str:
         """The shares of the statuses in words."""
-        names = [name for name, (_, heard) in self.shares.items() if heard]
-        parts = [
-            f"{percent(share)} {name}" for name, (_, share) in zip(names, self.stack, strict=True)
-        ]
-        return ", ".join(parts) or "no bigrams"
+        names = (name for name, (_, heard) in self.shares.items() if heard)
+        shares = (percent(share) for _, share in self.stack)
+        return ", ".join(map(" ".join, zip(shares, names, strict=True))) or "no bigrams"
 
     @cached_property
     def needed(self) -> dict[str, int]:
