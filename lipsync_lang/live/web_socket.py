@@ -62,10 +62,8 @@ BUSY, SLOW = 1013, 1008
 class Client:
     """A client of a live session, who queues texts for all receivers or opens a stream."""
 
-    def __init__(
-        self, say: Callable[[str], int], open_stream: Callable[[str | None], Stream]
-    ) -> None:
-        self.say, self.open_stream = say, open_stream
+    def __init__(self, session: "Session") -> None:
+        self.session = session
         self.stream: Stream | None = None
 
     def answer(self, message: str | bytes) -> dict[str, Any]:
@@ -94,13 +92,13 @@ class Client:
                 raise LipsyncError(
                     '`text` must be a string, and the only field of its message: {"text": "Hello"}'
                 )
-            return {"waiting": self.say(text)}
+            return {"waiting": self.session.say(text)}
         if self.stream is None:
             notation = asked.get("notation")
             if notation is not None and not isinstance(notation, str):
                 what = "`notation` must be a string: the name of a notation of the language"
                 raise LipsyncError(what)
-            self.stream = self.open_stream(notation)
+            self.stream = self.session.open_stream(notation)
         return self._feed(self.stream, asked)
 
     def _feed(self, stream: Stream, asked: dict[str, Any]) -> dict[str, Any]:
@@ -237,7 +235,7 @@ class WebSocketOutlet:
         if len(self.clients) >= MAX_CLIENTS:
             await connection.close(BUSY, f"{MAX_CLIENTS} clients are connected already")
             return
-        client = Client(self.session.say, self.session.open_stream)
+        client = Client(self.session)
         try:
             await connection.send(json.dumps(self.session.greeting))
             self.clients.add(connection)

@@ -27,7 +27,7 @@ from lipsync_lang.live.live_player import (
 )
 from lipsync_lang.live.outlets import LiveAddress, LiveFrame, PacketOutlet, parse_address
 from lipsync_lang.live.packets import LiveLinkPacket, vmc_messages
-from lipsync_lang.live.web_socket import MAX_PHONEME_ROWS, Client
+from lipsync_lang.live.web_socket import MAX_PHONEME_ROWS, Client, Session
 from lipsync_lang.rigs.channel import Channel
 
 PAIR = ("-l", "english", "-c", "arkit")
@@ -270,7 +270,9 @@ def client(performer):
         said.append(text)
         return len(said) - 1
 
-    made = Client(say, lambda notation: performer.stream(60, notation=notation or "arpabet"))
+    made = Client(
+        Session({}, say, lambda notation: performer.stream(60, notation=notation or "arpabet"))
+    )
     made.said = said
     return made
 
@@ -378,7 +380,7 @@ def sent(receiver, arguments):
 
 @pytest.fixture
 def server(performer):
-    from lipsync_lang.live.web_socket import Session, WebSocketOutlet
+    from lipsync_lang.live.web_socket import WebSocketOutlet
 
     said = []
     greeting = {"poses": performer.poses}
