@@ -106,8 +106,7 @@ def _of_fluent(variants: str, value: str | None) -> str | None:
     if not found:
         return None
     stops = [one.start() for one in found[1:]] + [len(variants)]
-    texts = {
-        one[2]: variants[one.end() : stop].strip() for one, stop in zip(found, stops, strict=True)
-    }
+    ends = zip(found, stops, strict=True)
+    texts = {one[2]: variants[one.end() : stop].strip() for one, stop in ends}
     general = next((one[2] for one in found if one[1]), found[-1][2])
     return texts.get(value or "", texts.get("one" if value == "1" else general, texts[general]))

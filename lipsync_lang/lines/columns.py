@@ -74,9 +74,8 @@ def text_column(head: Sequence[str]) -> int:
     known = first_column(head, TEXT_COLUMNS)
     if known >= 0:
         return known
-    other = [
-        i for i, name in enumerate(head) if name.casefold() not in (*NAME_COLUMNS, *SPEAKER_COLUMNS)
-    ]
+    others = (*NAME_COLUMNS, *SPEAKER_COLUMNS)
+    other = [at for at, name in enumerate(head) if name.casefold() not in others]
     return other[0] if len(other) == 1 else -1
 
 
@@ -93,12 +92,11 @@ def language_column(head: Sequence[str], names: Sequence[str]) -> int:
             return wholes.index(name)
     for name in asked:
         regional = re.compile(re.escape(name) + _REGION)
-        for matches in (
-            [at for at, form in enumerate(forms) if name in form],
-            [at for at, form in enumerate(forms) if any(map(regional.fullmatch, form))],
-        ):
-            if len(matches) == 1 and _is_free(head, matches[0]):
-                return matches[0]
+        own = [at for at, form in enumerate(forms) if name in form]
+        local = [at for at, form in enumerate(forms) if any(map(regional.fullmatch, form))]
+        for at, *others in filter(None, (own, local)):
+            if not others and _is_free(head, at):
+                return at
     return -1
 
 

@@ -6,9 +6,10 @@ Line ends may be mixed.
 
 import codecs
 from collections.abc import Callable, Iterator
+from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
-from typing import BinaryIO, TextIO
+from typing import BinaryIO
 
 from lipsync_lang.errors import LipsyncError
 
@@ -43,7 +44,19 @@ def numbered(
         marked = next((name for mark, name in marks if head.startswith(mark)), "utf-8-sig")
         chosen = encoding or marked
         with opened() as stream, TextIOWrapper(stream, chosen, newline=None) as text:
-            yield from _lines(path, text)
+            lines = iter(partial(text.readline, MAX_LINE_CHARS), "")
+            for number, line in enumerate(lines, 1):
+                if "\0" in line:
+                    raise LipsyncError(
+                        f"{path}:{number}: has zero bytes, so it is not text; leave the file out, "
+                        "or, if it is UTF-16 without its mark, state `encoding='utf-16-le'`"
+                    )
+                if len(line) == MAX_LINE_CHARS:
+                    raise LipsyncError(
+                        f"{path}:{number}: this line is longer than {MAX_LINE_CHARS:,} characters; "
+                        "check that it is a script"
+                    )
+                yield number, line.removesuffix("\n")
     except UnicodeError as error:
         raise LipsyncError(_misread(path, opened, encoding, chosen, error)) from None
     except LookupError:
@@ -53,23 +66,6 @@ def numbered(
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise LipsyncError(f"{path}: cannot be read: {why}; check the path") from None
-
-
-def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
-    number = 0
-    while line := text.readline(MAX_LINE_CHARS):
-        number += 1
-        if "\0" in line:
-            raise LipsyncError(
-                f"{path}:{number}: has zero bytes, so it is not text; leave the file out, or, if "
-                "it is UTF-16 without its mark, state `encoding='utf-16-le'`"
-            )
-        if len(line) == MAX_LINE_CHARS:
-            raise LipsyncError(
-                f"{path}:{number}: this line is longer than {MAX_LINE_CHARS:,} characters; "
-                "check that it is a script"
-            )
-        yield number, line.removesuffix("\n")
 
 
 def _misread(

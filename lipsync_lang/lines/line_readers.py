@@ -27,18 +27,9 @@ Remark = Callable[[str], None]
 
 @dataclass(frozen=True)
 class LineFile:
-    """A file that is read into lines.
+    """A file that is read into lines, with the settings of `read_lines`.
 
-    Parameters
-    ----------
-    path : the file
-    remark : where to say what is left out
-    column : of a table, by name or number; None for the likeliest
-    encoding : None to tell it by the file
-    content : of standard input or a pipe, which can be read only once; None for a file
-    cleaning : values of placeholders, and what is not spoken
-    names : of the language, which its column may have; empty if unknown
-    speaker : column of the speakers, by name or number; None for the likeliest
+    `content` is that of standard input or a pipe, which can be read only once; None for a file.
     """
 
     path: Path

@@ -169,9 +169,8 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     text = ordinary(text)
     if not cleaning.unspoken and not SUSPECT.search(text):
         return SpokenText(" ".join(text.split()))
-    text = ENTITY.sub(
-        lambda found: unescape(f"&{found[1]}"), " ".join(text.replace(PAUSE_MARK, " ").split())
-    )
+    text = " ".join(text.replace(PAUSE_MARK, " ").split())
+    text = ENTITY.sub(lambda found: unescape(f"&{found[1]}"), text)
     found = TextCleaner(chosen(text, cleaning.values), cleaning).spoken()
     # The signs beside a stray mark may be markup without it, such as an emoticon.
     twice = found.remarks and len(found.gaps) <= MAX_MOVED_GAPS
@@ -202,8 +201,7 @@ class TextCleaner:
             if (instead := self._instead(found)) is None:
                 at = start + 1
                 continue
-            self._say(self._sound(done, start))
-            self._say(instead)
+            self._say(self._sound(done, start) + instead)
             whole = found[0]
             silent = found["sign"] or found["face"] or found["soundless"] or SOUNDLESS.match(whole)
             if not (instead or silent or whole in DOUBLED or self._is_tag(whole)):

@@ -19,6 +19,5 @@ def read(source: LineFile) -> Iterator[Line]:
             speaker = speaker_of(whole)
             yield source.line(rows[0][0], unescape(whole), name=name, speaker=speaker)
     if not found:
-        raise source.fault(
-            1, "has no times (00:00:01,000 --> 00:00:02,500); check that it is a subtitle file"
-        )
+        what = "has no times (00:00:01,000 --> 00:00:02,500); check that it is a subtitle file"
+        raise source.fault(1, what)
