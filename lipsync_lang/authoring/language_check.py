@@ -3,7 +3,7 @@
 A picture shows the mouths: each sound alone, on the model of a character.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
@@ -78,8 +78,22 @@ class LanguageCheck:
     def __str__(self) -> str:
         lines = [*map(str, self.faults)]
         if self.sounds is not None:
-            lines += self._mouth_table(self.sounds)
-            needed = [row for row in self.sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
+            sounds, mouths = self.sounds, mouths_in(self.sounds)
+            count = f"{sum(map(len, mouths.values()))} sounds, {len(mouths)} mouths"
+            lines.append(f"{sounds['title']} ({sounds['tag']}): {count}")
+            titles = {one["name"]: one["title"] for one in sounds["common"]}
+            rows = [["mouth", "sounds", "as in", "looks like", self.character]]
+            for mouth, own in mouths.items():
+                words = [*dict.fromkeys(word for row in own for word in row["words"][:1])]
+                looks = " -> ".join(titles.get(name, "") for name in mouth)
+                poses = " -> ".join(self.mouths.get(name, REST) for name in mouth)
+                more = f" + {len(own) - MOST_SOUNDS}" if len(own) > MOST_SOUNDS else ""
+                labels = " ".join(row["label"] for row in own[:MOST_SOUNDS]) + more
+                told = [" ".join(mouth) or MUTE, labels, ", ".join(words[:MOST_WORDS]), looks]
+                rows.append([*told, poses])
+            table = rows if self.mouths else [row[:-1] for row in rows]
+            lines += (f"  {line}" for line in columns(table, widest=64))
+            needed = [row for row in sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
             lines += ["look at:"] * bool(needed)
             lines += [f"  {row['label']}: {row['says']}" for row in needed]
             unread = f"; texts were not read: {self.refusal}" if self.refusal else ""
@@ -87,25 +101,6 @@ class LanguageCheck:
             untested = "no tests yet: add words with their phonemes under `tests`"
             lines.append(passed if self.tests else untested)
         return "\n".join(lines)
-
-    def _mouth_table(self, sounds: Mapping[str, Any]) -> Iterator[str]:
-        mouths = mouths_in(sounds)
-        yield (
-            f"{sounds['title']} ({sounds['tag']}): {sum(map(len, mouths.values()))} sounds, "
-            f"{len(mouths)} mouths"
-        )
-        titles = {one["name"]: one["title"] for one in sounds["common"]}
-        rows = [["mouth", "sounds", "as in", "looks like", self.character]]
-        for mouth, own in mouths.items():
-            words = [*dict.fromkeys(word for row in own for word in row["words"][:1])]
-            looks = " -> ".join(titles.get(name, "") for name in mouth)
-            poses = " -> ".join(self.mouths.get(name, REST) for name in mouth)
-            more = f" + {len(own) - MOST_SOUNDS}" if len(own) > MOST_SOUNDS else ""
-            labels = " ".join(row["label"] for row in own[:MOST_SOUNDS]) + more
-            told = [" ".join(mouth) or MUTE, labels, ", ".join(words[:MOST_WORDS]), looks]
-            rows.append([*told, poses])
-        shown = rows if self.mouths else [row[:-1] for row in rows]
-        yield from (f"  {line}" for line in columns(shown, widest=64))
 
 
 def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str, Any]]]:

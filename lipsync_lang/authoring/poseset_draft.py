@@ -5,7 +5,7 @@ Without any match, the targets are at rest, or on request a heuristic assignment
 sounds per pose. Weights are from 0 to 1; the speed limit is in weight per second.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
@@ -136,7 +136,14 @@ def _made(
         origin = "all at rest until you give them targets, or use --guess"
         targets = {label: (models.PhonemeTarget(weights={}),) for label in common.base}
         return _bare(dict.fromkeys(names, models.Pose()), targets=targets), {"": what}, origin
-    made = guessed(names[: len(common.base)], _shutting(sets, common), common)
+    # Closures are the sounds with a contact ceiling in every pose set that has ceilings.
+    shut = [
+        {label for rule in one.contacts.values() if rule.ceiling for label in rule.phonemes}
+        for one in sets
+    ]
+    stated = [labels for labels in shut if labels]
+    closures = [name for name in common.base if stated and all(name in some for some in stated)]
+    made = guessed(names[: len(common.base)], closures, common)
     kinds: dict[str, dict[str, None]] = {}
     for label, (target,) in made.targets.items():
         kind = common.phonemes[label].sound if label in common.phonemes else None
@@ -261,13 +268,3 @@ def guessed(
     contacts = {"closure": models.ContactRule(phonemes=tuple(shutting), ceiling={first: SHUT})}
     still = dict.fromkeys(poses, models.Pose())
     return _bare(still, contacts=contacts if shutting else {}, targets=targets)
-
-
-def _shutting(sets: Iterable[models.PoseSet], common: models.Phonemes) -> list[str]:
-    """Return the sounds with a contact ceiling in every pose set that has ceilings."""
-    shut = [
-        {label for rule in one.contacts.values() if rule.ceiling for label in rule.phonemes}
-        for one in sets
-    ]
-    stated = [labels for labels in shut if labels]
-    return [name for name in common.base if stated and all(name in labels for labels in stated)]

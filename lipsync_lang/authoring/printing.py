@@ -19,20 +19,14 @@ def transcript_table(told: dict[str, Any]) -> str:
         unread = [f"(not read: {word['unread']})"] if "unread" in word else []
         rows.append((word["text"], labels, " ".join([*common, *unread])))
     lines = list(columns(rows))
-    table = [
-        (
-            label,
-            " ".join(near["common"]) or "(mute)",
-            f"loses {', '.join(near['loses'])}" if near["loses"] else "",
-        )
-        for label, near in told["automatic"].items()
-        if near["distance"] or near["loses"]
-    ]
+    table = []
+    for label, near in told["automatic"].items():
+        if near["distance"] or near["loses"]:
+            loses = f"loses {', '.join(near['loses'])}" if near["loses"] else ""
+            table.append((label, " ".join(near["common"]) or "(mute)", loses))
     if told["automatic"]:
-        count = len(told["automatic"])
-        lines.append(
-            f"{count} labels mapped automatically" + ("; these are not exact:" * bool(table))
-        )
+        more = "; these are not exact:" if table else ""
+        lines.append(f"{len(told['automatic'])} labels mapped automatically{more}")
         lines += [f"  {line}" for line in columns(table)]
     return "\n".join(lines)
 

@@ -70,16 +70,10 @@ class Trial:
             return []
         rules = [Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules]
         rewriter = Rewriter(rules)
-        texts = [
-            *(test.text for test in self.pack.model.tests),
-            *(word.respelled for heard in self.transcripts for word in heard.words),
-        ]
-        fired = {
-            number
-            for text in texts
-            for piece in pieces(text)
-            for number, _, _ in rewriter.steps(piece.text)
-        }
+        texts = [test.text for test in self.pack.model.tests]
+        texts += (word.respelled for heard in self.transcripts for word in heard.words)
+        words = (piece.text for text in texts for piece in pieces(text))
+        fired = {number for word in words for number, _, _ in rewriter.steps(word)}
         return [number for number in range(len(rules)) if number not in fired]
 
 
