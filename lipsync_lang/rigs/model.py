@@ -87,14 +87,9 @@ def read_model(path: Path, *, bones: bool = False) -> Model:
             fail(path, f"the name of node {number} is not text")
         if "mesh" in node and not is_index(node["mesh"], len(document.get("meshes", ()))):
             fail(path, f"node {number} has a mesh that does not exist")
-    return Model(
-        path,
-        {mesh.name: mesh.shapes for mesh in meshes},
-        tuple(node["name"] for node in nodes if "name" in node),
-        meshes,
-        document,
-        chunks,
-    )
+    shapes = {mesh.name: mesh.shapes for mesh in meshes}
+    named = tuple(node["name"] for node in nodes if "name" in node)
+    return Model(path, shapes, named, meshes, document, chunks)
 
 
 def known_model(path: Path, *, bones: bool = False) -> Model:
