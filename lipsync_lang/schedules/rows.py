@@ -109,7 +109,10 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
         rate, guessed = guessed_rate(source, phones, "sounds", *usual)
         told += guessed
     if rate is not None:
-        phones, spans = _seconds(phones, rate), _seconds(spans, rate)
+        phones, spans = (
+            [row._replace(start=row.start / rate, end=row.end / rate) for row in given]
+            for given in (phones, spans)
+        )
     whole = _without_gaps(source, phones)
     for row in spans:
         _check_order(source, row)
@@ -150,10 +153,6 @@ def guessed_rate(
         f"{unit}; if they are not, state how many make a second (`rate={rate:g}`)"
     )
     return rate, (told,)
-
-
-def _seconds(rows: Sequence[LabelRow], rate: float) -> list[LabelRow]:
-    return [row._replace(start=row.start / rate, end=row.end / rate) for row in rows]
 
 
 def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow]:

@@ -128,16 +128,12 @@ class Schedule:
         timed = (replace(word, start=at[word.first], end=at[word.stop]) for word in self.words)
         object.__setattr__(self, "words", tuple(timed))
         if self.stress and len(self.stress) != len(self.labels):
-            raise ScheduleError(
-                f"{self.source}: {len(self.stress)} stresses for {len(self.labels)} phonemes; give "
-                "each one"
-            )
+            counts = f"{len(self.stress)} stresses for {len(self.labels)} phonemes"
+            raise ScheduleError(f"{self.source}: {counts}; give each one")
         for number, one in enumerate(self.stress):
             if isinstance(one, bool) or one not in STRESSES:
-                raise ScheduleError(
-                    f"{self.source}: phoneme {number}: stress is {one!r}; it is 0 (none), 1 "
-                    "(primary), 2 (secondary) or null"
-                )
+                what = f"stress is {one!r}; it is 0 (none), 1 (primary), 2 (secondary) or null"
+                raise ScheduleError(f"{self.source}: phoneme {number}: {what}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by fields, so that a copy's times are read-only as well."""
@@ -160,10 +156,9 @@ class Schedule:
         >>> ll.Schedule.from_intervals([("M", 0.0, 0.1), ("AA", 0.1, 0.3)]).end
         0.3
         """
-        rows = list(intervals)
         labels: list[str] = []
         times: list[float] = []
-        for number, (label, start, end) in enumerate(rows):
+        for number, (label, start, end) in enumerate(intervals):
             here = f"{source}: phoneme {number} ({label!r})"
             _check_numbers(here, start, end)
             if times and start > times[-1] + SNAP_SECONDS:
@@ -203,12 +198,8 @@ class Schedule:
     def save(self, path: str | Path) -> None:
         """Write the timings to a file; its suffix names the format, and readers read it back.
 
-        The formats are JSON, TextGrid (Praat), eaf (ELAN), csv, and txt (Audacity).
-
-        Raises
-        ------
-        OutputError
-            No format has the suffix, or the file cannot be written.
+        The formats are JSON, TextGrid (Praat), eaf (ELAN), csv, and txt (Audacity). Raises
+        OutputError if no format has the suffix, or the file cannot be written.
 
         Examples
         --------
@@ -223,10 +214,8 @@ class Schedule:
         texts = {f".{suffix.lower()}": text_of for suffix, text_of in TIMING_WRITERS.items()}
         text_of = texts.get(target.suffix.lower())
         if text_of is None:
-            raise OutputError(
-                f"{target}: timings cannot be written as '{target.suffix}'; use the suffix "
-                f"{', '.join(texts)}"
-            )
+            what = f"timings cannot be written as '{target.suffix}'"
+            raise OutputError(f"{target}: {what}; use the suffix {', '.join(texts)}")
         with atomic(target) as stream:
             stream.write(text_of(self).encode("utf-8"))
 
@@ -281,14 +270,11 @@ def _check_numbers(here: str, *times: Any) -> None:
 
 def _check_length(here: str, start: float, end: float) -> None:
     if end == start:
-        raise ScheduleError(
-            f"{here}, {start:g} to {end:g} s, has no length; give it some time, or leave it out"
-        )
+        what = "has no length; give it some time, or leave it out"
+        raise ScheduleError(f"{here}, {start:g} to {end:g} s, {what}")
     if end < start:
-        raise ScheduleError(
-            f"{here}, {start:g} to {end:g} s, ends before it starts: times run backwards; "
-            "put them in order"
-        )
+        what = "ends before it starts: times run backwards; put them in order"
+        raise ScheduleError(f"{here}, {start:g} to {end:g} s, {what}")
 
 
 def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -> None:
@@ -298,9 +284,8 @@ def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -
         if not isinstance(label, str):
             raise ScheduleError(f"{source}: phoneme {number}: {label!r} is not a label; use text")
     if times.shape != (len(labels) + 1,):
-        raise ScheduleError(
-            f"{source}: {len(labels)} phonemes need {len(labels) + 1} boundaries, got {times.size}"
-        )
+        what = f"{len(labels)} phonemes need {len(labels) + 1} boundaries, got {times.size}"
+        raise ScheduleError(f"{source}: {what}")
     if not np.isfinite(times).all():
         at = int(np.flatnonzero(~np.isfinite(times))[0])
         raise ScheduleError(f"{source}: boundary {at} is {times[at]}; times must be finite numbers")
@@ -309,38 +294,27 @@ def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -
         at = int(np.flatnonzero(steps <= 0)[0])
         _check_length(f"{source}: phoneme {at} ({labels[at]!r})", times[at], times[at + 1])
     latest = max(-float(times[0]), float(times[-1]))
+    mend = "write times in seconds, not in milliseconds, samples or frames"
     if latest > MAX_SCHEDULE_SECONDS:
-        raise ScheduleError(
-            f"{source}: reaches {latest:g} s, more than a day; write times in seconds, not in "
-            "milliseconds, samples or frames"
-        )
+        raise ScheduleError(f"{source}: reaches {latest:g} s, more than a day; {mend}")
     if steps.max() <= MAX_MEDIAN_SECONDS:
         return
     sounds = steps[[label != SILENCE for label in labels]]
     if sounds.size and np.median(sounds) > MAX_MEDIAN_SECONDS:
-        raise ScheduleError(
-            f"{source}: its sounds last {np.median(sounds):g} s each; write times in seconds, "
-            "not in milliseconds, samples or frames"
-        )
+        raise ScheduleError(f"{source}: its sounds last {np.median(sounds):g} s each; {mend}")
 
 
 def _check_words(source: str, words: Sequence[Word], count: int) -> None:
     for word in words:
         if not 0 <= word.first < word.stop <= count:
-            raise ScheduleError(
-                f"{source}: word {word.text!r} covers phonemes {word.first} to {word.stop - 1}, "
-                f"but the schedule has 0 to {count - 1}"
-            )
+            what = f"covers phonemes {word.first} to {word.stop - 1}, but the schedule has"
+            raise ScheduleError(f"{source}: word {word.text!r} {what} 0 to {count - 1}")
         is_number = isinstance(word.emphasis, (int, float, np.number))
         is_bool = isinstance(word.emphasis, bool)
         if is_bool or not is_number or not 0 <= word.emphasis <= MAX_EMPHASIS:
-            raise ScheduleError(
-                f"{source}: word {word.text!r}: emphasis is {word.emphasis!r}; it is a number from "
-                f"0 to {MAX_EMPHASIS:g}"
-            )
+            what = f"emphasis is {word.emphasis!r}; it is a number from 0 to {MAX_EMPHASIS:g}"
+            raise ScheduleError(f"{source}: word {word.text!r}: {what}")
     for left, right in pairwise(words):
         if right.first < left.stop:
-            raise ScheduleError(
-                f"{source}: words {left.text!r} and {right.text!r} share phoneme {right.first}; "
-                "list words in order and without overlap"
-            )
+            what = f"words {left.text!r} and {right.text!r} share phoneme {right.first}"
+            raise ScheduleError(f"{source}: {what}; list words in order and without overlap")

@@ -162,14 +162,11 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str) -> Tier:
     same = next((tier for tier in others if tier.name == first.name), None)
     if same:
         also = f" (one in line {first.line})" if first.line else ""
-        raise source.fault(
-            f"{len(found)} {what}, two of them '{first.name}'{also}; rename one, or remove it",
-            same.line,
-        )
+        twice = f"{len(found)} {what}, two of them '{first.name}'{also}"
+        raise source.fault(f"{twice}; rename one, or remove it", same.line)
     if others:
-        raise source.fault(
-            f'{len(found)} {what}: {_list(found)}; choose one (`tier="{first.name}"`)'
-        )
+        several = f"{len(found)} {what}: {_list(found)}"
+        raise source.fault(f'{several}; choose one (`tier="{first.name}"`)')
     return first
 
 
@@ -182,10 +179,8 @@ def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
     found = found or [tier for tier in spoken if WORD_TIER_NAME.fullmatch(tier.role)]
     found = found or [tier for tier in spoken if len(spoken) == 1 and tier.holds_words()]
     if tiers and not found:
-        raise source.fault(
-            f"no tier looks like phones; there is {_list(tiers)}. Name the tier (`tier='NAME'`), "
-            "or align the file first"
-        )
+        what = f"no tier looks like phones; there is {_list(tiers)}"
+        raise source.fault(f"{what}. Name the tier (`tier='NAME'`), or align the file first")
     return found
 
 
@@ -206,10 +201,8 @@ def tiers_of(schedule: Schedule) -> dict[str, list[LabelSpan]]:
     """
     times = [round(float(time), TIME_DIGITS) for time in schedule.times]
     if times[-1] <= 0:
-        raise OutputError(
-            f"{schedule.source}: has no timings to write, as it ends at {schedule.end:g} s; check "
-            "its units per second (--rate)"
-        )
+        what = f"has no timings to write, as it ends at {schedule.end:g} s"
+        raise OutputError(f"{schedule.source}: {what}; check its units per second (--rate)")
     words = [(word, times[word.first], times[word.stop]) for word in schedule.words]
     sure = [
         (f"{word.confidence:.{CONFIDENCE_DIGITS}f}", start, end)

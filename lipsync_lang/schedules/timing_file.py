@@ -86,20 +86,15 @@ class TimingFile:
         except UnicodeDecodeError as error:
             line = self.content.count(b"\n", 0, error.start) + 1
             asked = encoding if self.encoding else "UTF-8 or UTF-16"
-            raise self.fault(
-                f"is not {asked} text (byte {error.start}); save it as UTF-8, or name its "
-                "encoding (`encoding='cp1252'`)",
-                line,
-            ) from None
+            mend = "save it as UTF-8, or name its encoding (`encoding='cp1252'`)"
+            raise self.fault(f"is not {asked} text (byte {error.start}); {mend}", line) from None
         except (LookupError, ValueError):
-            raise self.fault(
-                f"unknown encoding '{encoding}'; try utf-8, utf-16, cp1252 or shift_jis"
-            ) from None
+            what = f"unknown encoding '{encoding}'; try utf-8, utf-16, cp1252 or shift_jis"
+            raise self.fault(what) from None
         if "\0" in text:
             line = text.count("\n", 0, text.index("\0")) + 1
-            raise self.fault(
-                "has zero bytes, so it is not text; check the program that wrote it", line
-            )
+            what = "has zero bytes, so it is not text; check the program that wrote it"
+            raise self.fault(what, line)
         return re.sub(r"\r\n?", "\n", text.removeprefix("\ufeff"))
 
     @cached_property
@@ -135,10 +130,8 @@ class TimingFile:
         try:
             return json.loads(text)
         except json.JSONDecodeError as error:
-            at = line + error.lineno - 1
-            raise self.fault(
-                f"not JSON: {error.msg}; correct the file, or save it again", at, error.colno
-            ) from None
+            what = f"not JSON: {error.msg}; correct the file, or save it again"
+            raise self.fault(what, line + error.lineno - 1, error.colno) from None
         except (RecursionError, ValueError) as error:
             what = "is nested too deep" if isinstance(error, RecursionError) else str(error)
             raise self.fault(f"not JSON of timings: {what}; check what wrote it") from None
@@ -190,16 +183,13 @@ class TimingFile:
         declared = re.search(r"<!(DOCTYPE|ENTITY)", text)
         if declared:
             line = text.count("\n", 0, declared.start()) + 1
-            raise self.fault(
-                f"has a <!{declared[1]}>, which is never read; remove it from the file", line
-            )
+            what = f"has a <!{declared[1]}>, which is never read; remove it from the file"
+            raise self.fault(what, line)
         try:
             return ET.fromstring(re.sub(r"^\s*<\?xml.*?\?>", "", text, flags=re.DOTALL))  # noqa: S314 no entities
         except ET.ParseError as error:
-            raise self.fault(
-                f"not XML: {error.msg.split(':')[0]}; correct the file, or export it again",
-                error.position[0],
-            ) from None
+            what = f"not XML: {error.msg.split(':')[0]}; correct the file, or export it again"
+            raise self.fault(what, error.position[0]) from None
 
     def number(self, value: object, line: int | None = None) -> float:
         """Return a number from JSON, or one in quotes, as a time; other values are errors."""
@@ -282,9 +272,8 @@ def plain_fields(value: object) -> Json:
 
 def timing_bytes(path: Path) -> bytes:
     """Return the bytes of a file of timings; a ScheduleError if it is unreadable or too large."""
-    return read_input(
-        path, MAX_TIMINGS_BYTES, error=ScheduleError, mend="check that it is a schedule"
-    )
+    mend = "check that it is a schedule"
+    return read_input(path, MAX_TIMINGS_BYTES, error=ScheduleError, mend=mend)
 
 
 def _encoding(content: bytes) -> str:

@@ -74,6 +74,9 @@ def read_schedule(  # noqa: PLR0913 facts that a file may lack
 ) -> Schedule:
     """Read timed phonemes from a file.
 
+    Raises ScheduleError if the file is missing, too large, of no known format, or its timings are
+    unsound; or it times words alone (`read_timings` reads those).
+
     Parameters
     ----------
     path : the file; its content and its suffix tell the format. ``-`` is standard input
@@ -83,12 +86,6 @@ def read_schedule(  # noqa: PLR0913 facts that a file may lack
     tier : the tier, speaker or channel, where a file has several
     rate : units per second of the file's times; None for what the format says
     encoding : of the file's text; None for UTF-8 or UTF-16
-
-    Raises
-    ------
-    ScheduleError
-        The file is missing, too large, of no known format, or its timings are unsound; or it times
-        words alone (`read_timings` reads those).
 
     Examples
     --------
@@ -100,10 +97,8 @@ def read_schedule(  # noqa: PLR0913 facts that a file may lack
     """
     found = read_timings(path, notation, read_as=read_as, tier=tier, rate=rate, encoding=encoding)
     if isinstance(found, TimedWords):
-        raise ScheduleError(
-            f"{found.source}: has timed words only, and their phonemes depend on the language; "
-            "add them with `fill_words(read_timings(PATH), LANGUAGE)`"
-        )
+        what = f"{found.source}: has timed words only, and their phonemes depend on the language"
+        raise ScheduleError(f"{what}; add them with `fill_words(read_timings(PATH), LANGUAGE)`")
     return found
 
 
@@ -118,11 +113,7 @@ def read_timings(  # noqa: PLR0913 facts that a file may lack
 ) -> Timings:
     r"""Read timed phonemes from a file, or timed words if it has no phonemes.
 
-    Parameters and errors are those of `read_schedule`.
-
-    Returns
-    -------
-    A schedule, or `TimedWords` for `fill_words`
+    `TimedWords` are for `fill_words`. Parameters and errors are those of `read_schedule`.
 
     Examples
     --------
@@ -176,7 +167,5 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     if named:
         titles = "".join(f"\n  {one.name}: {one.title}" for one in named)
         raise source.fault(f"has none of the formats that end in '{source.path.suffix}':{titles}")
-    raise source.fault(
-        f"no reader for this suffix; known: {', '.join(TIMING_READERS.suffixes())} "
-        "(`lipsync-lang formats`)"
-    )
+    known = ", ".join(TIMING_READERS.suffixes())
+    raise source.fault(f"no reader for this suffix; known: {known} (`lipsync-lang formats`)")

@@ -65,10 +65,8 @@ def read_azure(source: TimingFile) -> Schedule:
     rate = UNITS[unit]
     rows, told = until_next(source, starts, rest="0", end=end, rate=rate)
     if rate != TICKS_PER_SECOND and source.rate is None:
-        told.append(
-            f"{source.path}: its offsets are read as {unit}; if they are not, state how many make "
-            f"a second (`rate={rate:g}`)"
-        )
+        what = f"its offsets are read as {unit}; if they are not, state how many make a second"
+        told.append(f"{source.path}: {what} (`rate={rate:g}`)")
     return shapes_of(source, rows, notation=AZURE_NOTATION, words=words, rate=rate, remarks=told)
 
 
@@ -81,10 +79,8 @@ def _events(source: TimingFile) -> Iterator[tuple[int | None, Json]]:
                 raise source.fault("an event needs an audio offset and a viseme ID", line)
             data = one.get("Data")
             flat = {**one, **data} if isinstance(data, dict) else one
-            yield (
-                line,
-                {PREFIXES.sub(r"\1", name): field for name, field in plain_fields(flat).items()},
-            )
+            named = plain_fields(flat).items()
+            yield line, {PREFIXES.sub(r"\1", name): field for name, field in named}
 
 
 def _number(source: TimingFile, value: object, line: int | None) -> str:
@@ -93,6 +89,5 @@ def _number(source: TimingFile, value: object, line: int | None) -> str:
         value = int(value)
     if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= LAST_VISEME:
         return str(value)
-    raise source.fault(
-        f"{str(value)[:20]!r} is not a viseme; visemes are numbered 0 to {LAST_VISEME}", line
-    )
+    what = f"{str(value)[:20]!r} is not a viseme; visemes are numbered 0 to {LAST_VISEME}"
+    raise source.fault(what, line)

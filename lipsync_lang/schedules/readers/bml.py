@@ -42,11 +42,7 @@ def read_bml(source: TimingFile) -> Schedule:
             strongest[start] = shape
     if not strongest and source.xml.find(".//curve") is not None:
         raise source.fault("has finished curves, not visemes; no timings can be read")
-    told = []
-    if weaker:
-        told.append(
-            f"{source.path}: {weaker} weaker shapes start with a stronger one and are left out"
-        )
+    told = f"{source.path}: {weaker} weaker shapes start with a stronger one and are left out"
     stated = [
         LabelRow(label, at, end) for at, (_, label, end) in strongest.items() if end is not None
     ]
@@ -61,5 +57,5 @@ def read_bml(source: TimingFile) -> Schedule:
     ends = [source.time(word.get("end")) for word in source.xml.iter("word")]
     open_ended = [(label, at, None) for at, (_, label, end) in strongest.items() if end is None]
     rows, guessed = until_next(source, open_ended, rest=SILENCE, end=max(ends, default=None))
-    rows, told = stated + rows, told + guessed
-    return shapes_of(source, rows, words=words, notation=SMARTBODY_NOTATION, remarks=told)
+    rows, remarks = stated + rows, [told] * (weaker > 0) + guessed
+    return shapes_of(source, rows, words=words, notation=SMARTBODY_NOTATION, remarks=remarks)

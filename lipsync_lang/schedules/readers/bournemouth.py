@@ -44,10 +44,8 @@ def read_bournemouth(source: TimingFile) -> Schedule:
             if together and phones[at].end < phones[at + 1].start:
                 joined[at] = phones[at]._replace(end=phones[at + 1].start)
         if joined != phones:
-            told.add(
-                f"{source.path}: there are gaps between the sounds of a word; each sound is "
-                "extended to the next"
-            )
+            what = "there are gaps between the sounds of a word; each sound is extended to the next"
+            told.add(f"{source.path}: {what}")
         rows += joined
         words += spans
     return schedule_of(source, rows, words=words, rate=MILLISECONDS_PER_SECOND, remarks=told)
@@ -55,12 +53,9 @@ def read_bournemouth(source: TimingFile) -> Schedule:
 
 def _rows(source: TimingFile, segment: Json, name: str, *labels: str) -> list[LabelRow]:
     """Return the rows of a list by time; the first of `labels` that a row has is its label."""
-    rows = [
-        LabelRow(
-            next((str(one[label]) for label in labels if label in one), ""),
-            source.number(one.get("start_ms")),
-            source.number(one.get("end_ms")),
-        )
-        for one in source.objects(segment, name, BOURNEMOUTH_FORM)
-    ]
+    rows = []
+    for one in source.objects(segment, name, BOURNEMOUTH_FORM):
+        text = next((str(one[label]) for label in labels if label in one), "")
+        start, end = source.number(one.get("start_ms")), source.number(one.get("end_ms"))
+        rows.append(LabelRow(text, start, end))
     return sorted(rows, key=attrgetter("start"))

@@ -6,7 +6,6 @@ time; several that refer to one share it evenly, in their order.
 """
 
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from operator import methodcaller
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
 
 ELAN_ROOT = "ANNOTATION_DOCUMENT"
-
+ANNOTATIONS = ".//ANNOTATION/*"
 
 Reference = tuple[str, int, int]
 """An annotation's parent, its place among those of the tier that share it, and their number."""
@@ -43,7 +42,7 @@ def read_elan(source: TimingFile) -> Timings:
     timeless = 0
     for element in elements:
         rows = []
-        for one in _annotations(element):
+        for one in element.iterfind(ANNOTATIONS):
             text, span = (one.findtext("ANNOTATION_VALUE") or "").strip(), spans.get(_id(one))
             if span:
                 rows.append(LabelRow(text, span[0] / rate, span[1] / rate))
@@ -52,11 +51,6 @@ def read_elan(source: TimingFile) -> Timings:
     told = f"{source.path}: annotations without a time are left out: {timeless}"
     # The times are in seconds by now.
     return read_tiers(replace(source, rate=None), tiers, remarks=[told] if timeless else ())
-
-
-def _annotations(tier: "Element") -> Iterator["Element"]:
-    for annotation in tier.iter("ANNOTATION"):
-        yield from annotation
 
 
 def _id(annotation: "Element") -> str:
@@ -85,7 +79,7 @@ def _spans(source: TimingFile, document: "Element", tiers: list["Element"]) -> d
     spans: dict[str, TimeSpan] = {}
     references: dict[str, Reference] = {}
     for tier in tiers:
-        found = list(_annotations(tier))
+        found = tier.findall(ANNOTATIONS)
         spans |= _aligned(found, slots)
         parents = [(_id(one), ref) for one in found if (ref := one.get("ANNOTATION_REF"))]
         counts = Counter(parent for _, parent in parents)

@@ -49,9 +49,8 @@ def read_emu(source: TimingFile) -> Timings:
 
 def _label(source: TimingFile, item: Json, name: str) -> str:
     """Return an item's label of a name, or else its first."""
-    labels = {
-        str(one.get("name")): one.get("value") for one in source.objects(item, "labels", EMU_FORM)
-    }
+    found = source.objects(item, "labels", EMU_FORM)
+    labels = {str(one.get("name")): one.get("value") for one in found}
     value = labels.get(name, next(iter(labels.values()), ""))
     return value if isinstance(value, str) else ""
 

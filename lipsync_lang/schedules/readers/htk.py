@@ -107,8 +107,6 @@ def _utterance(source: TimingFile) -> NumberedLines:
     if not names:
         raise source.fault("has no utterance; check that the file is complete")
     if source.tier is None and len(names) > 1:
-        raise source.fault(
-            f"has {len(names)} utterances, such as {', '.join(names[:3])}; choose one "
-            f"(`tier={names[0]!r}`)"
-        )
+        several = f"has {len(names)} utterances, such as {', '.join(names[:3])}"
+        raise source.fault(f"{several}; choose one (`tier={names[0]!r}`)")
     return parts[source.tier or names[0]]

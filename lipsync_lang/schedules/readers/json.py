@@ -53,20 +53,15 @@ def _spans(
 ) -> list[tuple[str, float, float]]:
     """Return (label, start, end) of rows, in seconds; `Schedule` refuses times of other types."""
     for number, row in enumerate(rows):
-        if not (
-            isinstance(row, dict)
-            and isinstance(row.get(name), str)
-            and {"start", "end"} <= row.keys()
-        ):
-            raise source.fault(
-                f"{what} {number} needs {name}, start and end; the form is {TIMINGS_FORM}"
-            )
+        known = isinstance(row, dict) and {"start", "end"} <= row.keys()
+        if not known or not isinstance(row.get(name), str):
+            needs = f"{what} {number} needs {name}, start and end"
+            raise source.fault(f"{needs}; the form is {TIMINGS_FORM}")
+    spans = [(row[name], row["start"], row["end"]) for row in rows]
     if source.rate is None:
-        return [(row[name], row["start"], row["end"]) for row in rows]
-    return [
-        (row[name], *(source.number(row[key]) / source.rate for key in ("start", "end")))
-        for row in rows
-    ]
+        return spans
+    read, rate = source.number, source.rate
+    return [(label, read(start) / rate, read(end) / rate) for label, start, end in spans]
 
 
 def _probability(value: object) -> float | None:

@@ -40,14 +40,7 @@ def read_moho(source: TimingFile) -> Schedule:
     letters = all(LETTER.fullmatch(label) for label, _, _ in starts if label != SILENCE)
     rows, told = until_next(source, starts, rest=SILENCE, rate=MOHO_FPS)
     if source.rate is None:
-        told.append(
-            f"{source.path}: does not state its frame rate; {MOHO_FPS:g} "
-            "frames per second are assumed; if that is wrong, state the rate (`rate=30`)"
-        )
-    return shapes_of(
-        source,
-        rows,
-        notation=rhubarb.RHUBARB_NOTATION if letters else papagayo.PRESTON_BLAIR_NOTATION,
-        rate=MOHO_FPS,
-        remarks=told,
-    )
+        what = f"does not state its frame rate; {MOHO_FPS:g} frames per second are assumed"
+        told.append(f"{source.path}: {what}; if that is wrong, state the rate (`rate=30`)")
+    notation = rhubarb.RHUBARB_NOTATION if letters else papagayo.PRESTON_BLAIR_NOTATION
+    return shapes_of(source, rows, notation=notation, rate=MOHO_FPS, remarks=told)

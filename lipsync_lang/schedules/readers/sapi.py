@@ -20,9 +20,8 @@ SAPI_SPAN = re.compile(r"(?:(\d{1,4})\.)?(\d\d):(\d\d):(\d\d(?:\.\d{1,9})?)", re
 
 def sniff(source: TimingFile) -> bool:
     """Return True for a JSON object or list with visemes at audio positions."""
-    return source.head.lstrip()[:1] in ("{", "[") and all(
-        f'"{name}"' in source.head for name in ("AudioPosition", "Viseme")
-    )
+    named = all(f'"{name}"' in source.head for name in ("AudioPosition", "Viseme"))
+    return named and source.head.lstrip()[:1] in ("{", "[")
 
 
 @reader("sapi", ".json", ".jsonl", sniff=sniff)
@@ -31,9 +30,8 @@ def read_sapi(source: TimingFile) -> Schedule:
     rows: list[LabelRow] = []
     for line, event in source.events:
         if not isinstance(event, dict) or event.get("Viseme") not in range(LAST_VISEME + 1):
-            raise source.fault(
-                f"an event needs AudioPosition, Duration and a Viseme from 0 to {LAST_VISEME}", line
-            )
+            what = f"an event needs AudioPosition, Duration and a Viseme from 0 to {LAST_VISEME}"
+            raise source.fault(what, line)
         start = _seconds(source, event.get("AudioPosition"), line)
         length = _seconds(source, event.get("Duration"), line)
         rows.append(LabelRow(str(int(event["Viseme"])), start, start + length, line))

@@ -26,14 +26,12 @@ def sniff(source: TimingFile) -> bool:
 @reader("sppas", ".xra", sniff=sniff, tiers=True)
 def read_sppas(source: TimingFile) -> Timings:
     """SPPAS's .xra with a tier of phones, and the words where there is a tier of tokens."""
-    return read_tiers(
-        source,
-        [
-            Tier(tier.get("tiername", "").strip(), tuple(_rows(source, tier)))
-            for tier in source.xml.iter("Tier")
-            if tier.get("tiername") is not None  # others are references from media
-        ],
-    )
+    tiers = [
+        Tier(tier.get("tiername", "").strip(), tuple(_rows(source, tier)))
+        for tier in source.xml.iter("Tier")
+        if tier.get("tiername") is not None  # others are references from media
+    ]
+    return read_tiers(source, tiers)
 
 
 def _rows(source: TimingFile, tier: "Element") -> Iterator[LabelRow]:
@@ -50,11 +48,8 @@ def _rows(source: TimingFile, tier: "Element") -> Iterator[LabelRow]:
             choices = [one for one in label if one.tag in ("Tag", "Text")]
             if choices:
                 labels.append((_likeliest(source, choices).text or "").strip())
-        yield LabelRow(
-            " ".join(filter(None, labels)),
-            source.time(begin.get("midpoint")),
-            source.time(end.get("midpoint")),
-        )
+        start, stop = (source.time(one.get("midpoint")) for one in (begin, end))
+        yield LabelRow(" ".join(filter(None, labels)), start, stop)
 
 
 def _likeliest(source: TimingFile, choices: Sequence["Element"]) -> "Element":

@@ -108,16 +108,12 @@ def read_subtitles(source: TimingFile) -> Timings:
 
 def _whole(source: TimingFile) -> Iterator[tuple[list[tuple[int, str]], tuple[str, str]]]:
     """Yield the rows of each cue, also those after an empty line, and its times."""
-    rows: list[tuple[int, str]] = []
-    times = ("", "")
+    whole: list[tuple[list[tuple[int, str]], tuple[str, str]]] = []
     for cue in cues(enumerate(source.text.split("\n"), 1)):
         if cue.times is not None:
-            if rows:
-                yield rows, times
-            rows, times = [], cue.times
-        rows += cue.rows
-    if rows:
-        yield rows, times
+            whole.append(([], cue.times))
+        whole[-1][0].extend(cue.rows)  # the first cue has times
+    return ((rows, times) for rows, times in whole if rows)
 
 
 def _plain(text: str) -> str:

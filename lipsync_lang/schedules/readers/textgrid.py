@@ -112,10 +112,8 @@ class _Tokens:
         if kind == "quote":
             raise self.fault('the text has an unpaired quote; double a quote within a text ("")')
         if kind != group:
-            raise self.fault(
-                f"expected {what} here, not {found[kind][:40]!r}; correct the number of items "
-                "that the file states, or save it again in Praat"
-            )
+            mend = "correct the number of items that the file states, or save it again in Praat"
+            raise self.fault(f"expected {what} here, not {found[kind][:40]!r}; {mend}")
         return found[kind].replace('""', '"')
 
     def count(self, what: str) -> int:
@@ -137,10 +135,8 @@ class _Tokens:
         found = next(self.left, None)
         if found:
             self.at = found.start(found.lastgroup or 0)
-            raise self.fault(
-                "there is more text than the file states; correct the number, or save it again in "
-                "Praat"
-            )
+            what = "there is more text than the file states; correct the number"
+            raise self.fault(f"{what}, or save it again in Praat")
 
 
 def binary_tiers(source: TimingFile) -> Iterator[Tier]:

@@ -25,11 +25,7 @@ TABLE_COLUMNS = {
     "label": ("phoneme", "phone", "label"),
     "start": ("start", "begin", "xmin"),
     "end": ("end", "stop", "xmax"),
-    "duration": ("duration",),
-    "word": ("word",),
-    "type": ("type",),
-    "speaker": ("speaker",),
-    "confidence": ("confidence",),
+    **{name: (name,) for name in ("duration", "word", "type", "speaker", "confidence")},
 }
 """Roles of columns, with their possible names, most likely first."""
 
@@ -113,9 +109,8 @@ def _rows(source: TimingFile) -> Iterator[tuple[int, list[str]]]:
                 yield start, row
             start = rows.line_num + 1
     except csv.Error as error:
-        raise source.fault(
-            f'{error}; check for a " that is open, or alone in a cell', start
-        ) from None
+        what = f'{error}; check for a " that is open, or alone in a cell'
+        raise source.fault(what, start) from None
 
 
 def _delimiter(first: str) -> str:

@@ -29,8 +29,7 @@ def read_timit(source: TimingFile) -> Timings:
 
 
 def _rows(source: TimingFile) -> list[LabelRow]:
-    rows: list[LabelRow] = []
-    for number, found in source.matches(TIMIT_LINE, "two samples and a label"):
-        start, end = source.time(found[1], number), source.time(found[2], number)
-        rows.append(LabelRow(found[3], start, end, number))
-    return rows
+    return [
+        LabelRow(found[3], source.time(found[1], number), source.time(found[2], number), number)
+        for number, found in source.matches(TIMIT_LINE, "two samples and a label")
+    ]

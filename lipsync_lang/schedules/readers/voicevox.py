@@ -43,10 +43,9 @@ def read_voicevox(source: TimingFile) -> Schedule:
         moras = _objects(source, phrase, "moras")
         spoken: list[TimedSound] = []
         for mora in moras:
-            if mora.get("consonant"):
-                length = _number(source, mora, "consonantlength", 0.0)
-                spoken.append((str(mora["consonant"]), length))
-            spoken.append((str(mora.get("vowel", "")), _number(source, mora, "vowellength", 0.0)))
+            for kind in ("consonant", "vowel") if mora.get("consonant") else ("vowel",):
+                length = _number(source, mora, f"{kind}length", 0.0)
+                spoken.append((str(mora.get(kind, "")), length))
         asks = moras and phrase.get("isinterrogative")
         if asks and _number(source, moras[-1], "pitch", 0.0) > 0:
             spoken.append((str(moras[-1].get("vowel", "")), QUESTION_SECONDS))

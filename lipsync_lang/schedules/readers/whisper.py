@@ -118,11 +118,6 @@ def _part(source: TimingFile, item: Json) -> RecognisedPart:
     start, end = (None if one is None else source.number(one) for one in pair)
     sure = next((item[name] for name in CONFIDENCES if name in item), None)
     speaker = item.get("speaker")
-    is_sound = item.get("type") == "audio_event"
-    return RecognisedPart(
-        "" if is_sound else text,
-        start,
-        end,
-        float(sure) if isinstance(sure, (int, float)) and 0 <= sure <= 1 else None,
-        speaker if isinstance(speaker, str) else "",
-    )
+    sure = float(sure) if isinstance(sure, (int, float)) and 0 <= sure <= 1 else None
+    text = "" if item.get("type") == "audio_event" else text
+    return RecognisedPart(text, start, end, sure, speaker if isinstance(speaker, str) else "")

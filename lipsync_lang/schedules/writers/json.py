@@ -22,22 +22,17 @@ def json_text(schedule: Schedule) -> str:
     """
     stresses = schedule.stress or (None,) * len(schedule)
     times = [round(float(time), TIME_DIGITS) for time in schedule.times]
+    sounds = zip(schedule.labels, times, times[1:], stresses, strict=False)
     phonemes = [
         {"label": label, "start": start, "end": end}
         | ({} if stress is None else {"stress": stress})
-        for label, start, end, stress in zip(
-            schedule.labels, times, times[1:], stresses, strict=False
-        )
+        for label, start, end, stress in sounds
     ]
     words = [
         {"text": word.text, "start": times[word.first], "end": times[word.stop]}
         | ({"emphasis": word.emphasis} if word.emphasis else {})
-        | (
-            {}
-            if word.confidence is None
-            else {"confidence": round(word.confidence, CONFIDENCE_DIGITS)}
-        )
-        for word in schedule.words
+        | ({} if sure is None else {"confidence": round(sure, CONFIDENCE_DIGITS)})
+        for word, sure in ((word, word.confidence) for word in schedule.words)
     ]
     stated = {"notation": schedule.notation, "language": schedule.language}
     head = [f'  "{key}": {json.dumps(value)},\n' for key, value in stated.items() if value]
