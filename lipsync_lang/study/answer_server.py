@@ -11,7 +11,7 @@ import os
 import socket
 import time
 from collections import deque
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from hashlib import blake2b
 from http import HTTPStatus
 from ipaddress import ip_address
@@ -93,11 +93,8 @@ class AnswerLog:
         self.path = path
         self._study = study
         self._lock = Lock()
-        content = b""
         try:
-            content = path.read_bytes()
-        except FileNotFoundError:
-            pass
+            content = path.read_bytes() if path.exists() else b""
         except OSError as error:
             raise LipsyncError(f"{path}: cannot be read: {error.strerror}") from None
         self._known = {_digest(line) for line in content.split(b"\n") if line}
@@ -185,21 +182,16 @@ class StudySite:
             CORSMiddleware, allow_origins=[*self._origins], allow_methods=["POST"],
             allow_headers=["content-type"],
         )  # fmt: skip
-        return Starlette(
-            routes=routes, middleware=[cors], exception_handlers={HTTPException: _refusal}
-        )
+        refusals = {HTTPException: _refusal}
+        return Starlette(routes=routes, middleware=[cors], exception_handlers=refusals)
 
     async def send_page(self, request: Request) -> Response:
         """Send the page."""
         self._refuse_other_sites(request)
-
-        def parts() -> Iterator[memoryview]:
-            whole = memoryview(self._page)
-            yield from (whole[at : at + PART_BYTES] for at in range(0, len(whole), PART_BYTES))
-
-        return StreamingResponse(
-            parts(), headers={"Content-Length": str(len(self._page))}, media_type="text/html"
-        )
+        whole = memoryview(self._page)
+        parts = (whole[at : at + PART_BYTES] for at in range(0, len(whole), PART_BYTES))
+        length = {"Content-Length": str(len(whole))}
+        return StreamingResponse(parts, headers=length, media_type="text/html")
 
     async def take_answers(self, request: Request) -> Response:
         """Store the answers of a rater."""
@@ -268,18 +260,15 @@ class AnswerServer:
         allowed = frozenset(one if one == "null" else origin_of(one) for one in origins)
         log = AnswerLog(folder / ANSWERS, study)
         if not 0 <= port <= MAX_PORT:
-            raise LipsyncError(
-                f"port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free port"
-            )
+            what = f"give a number from 1 to {MAX_PORT}, or 0 for a free port"
+            raise LipsyncError(f"port {port}: {what}")
         site = StudySite(_page(folder / PAGE, study), log, allowed)
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
             self._listener = socket.create_server((host, port), family=family, backlog=MAX_WAITING)
         except OSError as error:
-            raise LipsyncError(
-                f"{host}, port {port}: cannot be used: {error}; "
-                "choose another port, or 0 for a free port"
-            ) from None
+            what = f"cannot be used: {error}; choose another port, or 0 for a free port"
+            raise LipsyncError(f"{host}, port {port}: {what}") from None
         self.answers = log.path
         self.port: int = self._listener.getsockname()[1]
         config = uvicorn.Config(
@@ -311,9 +300,8 @@ def _page(path: Path, study: Study) -> bytes:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise LipsyncError(
-            f"{path}: cannot be read: {error.strerror}; make the study again"
-        ) from None
+        what = f"cannot be read: {error.strerror}; make the study again"
+        raise LipsyncError(f"{path}: {what}") from None
     if study.study.encode() not in content:
         raise LipsyncError(f"{path}: is the page of another study; make the study again")
     posted = json.dumps(POST_PATH.lstrip("/")).encode()

@@ -149,9 +149,8 @@ class _Sorting:
         self._pairs = {pair.pair: pair for pair in study.pairs}
 
     def _aside(self, reason: str, one: _Rater, words: str) -> None:
-        self._told.set_aside.append(
-            SetAsideAnswers(reason, one.place, one.rater, 1, len(one.given), words)
-        )
+        found = SetAsideAnswers(reason, one.place, one.rater, 1, len(one.given), words)
+        self._told.set_aside.append(found)
 
     def submission(self, place: str, text: bytes | LipsyncError) -> _Rater | None:
         """Return a submission to this study; set aside everything else."""
@@ -176,9 +175,8 @@ class _Sorting:
             reason, words = "no answers", "the rater has no number"
         if reason:
             self._told.answers += len(answers)
-            self._told.set_aside.append(
-                SetAsideAnswers(reason, place, name, 1, len(answers), words)
-            )
+            aside = SetAsideAnswers(reason, place, name, 1, len(answers), words)
+            self._told.set_aside.append(aside)
             return None
         found = _Rater(place, name, bool(data["finished"]), answers)
         self._read_answers(found)
@@ -325,21 +323,14 @@ class _Sorting:
         for answer in one.answers:  # seconds run from the first sight of the pair
             spent[answer.pair] = max(spent.get(answer.pair, 0.0), answer.seconds)
         stated = self._rules.least_seconds
-        return {
-            pair: took
-            for pair, took in spent.items()
-            if took
-            < (self._pairs[pair].seconds or UNKNOWN_CLIP_SECONDS if stated is None else stated)
-        }
+        clips = {pair: self._pairs[pair].seconds or UNKNOWN_CLIP_SECONDS for pair in spent}
+        least = clips if stated is None else dict.fromkeys(spent, stated)
+        return {pair: took for pair, took in spent.items() if took < least[pair]}
 
 
 def _pattern(one: _Rater, *, timed: bool) -> tuple[Any, ...]:
-    return tuple(
-        sorted(
-            (a.pair, a.question, a.choice, a.strength, a.seconds if timed else 0.0)
-            for a in one.answers
-        )
-    )
+    found = ((a.pair, a.question, a.choice, a.strength, a.seconds * timed) for a in one.answers)
+    return tuple(sorted(found))
 
 
 def _shown(value: Any, most: int = 40) -> str:

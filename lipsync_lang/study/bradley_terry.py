@@ -98,9 +98,8 @@ def ranking(
     for one in choices:
         given[one.rater].append(one)
     by_rater = [win_matrix(own, index) for own in given.values()]
-    found = sorted(
-        _described(methods, wins, strengths, by_rater), key=lambda one: (-one.strength, one.method)
-    )
+    described = _described(methods, wins, strengths, by_rater)
+    found = sorted(described, key=lambda one: (-one.strength, one.method))
     tail, flips = chi_square_tail(ratio, freedom), flipped_raters(by_rater, wins)
     return Ranking(character, question, tuple(found), max(ratio, 0.0), freedom, tail, flips)
 
@@ -195,17 +194,9 @@ def _described(
         ends = zip((strengths - half).tolist(), (strengths + half).tolist(), strict=True)
         intervals = [Interval(*both) for both in ends]
     others = (_chances(strengths).sum(axis=1) - 0.5) / (len(methods) - 1)
-    return [
-        MethodStrength(
-            method=method,
-            wins=int(wins[n].sum()),
-            choices=int(wins[n].sum() + wins[:, n].sum()),
-            strength=float(strengths[n]),
-            interval=intervals[n],
-            beats_others=float(others[n]),
-        )
-        for n, method in enumerate(methods)
-    ]
+    won, lost = wins.sum(axis=1).astype(int), wins.sum(axis=0).astype(int)
+    figures = won.tolist(), (won + lost).tolist(), strengths.tolist()
+    return list(map(MethodStrength, methods, *figures, intervals, others.tolist()))
 
 
 def _named(methods: Sequence[str], among: Bools) -> str:

@@ -34,7 +34,6 @@ class Choice(NamedTuple):
     character: str
     question: str
     chosen: str
-    """Preferred method."""
     other: str
     strength: int
     """Strength of the preference, 1 to 5."""
@@ -90,9 +89,8 @@ class Comparison:
     difference: float
     """Share of the first method less that of the second: the paper's "stronger preference"."""
     strength_of_first: MeanStrength | None
-    """Strength of preferences for the first method."""
     strength_of_second: MeanStrength | None
-    """Strength of preferences for the second method."""
+    """Strengths of the preferences for the methods; None without a choice for the method."""
     chi_square: float
     """Goodness of fit to an even split, 1 degree of freedom."""
     p_chi_square: float
@@ -105,7 +103,6 @@ class Comparison:
     p_lines: float
     """Exact sign-flip test over lines."""
     clustering: Clustering
-    """Dependence of the choices of one rater."""
     agreement: Agreement | None
     """Agreement of the raters; None if no pair has two raters."""
 

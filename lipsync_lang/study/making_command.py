@@ -123,18 +123,12 @@ def _add_clips(made: argparse.ArgumentParser) -> None:
         help="ours, keyframes, dominance, held, NAME=FOLDER of files named after the lines, "
         "NAME=character:OTHER, NAME=bank:FILE or NAME=motion:PRESET; give two or more",
     )  # fmt: skip
-    compared.add_argument(
-        "--pairs", metavar="N", type=partial(_number, 1),
-        help="largest number of pairs, chosen evenly [all]",
-    )  # fmt: skip
-    compared.add_argument(
-        "--checks", metavar="N", type=partial(_number, 0),
-        help="number of attention checks [one for every ten pairs]",
-    )  # fmt: skip
-    compared.add_argument(
-        "--raters-see", metavar="N", type=partial(_number, 1),
-        help="number of pairs that each rater sees [all]",
-    )  # fmt: skip
+    for name, least, told in (
+        ("--pairs", 1, "largest number of pairs, chosen evenly [all]"),
+        ("--checks", 0, "number of attention checks [one for every ten pairs]"),
+        ("--raters-see", 1, "number of pairs that each rater sees [all]"),
+    ):
+        compared.add_argument(name, metavar="N", type=partial(_number, least), help=told)
     compared.add_argument(
         "--seed", metavar="N", type=int, default=1, help="seed of all random choices [1]"
     )
@@ -203,15 +197,9 @@ def new(options: Namespace) -> int:
     checks = sum(pair.check is not None for pair in made.study.pairs)
     key, page = options.output / STUDY_NAME, options.output / PAGE
     if options.json:
-        facts = {
-            "study": made.study.study,
-            "pairs": len(made.study.pairs),
-            "checks": checks,
-            "rendered": made.rendered,
-            "page_bytes": made.page_bytes,
-            "left_out": made.remarks,
-        }
-        print(as_json(facts))
+        facts = {"study": made.study.study, "pairs": len(made.study.pairs), "checks": checks}
+        done = {"rendered": made.rendered, "page_bytes": made.page_bytes}
+        print(as_json(facts | done | {"left_out": made.remarks}))
     told = (
         f"{count(len(made.study.pairs) - checks, 'pair')}, {count(checks, 'attention check')}, "
         f"{count(made.rendered, 'clip')} rendered, page of {made.page_bytes / 1e6:.1f} MB"
@@ -230,17 +218,10 @@ def _plan(options: Namespace) -> "StudyPlan":
     from lipsync_lang.study.study_maker import StudyPlan
     from lipsync_lang.study.study_page import CONSENT, PageTexts, parse_asked
 
-    def remark(text: str) -> None:
-        print(text, file=sys.stderr)
-
+    remark = partial(print, file=sys.stderr)
     methods = parse_methods(options.method)
-    found = read_lines(
-        options.lines,
-        column=options.column,
-        encoding=options.encoding,
-        remark=remark,
-        cleaning=cleaning(options),
-    )
+    how = {"column": options.column, "encoding": options.encoding, "cleaning": cleaning(options)}
+    found = read_lines(options.lines, remark=remark, **how)
     lines = study_lines(found, options.text, options.audio, remark)
     characters = tuple(_cast(options, name) for name in dict.fromkeys(options.character))
     consent = CONSENT
@@ -264,12 +245,8 @@ def _cast(options: Namespace, name: str) -> "StudyCharacter":
     from lipsync_lang.study.methods import StudyCharacter, with_bank
 
     def resolved(character: str | Path) -> "Performer":
-        performer = resolve_pair(
-            options.language,
-            character,
-            paths=options.path,
-            motion=motion_settings(options.settings),
-        )
+        motion = motion_settings(options.settings)
+        performer = resolve_pair(options.language, character, paths=options.path, motion=motion)
         return replace(performer, cleaning=cleaning(options))
 
     own = resolved(name)
@@ -294,9 +271,8 @@ def serve(options: Namespace) -> int:
     try:
         from lipsync_lang.study.answer_server import AnswerServer
     except ImportError:
-        raise LipsyncError(
-            f"the server needs Starlette and uvicorn: {install_line('studio')}"
-        ) from None
+        what = "the server needs Starlette and uvicorn"
+        raise LipsyncError(f"{what}: {install_line('studio')}") from None
 
     with AnswerServer(options.folder, options.host, options.port, options.origin) as server:
         host = f"[{options.host}]" if ":" in options.host else options.host

@@ -93,10 +93,8 @@ def parse_methods(texts: list[str]) -> tuple[Method, ...]:
     if twice is not None:
         raise LipsyncError(f"method '{twice}' is given twice; give each a name (NAME=SOURCE)")
     if len(methods) < 2:  # noqa: PLR2004 a pair
-        raise LipsyncError(
-            "a study compares two methods or more; give `ours`, "
-            f"{', '.join(BASELINES)}, or NAME=SOURCE"
-        )
+        known = f"`ours`, {', '.join(BASELINES)}, or NAME=SOURCE"
+        raise LipsyncError(f"a study compares two methods or more; give {known}")
     return methods
 
 
@@ -135,10 +133,9 @@ class StudyCharacter:
             if made.poses != self.performer.poses:
                 made = other.rigged(made)
                 if {one.name for one in own.columns}.isdisjoint(one.name for one in made.columns):
-                    raise LipsyncError(
-                        f"method '{method.name}': {other.character} moves no pose or channel of "
-                        f"{self.name}; name a character with the same pose set or rig"
-                    )
+                    what = f"{other.character} moves no pose or channel of {self.name}"
+                    mend = "name a character with the same pose set or rig"
+                    raise LipsyncError(f"method '{method.name}': {what}; {mend}")
             return _over(self.shown(made), own)
         if method.how in BASELINES:
             made = BASELINES[method.how](self.performer, own.schedule, self.fps)
@@ -210,10 +207,8 @@ def lacks(method: Method, line: str) -> bool:
 def _refuse_apart(path: Path, end: float, schedule: Schedule) -> None:
     """Refuse curves that end long before or after the line."""
     if abs(end - schedule.end) > MAX_APART_SECONDS + 0.1 * schedule.end:
-        raise LipsyncError(
-            f"{path}: ends at {end:.1f} s, but the line ends at {schedule.end:.1f} s; "
-            "check that the file is for this line"
-        )
+        what = f"ends at {end:.1f} s, but the line ends at {schedule.end:.1f} s"
+        raise LipsyncError(f"{path}: {what}; check that the file is for this line")
 
 
 def _over(made: Animation, own: Animation) -> Animation:
@@ -221,9 +216,8 @@ def _over(made: Animation, own: Animation) -> Animation:
     if np.array_equal(made.times, own.times):
         return made
     columns = [np.interp(own.times, made.times, column) for column in made.weights.T]
-    return replace(
-        made, times=own.times, weights=np.column_stack(columns), fps=own.fps, schedule=own.schedule
-    )
+    weights = np.column_stack(columns)
+    return replace(made, times=own.times, weights=weights, fps=own.fps, schedule=own.schedule)
 
 
 def _from_rest(animation: Animation) -> Animation:
@@ -234,10 +228,8 @@ def _from_rest(animation: Animation) -> Animation:
     times, step = animation.times, REST_FRAMES / animation.fps
     begin = max(0.0, times[0] + step)
     end = min(animation.schedule.end, times[-1] - step)
-    rising, sinking = (
-        (times - times[0]) / (begin - times[0]),
-        (times[-1] - times) / (times[-1] - end),
-    )
+    rising = (times - times[0]) / (begin - times[0])
+    sinking = (times[-1] - times) / (times[-1] - end)
     share = np.clip(np.minimum(rising, sinking), 0.0, 1.0)
     return replace(animation, weights=animation.weights * share[:, None])
 

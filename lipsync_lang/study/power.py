@@ -100,24 +100,20 @@ def plan_study(question: PowerQuestion) -> PowerPlan:
 def _check(question: PowerQuestion) -> None:
     share = question.share
     if not 0 < share < 1 or abs(share - 0.5) < MIN_DISTANCE:
-        raise LipsyncError(
-            f"`share={share:g}`: give a share between 0 and 1 that differs from 0.5 by at least "
-            f"{MIN_DISTANCE:g}"
-        )
+        what = f"give a share between 0 and 1 that differs from 0.5 by at least {MIN_DISTANCE:g}"
+        raise LipsyncError(f"`share={share:g}`: {what}")
     for name, value in (("power", question.power), ("alpha", question.alpha)):
         if not MIN_CHANCE <= value <= 1 - MIN_CHANCE:
-            raise LipsyncError(
-                f"`{name}={value:g}`: give a number from {MIN_CHANCE:g} to {1 - MIN_CHANCE:g}"
-            )
+            what = f"give a number from {MIN_CHANCE:g} to {1 - MIN_CHANCE:g}"
+            raise LipsyncError(f"`{name}={value:g}`: {what}")
     if not 0 <= question.correlation <= 1:
         raise LipsyncError(f"`correlation={question.correlation:g}`: give a number from 0 to 1")
     for name, number in (("raters", question.raters), ("pairs", question.pairs)):
         if number is not None and number < 1:
             raise LipsyncError(f"`{name}={number}`: give a number of at least 1")
     if (question.raters or 1) * (question.pairs or 1) > MAX_CHOICES:
-        raise LipsyncError(
-            f"more than {MAX_CHOICES:,} choices are too many; give fewer raters or pairs"
-        )
+        what = f"more than {MAX_CHOICES:,} choices are too many"
+        raise LipsyncError(f"{what}; give fewer raters or pairs")
 
 
 def effective_choices(raters: int, pairs: int, correlation: float) -> int:
@@ -141,9 +137,8 @@ def pairs_for(choices: int, raters: int, correlation: float) -> int:
         )
     pairs = max(1, ceil(choices * (1 - correlation) / room - 1e-9))
     if raters * pairs > MAX_CHOICES:
-        raise LipsyncError(
-            f"`raters={raters}`: each rater would need {pairs:,} pairs; take more raters"
-        )
+        what = f"each rater would need {pairs:,} pairs; take more raters"
+        raise LipsyncError(f"`raters={raters}`: {what}")
     return pairs
 
 

@@ -53,14 +53,8 @@ def report_page(report: StudyReport) -> str:
 
 def _pairs(report: StudyReport) -> list[dict[str, Any]]:
     """Return views of two methods on one question for the template."""
-    keys = dict.fromkeys((one.question, one.first, one.second) for one in report.comparisons)
     views = []
-    for question, first, second in keys:
-        rows = tuple(
-            one
-            for one in report.comparisons
-            if (one.question, one.first, one.second) == (question, first, second)
-        )
+    for (question, first, second), rows in report.by_pair().items():
         view = {"question": question, "first": first, "second": second, "rows": rows}
         views.append({**view, "shares": _shares(rows), "strengths": _strengths(rows)})
     return views
@@ -111,14 +105,10 @@ def _strength_plot(ranking: Ranking) -> Plotted | None:
         return None
     ends = [one.interval or Interval(one.strength, one.strength) for one in ranking.methods]
     most = max(0.5, *(abs(end) for interval in ends for end in interval))
-    rows = [
-        _row(
-            one.method,
-            f"{one.strength:+.2f}",
-            [_dot("first", one.strength, one.interval, -most, most)],
-        )
-        for one in ranking.methods
-    ]
+    rows = []
+    for one in ranking.methods:
+        dots = [_dot("first", one.strength, one.interval, -most, most)]
+        rows.append(_row(one.method, f"{one.strength:+.2f}", dots))
     return {
         "title": f"{ranking.question.capitalize()}, {ranking.character or EVERYBODY}",
         "caption": "",

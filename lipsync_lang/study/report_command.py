@@ -76,25 +76,19 @@ def add_power(action: Add) -> None:
         "--share", metavar="X", type=float, required=True,
         help="expected share of choices for the better method, such as 0.6",
     )  # fmt: skip
-    made.add_argument(
-        "--raters", metavar="N", type=int, help="number of raters [as many as needed]"
-    )
-    made.add_argument(
-        "--pairs", metavar="N", type=int, help="number of pairs per rater [10, 20 and 40]"
-    )
-    made.add_argument(
-        "--power", metavar="X", type=float, default=0.8,
-        help="wanted probability of a significant result [0.8]",
-    )  # fmt: skip
-    made.add_argument(
-        "--alpha", metavar="X", type=float, default=0.05,
-        help="level of the two-sided test [0.05]",
-    )  # fmt: skip
-    made.add_argument(
-        "--correlation", metavar="X", type=float, default=0.1,
-        help="correlation of the choices of one rater, 0 to 1; the report of a study measures it "
-        "[0.1]",
-    )  # fmt: skip
+    for name, told in (
+        ("--raters", "number of raters [as many as needed]"),
+        ("--pairs", "number of pairs per rater [10, 20 and 40]"),
+    ):
+        made.add_argument(name, metavar="N", type=int, help=told)
+    alike = "correlation of the choices of one rater, 0 to 1; the report of a study measures it"
+    for name, usual, told in (
+        ("--power", 0.8, "wanted probability of a significant result"),
+        ("--alpha", 0.05, "level of the two-sided test"),
+        ("--correlation", 0.1, alike),
+    ):
+        help_ = f"{told} [{usual}]"
+        made.add_argument(name, metavar="X", type=float, default=usual, help=help_)
     add_json(made)
 
 
@@ -122,10 +116,8 @@ def report(options: Namespace) -> int:
         write_all({options.output: lambda stream: stream.write(content)})
         tell_written(options.output)
     if not found.answers.choices:
-        print(
-            "no choice counts; the report lists the excluded answers and the reasons",
-            file=sys.stderr,
-        )
+        what = "no choice counts; the report lists the excluded answers and the reasons"
+        print(what, file=sys.stderr)
         return FAULTS
     return SOUND
 

@@ -134,9 +134,6 @@ def of_one_size(contents: Sequence[bytes]) -> list[bytes]:
     """
     size = max(map(len, contents)) + FREE_BOX_BYTES
     return [
-        content
-        + (size - len(content)).to_bytes(4, "big")
-        + b"free"
-        + bytes(size - len(content) - FREE_BOX_BYTES)
-        for content in contents
+        content + room.to_bytes(4, "big") + b"free" + bytes(room - FREE_BOX_BYTES)
+        for content, room in ((content, size - len(content)) for content in contents)
     ]

@@ -228,9 +228,8 @@ def answer_files(places: Iterable[Path]) -> list[Path]:
                 if not (start.startswith(b"{") and f'"{REPORT_FORMAT}"'.encode() in start):
                     inside.append(path)
         if not inside:
-            raise LipsyncError(
-                f"{place}: contains no .json or .jsonl file of answers; name another folder"
-            )
+            what = "contains no .json or .jsonl file of answers; name another folder"
+            raise LipsyncError(f"{place}: {what}")
         found |= dict.fromkeys(inside)
     return list(found)
 

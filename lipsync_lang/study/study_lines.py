@@ -7,7 +7,7 @@ import random
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -74,10 +74,8 @@ def study_lines(
         some = shortlist(without, MAX_LISTED_LINES)
         remark(f"{recordings}: has no recordings with the names {some}; these lines are left out")
     if len(without) == len(lines):
-        raise LipsyncError(
-            f"{recordings}: has no recording with the name of a line; "
-            "name each recording after its line"
-        )
+        what = "has no recording with the name of a line; name each recording after its line"
+        raise LipsyncError(f"{recordings}: {what}")
     return tuple(
         replace(line, recording=only_file(files[line.name])) for line in lines if line.name in files
     )
@@ -88,9 +86,8 @@ def files_by_stem(folder: Path) -> dict[str, list[Path]]:
     try:
         files = sorted(path for path in folder.iterdir() if path.is_file())
     except OSError as error:
-        raise LipsyncError(
-            f"{folder}: cannot be listed: {error.strerror}; check the path"
-        ) from None
+        what = f"cannot be listed: {error.strerror}; check the path"
+        raise LipsyncError(f"{folder}: {what}") from None
     found: dict[str, list[Path]] = {}
     for path in files:
         if not path.name.startswith("."):
@@ -134,11 +131,9 @@ def possible_pairs(
     lacks: Callable[[str, str], bool],
 ) -> Iterator[ClipPair]:
     """Yield every pair of methods on each line and character, unless a method `lacks` the line."""
-    for character in characters:
-        for line in lines:
-            there = [method for method in methods if not lacks(method, line)]
-            for pair in combinations(there, 2):
-                yield ClipPair(line, character, pair)
+    for character, line in product(characters, lines):
+        there = [method for method in methods if not lacks(method, line)]
+        yield from (ClipPair(line, character, pair) for pair in combinations(there, 2))
 
 
 def in_balanced_order(pairs: Iterable[ClipPair], seed: int) -> Iterator[ClipPair]:
@@ -179,10 +174,8 @@ def laid_out(pairs: Sequence[ClipPair], checks: int, seed: int) -> tuple[StudyPa
     check are by the same method. Raises LipsyncError if there are too many pairs.
     """
     if len(pairs) + checks > MAX_PAIRS:
-        raise LipsyncError(
-            f"there are {len(pairs) + checks} pairs with the checks; "
-            f"a study has at most {MAX_PAIRS} (`pairs`)"
-        )
+        what = f"there are {len(pairs) + checks} pairs with the checks"
+        raise LipsyncError(f"{what}; a study has at most {MAX_PAIRS} (`pairs`)")
     chance = random.Random(f"{seed} sides")  # noqa: S311 a repeatable choice is wanted
     turned: dict[tuple[str, str], bool] = {}
     rows: list[tuple[str, str, str, str, ClipSide | None]] = []

@@ -73,7 +73,6 @@ class NewStudy:
     rendered: int
     """Number of clips rendered in this run."""
     page_bytes: int
-    """Size of the page in bytes."""
     remarks: tuple[str, ...] = ()
     """Sentences on pairs that were left out, with the reason."""
 
@@ -96,10 +95,8 @@ def make_study(
     checks = max(1, round(len(chosen) / PAIRS_PER_CHECK)) if plan.checks is None else plan.checks
     pairs = laid_out(chosen, checks, plan.seed)
     clips = dict(stage.clips(pairs))
-    lengths = {name: max(clip.seconds for clip in two) for name, two in clips.items()}
-    pairs = tuple(
-        pair.model_copy(update={"seconds": round(lengths[pair.pair], 2)}) for pair in pairs
-    )
+    lengths = {name: round(max(clip.seconds for clip in two), 2) for name, two in clips.items()}
+    pairs = tuple(pair.model_copy(update={"seconds": lengths[pair.pair]}) for pair in pairs)
     study = _study(plan, pairs, {name: [c.digest for c in two] for name, two in clips.items()})
     _refuse_another(folder, study)
     made = [clip for two in clips.values() for clip in two]
@@ -139,9 +136,8 @@ class _PairMaker:
             without = [line.name for line in plan.lines if lacks(method, line.name)]
             if without:
                 some = shortlist(without, MAX_LISTED_LINES)
-                self.remarks.append(
-                    f"method '{method.name}' has no file for {some}; these lines are left out"
-                )
+                remark = f"method '{method.name}' has no file for {some}; these lines are left out"
+                self.remarks.append(remark)
         found = possible_pairs(
             list(self._lines), list(self._characters), list(self._methods),
             lambda method, line: lacks(self._methods[method], line),
@@ -221,10 +217,8 @@ def _refuse_another(folder: Path, study: Study) -> None:
     if key.exists():
         there = read_study(key)
         if there.study != study.study:
-            raise LipsyncError(
-                f"{folder}: contains another study, '{there.title}' ({there.study}); "
-                "name another folder"
-            )
+            what = f"contains another study, '{there.title}' ({there.study})"
+            raise LipsyncError(f"{folder}: {what}; name another folder")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

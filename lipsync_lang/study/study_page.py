@@ -8,7 +8,7 @@ requests to the address for answers.
 import json
 from base64 import b64encode
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from hashlib import sha256
 from importlib.resources import files
 from typing import Any
@@ -89,9 +89,8 @@ class PageTexts:
     def refuse_faults(self) -> None:
         """Refuse a consent text, questions or an address that a page cannot have."""
         if not self.consent.strip() or len(self.consent) > MAX_CONSENT_CHARS:
-            raise LipsyncError(
-                f"the consent text must have between 1 and {MAX_CONSENT_CHARS} characters"
-            )
+            what = f"the consent text must have between 1 and {MAX_CONSENT_CHARS} characters"
+            raise LipsyncError(what)
         keys = [one.key for one in self.asked]
         if len(set(keys)) < len(keys) or len(keys) > MAX_ASKED:
             raise LipsyncError(f"ask at most {MAX_ASKED} questions, and each only once (`ask`)")
@@ -109,9 +108,8 @@ def origin_of(address: str) -> str:
         parts, port, host = urlsplit(""), "", ""
     plain = host.isascii() and host.replace("-", "").replace(".", "").isalnum()
     if parts.scheme not in {"http", "https"} or not plain or parts.username is not None:
-        raise LipsyncError(
-            f"{address}: is not a web address; give one such as https://example.org/answers"
-        )
+        what = "is not a web address; give one such as https://example.org/answers"
+        raise LipsyncError(f"{address}: {what}")
     return f"{parts.scheme}://{host}{port}"
 
 
@@ -165,9 +163,7 @@ def _document(study: Study, texts: PageTexts) -> dict[str, Any]:
         "study": study.study,
         "title": study.title,
         "consent": [part for part in texts.consent.split("\n\n") if part.strip()],
-        "asked": [
-            {"key": one.key, "label": one.label, "choices": one.choices} for one in texts.asked
-        ],
+        "asked": [asdict(one) for one in texts.asked],
         "questions": [
             {"key": key, **DEFINITIONS[key]} for key in QUESTIONS if key in study.questions
         ],

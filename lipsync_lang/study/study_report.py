@@ -34,6 +34,13 @@ class StudyReport:
     notes: tuple[str, ...]
     """Sentences that limit the meaning of the figures."""
 
+    def by_pair(self) -> dict[tuple[str, str, str], list[Comparison]]:
+        """Return the comparisons of each question and two methods."""
+        found: dict[tuple[str, str, str], list[Comparison]] = {}
+        for one in self.comparisons:
+            found.setdefault((one.question, one.first, one.second), []).append(one)
+        return found
+
     def to_dict(self) -> dict[str, Any]:
         """Return the report as JSON data; `docs/reference/study-report.md` names its keys."""
         answers, rules = self.answers, self.rules.words
@@ -102,17 +109,10 @@ def report_answers(
     """Report a study from files of answers."""
     rules = rules or SortingRules()
     answers = sort_answers(files, study, rules)
-    comparisons = compared(answers.choices, study.methods)
-    rankings = ranked(answers.choices, study.methods)
-    return StudyReport(
-        study,
-        tuple(map(str, files)),
-        rules,
-        answers,
-        tuple(comparisons),
-        tuple(rankings),
-        tuple(_notes(study, answers, comparisons)),
-    )
+    comparisons = tuple(compared(answers.choices, study.methods))
+    rankings = tuple(ranked(answers.choices, study.methods))
+    names, notes = tuple(map(str, files)), tuple(_notes(study, answers, comparisons))
+    return StudyReport(study, names, rules, answers, comparisons, rankings, notes)
 
 
 def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Comparison]) -> list[str]:
@@ -126,9 +126,8 @@ def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Compariso
     fewest = min(min(one.raters, one.lines) for one in comparisons)
     if 2.0 ** (1 - fewest) >= SIGNIFICANCE_LEVEL:
         few = "1 rater or line" if fewest == 1 else f"{fewest} raters or lines"
-        notes.append(
-            f"with {few}, p cannot be below {2.0 ** (1 - fewest):.2g}; take more raters and lines"
-        )
+        least = f"p cannot be below {2.0 ** (1 - fewest):.2g}"
+        notes.append(f"with {few}, {least}; take more raters and lines")
     if len(comparisons) > 1:
         notes.append(
             f"{len(comparisons)} comparisons are tested; with Bonferroni's correction, each needs "

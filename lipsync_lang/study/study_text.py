@@ -27,19 +27,11 @@ def report_text(report: StudyReport) -> str:
         f"of {count(answers.submissions, 'submission')} with {count(answers.answers, 'answer')}; "
         f"{count(answers.checks, 'answer')} to attention checks"
     )
-    heading = [
-        f"{study.title or 'study'} ({study.study})",
-        f"methods: {', '.join(study.methods)}",
-        counted,
-    ]
+    title = f"{study.title or 'study'} ({study.study})"
+    heading = [title, f"methods: {', '.join(study.methods)}", counted]
     blocks: list[Iterable[str]] = [heading, _set_aside(report)]
-    cells = dict.fromkeys((one.question, one.first, one.second) for one in report.comparisons)
-    for question, first, second in sorted(cells, key=lambda cell: study.questions.index(cell[0])):
-        rows = [
-            one
-            for one in report.comparisons
-            if (one.question, one.first, one.second) == (question, first, second)
-        ]
+    cells = sorted(report.by_pair().items(), key=lambda cell: study.questions.index(cell[0][0]))
+    for (question, first, second), rows in cells:
         preferences = (f"  {line}" for line in columns(_preferences(rows)))
         blocks.append((f"{question}: {first} against {second}", *preferences))
         blocks.append(f"  {line}" for line in columns(_strengths(rows)))
@@ -118,17 +110,11 @@ def _ranking(found: Ranking) -> Iterator[str]:
         yield f"  none: {found.problem}"
         return
     rows = [("method", "choices for", "of", "strength", "95 % raters", "beats others")]
-    rows += [
-        (
-            one.method,
-            f"{one.wins:11}",
-            f"{one.choices}",
-            f"{one.strength:+.2f}",
-            "-" if one.interval is None else f"{one.interval.low:+.2f} to {one.interval.high:+.2f}",
-            percent(one.beats_others),
-        )
-        for one in found.methods
-    ]
+    for one in found.methods:
+        around = one.interval
+        ends = "-" if around is None else f"{around.low:+.2f} to {around.high:+.2f}"
+        figures = f"{one.wins:11}", f"{one.choices}", f"{one.strength:+.2f}", ends
+        rows.append((one.method, *figures, percent(one.beats_others)))
     yield from (f"  {line}" for line in columns(rows))
     yield f"  {equal_strengths(found)}"
 
@@ -153,16 +139,9 @@ def plan_text(plan: PowerPlan) -> str:
         f"designs, if choices of the same rater have a correlation of {asked.correlation:g}:",
     ]
     rows = [("pairs each", "raters", "choices", "worth", "power")]
-    rows += [
-        (
-            f"{one.pairs:10,}",
-            f"{one.raters:6,}",
-            f"{one.choices:7,}",
-            f"{one.effective:5,}",
-            percent(one.power),
-        )
-        for one in plan.rows
-    ]
+    for one in plan.rows:
+        sizes = f"{one.pairs:10,}", f"{one.raters:6,}", f"{one.choices:7,}"
+        rows.append((*sizes, f"{one.effective:5,}", percent(one.power)))
     return "\n".join([*lines, *(f"  {line}" for line in columns(rows))]) + "\n"
 
 
