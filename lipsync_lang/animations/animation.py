@@ -101,9 +101,8 @@ class Animation:
         """Title in output files: the words of the schedule, or the name of its source file."""
         source = Path(self.schedule.source)
         words = " ".join(word.text for word in self.schedule.words)
-        return shorten(words, 60, placeholder=" ...") or (
-            source.stem if source.suffix else "lipsync"
-        )
+        named = source.stem if source.suffix else "lipsync"
+        return shorten(words, 60, placeholder=" ...") or named
 
     @property
     def columns(self) -> tuple[Channel, ...]:
@@ -131,10 +130,8 @@ class Animation:
     def keyframes(self, suits: float, *, lines: bool = False) -> "list[KeyedCurve]":
         """Return a minimal set of keyframes for each column within an error.
 
-        Parameters
-        ----------
-        suits : default error of the format; `ExportSettings.key_error` takes precedence
-        lines : straight lines in any case, for formats without tangents
+        `suits` is the default error of the format; `ExportSettings.key_error` takes precedence.
+        With `lines`, they are of straight lines in any case, for formats without tangents.
         """
         from lipsync_lang.animations.keys import curves
 
@@ -172,9 +169,7 @@ class Animation:
     def show(self, height: int = 760) -> "PageFrame":
         """Return the page of the animation for a notebook, which plays it in place.
 
-        Parameters
-        ----------
-        height : of the frame in pixels
+        The `height` is that of the frame in pixels.
 
         Examples
         --------
@@ -220,14 +215,8 @@ class Animation:
     def to_frame(self, library: FrameLibrary | None = None) -> Any:
         """Return a data frame: one row per frame, with `time_s` and a column per pose.
 
-        Parameters
-        ----------
-        library : the data frame library; None for pandas if installed, else polars
-
-        Raises
-        ------
-        LipsyncError
-            The library is not installed.
+        By default, the `library` is pandas if installed, else polars. Raises LipsyncError if it is
+        not installed.
 
         Examples
         --------
@@ -275,6 +264,9 @@ class Animation:
     ) -> None:
         """Write to a file.
 
+        Raises LipsyncError if the format is unknown, the file cannot be written, or `keys` is out
+        of range.
+
         Parameters
         ----------
         path : the output file; its suffix selects the format (``lipsync-lang formats`` lists them).
@@ -283,11 +275,6 @@ class Animation:
         keys : maximum error of keyframes; by default, that of the `export` settings
         lines : straight lines within `keys`, also in formats with tangents; 0 drops only frames on
             a straight line
-
-        Raises
-        ------
-        LipsyncError
-            The format is unknown, the file cannot be written, or `keys` is out of range.
         """
         from lipsync_lang.animations.animation_writers import save
         from lipsync_lang.files import argument_path

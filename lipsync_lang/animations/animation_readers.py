@@ -110,16 +110,12 @@ def read_animation(path: str | Path) -> Recording:
     if not chosen:
         what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix"
         fail(path, what, f"known: {', '.join(ANIMATION_READERS.suffixes())}")
-    content = read_input(
-        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="check that it is an animation"
-    )
+    mend = "check that it is an animation"
+    content = read_input(path, MAX_ANIMATION_BYTES, error=AnimationError, mend=mend)
     fits = [one for one in chosen if one.fits is None or one.fits(content)]
     if not fits:
-        fail(
-            path,
-            f"is no {' or '.join(one.name for one in chosen)}",
-            "check the program that wrote it",
-        )
+        what = f"is no {' or '.join(one.name for one in chosen)}"
+        fail(path, what, "check the program that wrote it")
     return fits[0].read(path, content)
 
 

@@ -49,13 +49,9 @@ def fit(times: Floats, values: Floats, error: float, floors: Floats | None = Non
     table = np.array(slopes)
     _join(spans, keys, table)
     none = np.zeros((1, values.shape[1]))
+    arriving, leaving = np.concatenate((none, table[:, 1])), np.concatenate((table[:, 0], none))
     frames = np.array(keys, np.int64)
-    return Spline(
-        frames,
-        values[frames],
-        np.concatenate((none, table[:, 1])),
-        np.concatenate((table[:, 0], none)),
-    )
+    return Spline(frames, values[frames], arriving, leaving)
 
 
 class _CurveSpans:

@@ -43,20 +43,16 @@ def held(animation: Animation, rest: str) -> list[HeldShape]:
     """
     end = animation.offset + sound(animation)
     if end <= 0:
-        raise OutputError(
-            f"`offset={animation.offset:g}`: the sound ends {-end:g} s before the start of "
-            "the timeline; give a later offset"
-        )
+        what = f"the sound ends {-end:g} s before the start of the timeline; give a later offset"
+        raise OutputError(f"`offset={animation.offset:g}`: {what}")
     begin, weights = _frames(animation, end)
     contacts = [animation.poses.index(pose) for pose in animation.contacts]
     shown = strongest(weights, contacts, _least(animation))
     names = (*animation.poses, animation.neutral or rest)
     starts = [0, *_changes(shown)]
     times = [0.0, *(begin + start / animation.fps for start in starts[1:]), end]
-    return [
-        HeldShape(names[shown[start]], *span)
-        for start, span in zip(starts, pairwise(times), strict=True)
-    ]
+    spans = zip(starts, pairwise(times), strict=True)
+    return [HeldShape(names[shown[start]], *span) for start, span in spans]
 
 
 def sound(animation: Animation) -> float:

@@ -120,10 +120,8 @@ def checked(error: float, *, lines: bool = False) -> float:
         return error
     if not 0 < error <= LARGEST_ERROR:
         least = "0 or more" if lines else "above 0"
-        raise LipsyncError(
-            f"keys={error:g}: give the largest error of keys, {least} and at most "
-            f"{LARGEST_ERROR:g}, such as 0.01"
-        )
+        what = f"the largest error of keys, {least} and at most {LARGEST_ERROR:g}, such as 0.01"
+        raise LipsyncError(f"keys={error:g}: give {what}")
     return error
 
 

@@ -37,15 +37,11 @@ def shapes(animation: Animation) -> list[MovingShape]:
     for column in () if columns else shape_columns(animation):
         channel = animation.columns[column]
         columns[channel.mesh or "", channel.name].append(column)
-    weights, poses, floors = animation.weights, animation.poses, animation.contacts
-    return [
-        MovingShape(
-            *key,
-            weights[:, own].max(axis=1),
-            max(floors.get(poses[column], 0.0) for column in own),
-        )
-        for key, own in columns.items()
-    ]
+    found = []
+    for key, own in columns.items():
+        floor = max(animation.contacts.get(animation.poses[column], 0.0) for column in own)
+        found.append(MovingShape(*key, animation.weights[:, own].max(axis=1), floor))
+    return found
 
 
 def keys(animation: Animation, found: list[MovingShape], suits: float) -> list[KeyedCurve]:

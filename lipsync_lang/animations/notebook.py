@@ -28,9 +28,8 @@ class PageFrame:
 
     def __repr__(self) -> str:
         """Say how the page is shown elsewhere."""
-        return (
-            f"<PageFrame of {len(self.page) / 1e6:.1f} MB; save('line.html') writes it to a file>"
-        )
+        size = f"{len(self.page) / 1e6:.1f} MB"
+        return f"<PageFrame of {size}; save('line.html') writes it to a file>"
 
     def _repr_html_(self) -> str:
         """Show the page in notebooks."""

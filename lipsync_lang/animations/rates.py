@@ -47,9 +47,8 @@ def parse_rate(text: str) -> float:
     try:
         return exact(float(Fraction(text) if "/" in text else text))
     except (ValueError, ZeroDivisionError, OverflowError):
-        raise LipsyncError(
-            f"--fps {text}: write a number of frames per second, or a fraction such as 24000/1001"
-        ) from None
+        what = "write a number of frames per second, or a fraction such as 24000/1001"
+        raise LipsyncError(f"--fps {text}: {what}") from None
 
 
 def timecode(frame: int, fps: float) -> str:
@@ -65,22 +64,18 @@ def parse_offset(text: str, fps: float) -> float:
     try:
         seconds = float(text) if found is None else 0.0
     except ValueError:
-        raise LipsyncError(
-            f"--offset {text}: write seconds (--offset 1.5) or a timecode (--offset 01:00:00:00)"
-        ) from None
+        what = "write seconds (--offset 1.5) or a timecode (--offset 01:00:00:00)"
+        raise LipsyncError(f"--offset {text}: {what}") from None
     if found is not None:
         rate = round(fps)
         hours, minutes, whole, frames = (int(found[at]) for at in (1, 2, 3, 5))
         if frames >= rate:
             raise LipsyncError(f"--offset {text}: a second has frames 0 to {rate - 1} here")
         if found[4] == ";":
-            raise LipsyncError(
-                f"--offset {text}: a semicolon means drop-frame, and every frame is counted here; "
-                "write the seconds"
-            )
+            what = "a semicolon means drop-frame, and every frame is counted here"
+            raise LipsyncError(f"--offset {text}: {what}; write the seconds")
         seconds = (((hours * 60 + minutes) * 60 + whole) * rate + frames) / fps
     if not abs(seconds) <= DAY:
-        raise LipsyncError(
-            f"--offset {text}: a timeline lasts at most one day; give an earlier time"
-        )
+        what = "a timeline lasts at most one day; give an earlier time"
+        raise LipsyncError(f"--offset {text}: {what}")
     return seconds

@@ -8,19 +8,9 @@ import numpy as np
 from lipsync_lang.animations.animation_readers import Recording, fail, reader, text_of
 from lipsync_lang.arrays import Floats
 
-TIME_COLUMNS = {
-    "time": 1.0,
-    "times": 1.0,
-    "seconds": 1.0,
-    "sec": 1.0,
-    "t": 1.0,
-    "timestamp": 1.0,
-    "timeseconds": 1.0,
-    "timecode": 1.0,
-    "ms": 1e-3,
-    "timems": 1e-3,
-    "milliseconds": 1e-3,
-}
+TIME_COLUMNS = dict.fromkeys(("ms", "timems", "milliseconds"), 1e-3) | dict.fromkeys(
+    ("time", "times", "seconds", "sec", "t", "timestamp", "timeseconds", "timecode"), 1.0
+)
 """Normalised headers of time columns, and their units in seconds."""
 
 SEPARATORS = ",;\t"
@@ -51,9 +41,8 @@ def table_of(
     head = [name.strip() for name in rows[0]]
     unit = TIME_COLUMNS.get("".join(filter(str.isalpha, head[0].lower())))
     if unit is None:
-        fail(
-            f"{path}:1", f"its first column is '{head[0]}', not a time", "name it time_s or time_ms"
-        )
+        what = f"its first column is '{head[0]}', not a time"
+        fail(f"{path}:1", what, "name it time_s or time_ms")
     values = np.array([_numbers(path, n, row, len(head)) for n, row in enumerate(rows[1:], 2)])
     table = values.reshape(-1, len(head))
     return table[:, 0] * unit, tuple(head[1:]), table[:, 1:]

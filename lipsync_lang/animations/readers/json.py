@@ -73,11 +73,8 @@ def _schedule(path: Path, document: dict[str, Any]) -> Schedule | None:
     if not isinstance(rows, list) or not rows:
         return None
     try:
-        return Schedule.from_intervals(
-            [(row["label"], row["start"], row["end"]) for row in rows],
-            source=str(path),
-            notation=document.get("notation"),
-            language=document.get("language"),
-        )
+        spans = [(row["label"], row["start"], row["end"]) for row in rows]
+        stated = {name: document.get(name) for name in ("notation", "language")}
+        return Schedule.from_intervals(spans, source=str(path), **stated)
     except (KeyError, TypeError, ScheduleError) as error:
         fail(path, f"its phonemes are invalid ({error})", "each needs label, start and end")

@@ -67,10 +67,7 @@ def _code(path: Path, line: int, row: list[str], count: int) -> tuple[float, flo
         fail(f"{path}:{line}", f"has {len(row)} values for {count} columns", "export it again")
     found = TIMECODE_CELL.fullmatch(row[0].strip())
     if found is None:
-        fail(
-            f"{path}:{line}",
-            f"'{row[0][:20]}' is not a timecode",
-            "write hours:minutes:seconds:frames",
-        )
+        what = f"'{row[0][:20]}' is not a timecode"
+        fail(f"{path}:{line}", what, "write hours:minutes:seconds:frames")
     hours, minutes, seconds, frames = map(float, found.groups())
     return hours * 3600 + minutes * 60 + seconds, frames

@@ -23,10 +23,8 @@ AZURE_NAMES = "azure.txt"
 def _table(animation: Animation) -> Floats:
     """Return the values of each frame; refuse another rate, and other shapes."""
     if animation.fps != FPS:
-        raise OutputError(
-            f"{AZURE}'s blend shapes are {FPS} frames a second, and this is {animation.fps:g}; "
-            f"perform it with `fps={FPS}`"
-        )
+        what = f"{AZURE}'s blend shapes are {FPS} frames a second, and this is {animation.fps:g}"
+        raise OutputError(f"{what}; perform it with `fps={FPS}`")
     return laid_out(animation, names(AZURE_NAMES), AZURE)
 
 

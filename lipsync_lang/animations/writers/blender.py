@@ -35,17 +35,16 @@ def write_blender(animation: Animation, out: TextIO) -> None:
     for number in shape_columns(animation):
         channel, curve = animation.columns[number], curves[number]
         spellings = [name for _, name, column in on_meshes if column == number]
-        channels.append(
-            {
-                "names": list(dict.fromkeys([channel.name, *spellings, *channel.names])),
-                "mesh": channel.mesh,
-                "frames": _frames(animation, curve.times - animation.begins),
-                "values": curve.values.round(6).tolist(),
-            }
-        )
+        keys: dict[str, object] = {
+            "names": list(dict.fromkeys([channel.name, *spellings, *channel.names])),
+            "mesh": channel.mesh,
+            "frames": _frames(animation, curve.times - animation.begins),
+            "values": curve.values.round(6).tolist(),
+        }
         if curve.cubic:
             slopes = np.column_stack((curve.arriving, curve.leaving)) / animation.fps
-            channels[-1]["slopes"] = slopes.round(8).tolist()
+            keys["slopes"] = slopes.round(8).tolist()
+        channels.append(keys)
     take = {
         "name": animation.title,
         "fps": rate,

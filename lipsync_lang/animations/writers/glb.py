@@ -70,9 +70,8 @@ def unplaced(animation: Animation) -> Iterator[str]:
 def animated_model(animation: Animation) -> Model:
     """Return the model that an animation moves; refuse an animation without one."""
     if animation.model is None:
-        raise OutputError(
-            "there is no model to animate; name one (`model`), or state `model:` in the character"
-        )
+        mend = "name one (`model`), or state `model:` in the character"
+        raise OutputError(f"there is no model to animate; {mend}")
     return _model(animation.model, animation.columns)
 
 
@@ -124,9 +123,7 @@ class _NewAnimation:
     def __init__(
         self, model: Model, times: npt.NDArray[np.float32], error: float | None, face: str
     ) -> None:
-        self.model = model
-        self.face = face
-        self.times = times.astype(float)
+        self.model, self.face, self.times = model, face, times.astype(float)
         self.error = None if error is None else margin(error)
         self.changed: Json = {}
         self.appended: dict[str, list[Json]] = {}
@@ -158,13 +155,10 @@ class _NewAnimation:
     def sample(
         self, kind: str, values: Floats, span: float = 1.0, floors: Floats | None = None
     ) -> int:
-        """Append values over time and return the index of the new sampler.
+        """Append values (T, n) over time and return the index of the new sampler.
 
-        Parameters
-        ----------
-        values : (T, n)
-        span : the range of the values, of which the error of keys is a share
-        floors : (n,) levels that contacts hold
+        `span` is the range of the values, of which the error of keys is a share; `floors` (n,) are
+        levels that contacts hold.
         """
         clock, rows, way = self._lines, values, "LINEAR"
         if self.error:
@@ -195,9 +189,8 @@ class _NewAnimation:
         own = {key: value for key, value in first.items() if key != "uri"}
         if self.face:  # a GLB has its own data in the first buffer, so the others move up
             others = [own | {"uri": self.face}, *others]
-            self.changed["bufferViews"] = [
-                _moved_up(view) for view in self.model.document.get("bufferViews", ())
-            ]
+            views = self.model.document.get("bufferViews", ())
+            self.changed["bufferViews"] = list(map(_moved_up, views))
         self.changed["buffers"] = [own | {"byteLength": start + length}, *others]
         taken = [row.get("name") for row in self.model.document.get("animations", ())]
         number, free = 1, name
@@ -223,9 +216,6 @@ def _moved_up(row: Json) -> Json:
     """Return a buffer view, and those within its extensions, in the next buffer."""
     moved = {name: _moved_up(one) if isinstance(one, dict) else one for name, one in row.items()}
     return moved | {"buffer": row["buffer"] + 1} if "buffer" in row else moved
-
-
-# Morph targets
 
 
 def _move_shapes(
@@ -261,9 +251,6 @@ def _move_shapes(
             take.drive(number, "weights", samplers[key])
 
 
-# Nodes
-
-
 def _move_nodes(take: _NewAnimation, channels: Sequence[Channel], values: Floats) -> None:
     """Rotate and translate bone nodes relative to their rest transform."""
     moves: dict[str, list[tuple[Channel, Floats]]] = defaultdict(list)
@@ -286,10 +273,8 @@ def _move_node(take: _NewAnimation, number: int, moves: list[tuple[Channel, Floa
             continue
         axis = np.array(channel.rotation, dtype=np.float64)
         if not axis.any():
-            raise OutputError(
-                f"'{channel.name}': a rotation about (0, 0, 0) has no effect; give it an axis, "
-                "as (1, 0, 0)"
-            )
+            what = "a rotation about (0, 0, 0) has no effect; give it an axis, as (1, 0, 0)"
+            raise OutputError(f"'{channel.name}': {what}")
         rotations.append(turns(axis, degrees))
     if rotations:
         rest = numbers(path, f"rotation of {what}", node.get("rotation", [*IDENTITY]), 4)

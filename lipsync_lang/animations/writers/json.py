@@ -15,6 +15,7 @@ def write_json(animation: Animation, out: TextIO) -> None:
     schedule = animation.schedule
     times = [round(t, 6) for t in schedule.times.tolist()]
     marks = schedule.stress or (None,) * len(schedule)
+    sounds = zip(schedule.labels, times, times[1:], marks, strict=False)
     document = {
         "format": "lipsync-lang animation 1",
         "fps": animation.fps,
@@ -27,9 +28,7 @@ def write_json(animation: Animation, out: TextIO) -> None:
         "phonemes": [
             {"label": label, "start": start, "end": end}
             | ({} if stress is None else {"stress": stress})
-            for label, start, end, stress in zip(
-                schedule.labels, times, times[1:], marks, strict=False
-            )
+            for label, start, end, stress in sounds
         ],
         "words": [
             {"text": w.text, "start": times[w.first], "end": times[w.stop]}

@@ -29,11 +29,10 @@ def _refuse_others(animation: Animation) -> dict[str, str]:
     known = {name.casefold(): name for name in _known()}
     others = [pose for pose in animation.poses if pose.casefold() not in known]
     if others:
-        raise OutputError(
-            f"Rhubarb's mouth shapes are {', '.join(known.values())}, and {some(others)} "
-            f"{'is' if len(others) == 1 else 'are'} unknown; perform on a character that has "
-            "those shapes (-c rhubarb)"
-        )
+        unknown = f"{some(others)} {'is' if len(others) == 1 else 'are'} unknown"
+        mend = "perform on a character that has those shapes (-c rhubarb)"
+        known_ones = ", ".join(known.values())
+        raise OutputError(f"Rhubarb's mouth shapes are {known_ones}, and {unknown}; {mend}")
     return known
 
 
@@ -50,9 +49,8 @@ def write_xml(animation: Animation, out: TextIO) -> None:
     """Rhubarb's mouth shapes as XML: the start and end of each."""
     shapes = _shapes(animation)
     # XML 1.0 cannot represent other characters.
-    file = "".join(
-        c if c in "\t\n\r" or c.isprintable() else "\ufffd" for c in animation.schedule.source
-    )
+    source = animation.schedule.source
+    file = "".join(c if c in "\t\n\r" or c.isprintable() else "\ufffd" for c in source)
     cues = "".join(
         f'    <mouthCue start="{shape.start:.2f}" end="{shape.end:.2f}">{shape.name}</mouthCue>\n'
         for shape in shapes

@@ -37,10 +37,8 @@ def _cues(animation: Animation) -> Iterator[tuple[int, int, str]]:
     """Yield start and end in milliseconds, at least 1 ms apart, and text of each word's cue."""
     schedule = animation.schedule
     if not schedule.words:
-        raise OutputError(
-            f"there are no words to write: {schedule.source} has only phonemes; speak text, or "
-            "give a schedule with a tier of words"
-        )
+        what = f"there are no words to write: {schedule.source} has only phonemes"
+        raise OutputError(f"{what}; speak text, or give a schedule with a tier of words")
     for word in schedule.words:
         ends = schedule.times[[word.first, word.stop]] + animation.offset
         start, end = (max(0, round(1000 * seconds)) for seconds in ends.tolist())

@@ -115,12 +115,9 @@ def write_unity(animation: Animation, out: TextIO) -> None:
     """A Unity animation clip: keyframes of blend shapes."""
     found = shapes(animation)
     out.write(UNITY_HEAD.format(name=_text(animation.title)))
-    out.writelines(
-        UNITY_CURVE.format(
-            keys=_keys(curve), attribute=_text(f"blendShape.{shape.name}"), path=_text(shape.mesh)
-        )
-        for shape, curve in zip(found, keys(animation, found, ERROR), strict=True)
-    )
+    for shape, curve in zip(found, keys(animation, found, ERROR), strict=True):
+        names = {"attribute": _text(f"blendShape.{shape.name}"), "path": _text(shape.mesh)}
+        out.write(UNITY_CURVE.format(keys=_keys(curve), **names))
     stop = _number(float(animation.timeline[-1]))
     out.write(TAIL.format(fps=_number(animation.fps), stop=stop))
 
@@ -136,16 +133,12 @@ def _keys(curve: KeyedCurve) -> str:
     else:  # of the rounded points, so that the line is straight
         slopes = [(w - v) / (u - t) for (t, v), (u, w) in pairwise(points)]
         before, after = [0.0, *slopes], [*slopes, 0.0]
-    return "".join(
-        KEY.format(
-            time=_number(t),
-            value=_number(v),
-            before=_number(m),
-            after=_number(n),
-            mode=int(m != n) if curve.cubic else LINEAR,
-        )
-        for (t, v), m, n in zip(points, before, after, strict=True)
-    )
+    rows = []
+    for (time, value), m, n in zip(points, before, after, strict=True):
+        sides = {"before": _number(m), "after": _number(n)}
+        mode = int(m != n) if curve.cubic else LINEAR
+        rows.append(KEY.format(time=_number(time), value=_number(value), mode=mode, **sides))
+    return "".join(rows)
 
 
 def _number(value: float) -> str:

@@ -22,9 +22,8 @@ def write_unreal(animation: Animation, out: TextIO) -> None:
     counts = Counter(name.casefold() for name in animation.poses)
     twice = [name for name in animation.poses if counts[name.casefold()] > 1]
     if twice:
-        raise OutputError(
-            f"Unreal Engine does not distinguish {' and '.join(twice)}; rename one of them"
-        )
+        what = f"Unreal Engine does not distinguish {' and '.join(twice)}"
+        raise OutputError(f"{what}; rename one of them")
     animation = animation.thinned()
     table = csv.writer(out, lineterminator="\r\n")
     times = (animation.times + animation.offset).tolist()

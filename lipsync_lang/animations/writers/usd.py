@@ -45,10 +45,8 @@ def write_usd(animation: Animation, out: TextIO) -> None:
         moves.setdefault(shape.name, shape.values)
     strays = {shape.name for shape in found if (shape.values != moves[shape.name]).any()}
     if apart := [name for name in moves if name in strays]:
-        raise OutputError(
-            f"{some(apart)}: moves differently on different meshes, but USD identifies "
-            "shapes by name; rename it on one of the meshes"
-        )
+        what = "moves differently on different meshes, but USD identifies shapes by name"
+        raise OutputError(f"{some(apart)}: {what}; rename it on one of the meshes")
     frames = (animation.times + animation.offset) * animation.fps
     numbers = (f"{round(frame, 6) + 0.0:.6f}" for frame in frames.tolist())
     codes = [number.rstrip("0").rstrip(".") for number in numbers]
@@ -68,7 +66,6 @@ def write_usd(animation: Animation, out: TextIO) -> None:
     )
     row = "        %s: [" + ", ".join(["%.6g"] * len(moves)) + "],\n"
     table = np.column_stack([*moves.values()]).round(6) + 0.0
-    out.writelines(
-        row % (code, *weights) for code, weights in zip(codes, table.tolist(), strict=True)
-    )
+    samples = zip(codes, table.tolist(), strict=True)
+    out.writelines(row % (code, *weights) for code, weights in samples)
     out.write("    }\n}\n")

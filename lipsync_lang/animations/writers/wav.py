@@ -15,10 +15,8 @@ def write_wav(animation: Animation, out: BinaryIO) -> None:
     """The speech, 16 bit mono; its first sample is time zero of the curves."""
     audio = animation.schedule.audio
     if audio is None:
-        raise OutputError(
-            f"there is no sound to write: {animation.schedule.source} has no audio; "
-            "speak text instead, or omit the .wav"
-        )
+        what = f"there is no sound to write: {animation.schedule.source} has no audio"
+        raise OutputError(f"{what}; speak text instead, or omit the .wav")
     write_samples(audio.samples, audio.rate, out)
 
 
