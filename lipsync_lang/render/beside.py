@@ -31,13 +31,10 @@ def plot_beside(animations: Sequence[Animation], stream: BinaryIO, format: str =
     if not animations:
         raise LipsyncError("there is no animation to draw; give at least one")
     first = animations[0].schedule
-    for one in animations[1:]:
-        if one.schedule.labels != first.labels or not np.array_equal(
-            one.schedule.times, first.times
-        ):
-            raise LipsyncError(
-                "the animations are of different lines; give animations of the same schedule"
-            )
+    for own in (one.schedule for one in animations[1:]):
+        if own.labels != first.labels or not np.array_equal(own.times, first.times):
+            what = "the animations are of different lines"
+            raise LipsyncError(f"{what}; give animations of the same schedule")
     draw(lambda: _page(animations), stream, format)
 
 
@@ -55,9 +52,8 @@ def _page(animations: Sequence[Animation]) -> "Figure":
     width = left + RIGHT + float(np.clip((end - begin) * PER_SECOND, WIDTH, MOST))
     height = HEAD + sum(heights) + GAP * len(heights) + FOOT
     figure = Figure(figsize=(width, height))
-    figure.text(
-        left / width, 1 - 0.1 / height, title_of(schedule), size=12, weight="bold", va="top"
-    )
+    corner, title = (left / width, 1 - 0.1 / height), title_of(schedule)
+    figure.text(*corner, title, size=12, weight="bold", va="top")
     top = height - HEAD
     for number, (one, row, tall) in enumerate(zip(animations, rows, heights, strict=True)):
         top -= GAP
@@ -80,9 +76,8 @@ def _face(axes: "Axes", animation: Animation, rows: Sequence[int], hue: str) -> 
     """Draw the moving poses of one face."""
     for row, pose in enumerate(rows):
         low = row + 0.97
-        axes.fill_between(
-            animation.times, low, low - 0.9 * animation.weights[:, pose], color=hue, lw=0
-        )
+        high = low - 0.9 * animation.weights[:, pose]
+        axes.fill_between(animation.times, low, high, color=hue, lw=0)
     axes.set_yticks(np.arange(len(rows)) + 0.6, [animation.poses[p] for p in rows], size=8)
     axes.tick_params(axis="y", length=0)
     performer = performer_of(animation)

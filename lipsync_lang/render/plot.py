@@ -82,9 +82,8 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
     """Draw an animation of a performer with its stages, in one of `PLOT_FORMATS`, in any case."""
     line = PerformedLine.of(animation)
     if line is None:
-        raise OutputError(
-            "an animation without a performer has no stages; perform its schedule to draw it"
-        )
+        what = "an animation without a performer has no stages; perform its schedule to draw it"
+        raise OutputError(what)
     draw(lambda: _page(View(animation, line)), stream, format)
 
 
@@ -188,10 +187,8 @@ def _scales(axes: "Axes", view: View) -> None:
     ends = [(view.y(row, end), f"{end}") for row in range(len(view.moving)) for end in (0, 1)]
     if view.spectrogram is not None:
         names += [("sound", layout.SOUND / 2), ("spectrum", layout.SOUND + layout.SPECTRUM / 2)]
-        ends += [
-            (layout.SOUND + layout.SPECTRUM, "0"),
-            (layout.SOUND, f"{view.spectrogram.highest / 1000:g}k"),
-        ]
+        highest = f"{view.spectrogram.highest / 1000:g}k"
+        ends += [(layout.SOUND + layout.SPECTRUM, "0"), (layout.SOUND, highest)]
     axes.set_yticks([at for _, at in names], [name for name, _ in names], size=10)
     axes.tick_params(axis="y", length=0, pad=22)
     axes.set_yticks([at for at, _ in ends], [end for _, end in ends], minor=True, size=7)

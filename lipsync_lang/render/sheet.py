@@ -62,9 +62,8 @@ def moments(
     first, last = float(animation.times[0]), float(animation.times[-1])
     for one in seconds:
         if not first <= one <= last:
-            raise OutputError(
-                f"{one:g} s is outside the animation, which runs from {first:.3f} to {last:.3f} s"
-            )
+            runs = f"which runs from {first:.3f} to {last:.3f} s"
+            raise OutputError(f"{one:g} s is outside the animation, {runs}")
     scene, swept = staged(animation), staged(sweep(animation))
     camera = close_up(swept) if close else framed(swept)
     stills = [_still(animation.schedule, one) for one in seconds]

@@ -30,10 +30,5 @@ def sweep(animation: Animation) -> Animation:
     most = np.abs(animation.weights).max(axis=0, initial=0.0)
     bones = np.array([channel.node is not None for channel in animation.columns])
     levels = np.where(bones & (most > 0), most, 1.0)
-    return replace(
-        animation,
-        times=np.arange(count + 1.0),
-        weights=np.vstack([np.zeros(count), np.diag(levels)]),
-        fps=1.0,
-        export=ExportSettings(),
-    )
+    times, weights = np.arange(count + 1.0), np.vstack([np.zeros(count), np.diag(levels)])
+    return replace(animation, times=times, weights=weights, fps=1.0, export=ExportSettings())

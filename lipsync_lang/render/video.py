@@ -104,10 +104,8 @@ def find_ffmpeg() -> str:
     try:
         return str(get_ffmpeg_exe())
     except RuntimeError as error:
-        raise OutputError(
-            f"ffmpeg was not found ({error}); set the environment variable IMAGEIO_FFMPEG_EXE "
-            "to its path"
-        ) from None
+        mend = "set the environment variable IMAGEIO_FFMPEG_EXE to its path"
+        raise OutputError(f"ffmpeg was not found ({error}); {mend}") from None
 
 
 def _encode(command: Sequence[str], artist: Artist, times: Sequence[float]) -> None:

@@ -107,9 +107,8 @@ def draw_waveform(axes: "Axes", view: "View") -> None:
     start, stop = (int(t * audio.rate) for t in np.clip(axes.get_xlim(), 0, audio.seconds))
     step = max(1, round(audio.rate / (view.scale * PIXELS_PER_INCH)))
     count = (stop - start) // step
-    loudest = max(
-        1.0, *np.abs([audio.samples.min(initial=0), audio.samples.max(initial=0)], dtype=float)
-    )
+    extremes = [audio.samples.min(initial=0), audio.samples.max(initial=0)]
+    loudest = max(1.0, *np.abs(extremes, dtype=float))
     columns = audio.samples[start : start + count * step].reshape(count, step) / loudest
     if count:
         times = (start + np.arange(count) * step) / audio.rate

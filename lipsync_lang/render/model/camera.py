@@ -69,13 +69,10 @@ def framed(scene: Scene) -> Camera:
         middle[1] += wanted * 0.1
         room = np.array([wanted / 2, wanted / 2, np.inf])
         low, high = np.maximum(low, middle - room), np.minimum(high, middle + room)
-    middle = (low + high) / 2
-    half = max(high[:2] - low[:2]) / 2 * ROOM
     back, front = scene.rest[:, 2].min(), scene.rest[:, 2].max()
     faces_back = np.average(scene.rest[:, 2], weights=scene.moves) < back + SIDE * (front - back)
     turn = np.diag([-1.0, 1.0, -1.0]) if faces_back else np.eye(3)
-    distance = half / np.tan(np.radians(FIELD_DEGREES / 2)) + (high[2] - low[2]) / 4
-    return Camera(middle, turn, float(distance), float(half))
+    return _around(low, high, turn, ROOM)
 
 
 def close_up(swept: Scene) -> Camera:
@@ -83,7 +80,11 @@ def close_up(swept: Scene) -> Camera:
     times = np.unique(np.linspace(1.0, swept.seconds, MOMENTS).round())
     stir = np.mean([np.abs(swept.points(time) - swept.rest).sum(axis=1) for time in times], axis=0)
     mouth = swept.rest[stir >= MOUTH * stir.max()]
-    low, high = mouth.min(axis=0), mouth.max(axis=0)
-    half = max(high[:2] - low[:2]) / 2 * CLOSE
+    return _around(mouth.min(axis=0), mouth.max(axis=0), framed(swept).turn, CLOSE)
+
+
+def _around(low: Floats, high: Floats, turn: Floats, room: float) -> Camera:
+    """Frame a box by its corners; the frame has `room` times its size."""
+    half = max(high[:2] - low[:2]) / 2 * room
     distance = half / np.tan(np.radians(FIELD_DEGREES / 2)) + (high[2] - low[2]) / 4
-    return Camera((low + high) / 2, framed(swept).turn, float(distance), float(half))
+    return Camera((low + high) / 2, turn, float(distance), float(half))

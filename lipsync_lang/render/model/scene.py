@@ -144,10 +144,9 @@ class Scene:
         count, first = len(base), self.count
         if base.shape[1] != 3:  # noqa: PLR2004 of space
             raise ValueError("POSITION must have three values per point")
+        corners = np.arange(count)
         if "indices" in primitive:
             corners = gltf.arrays[primitive["indices"]][:, 0].astype(np.intp)
-        else:
-            corners = np.arange(count)
         triangles = _triangles(corners, mode)
         _check_below(triangles, count, "a triangle refers to a point that does not exist")
         shapes = len(primitive.get("targets", ()))
