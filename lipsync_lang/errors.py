@@ -85,7 +85,6 @@ def shortlist(names: "Iterable[str]", most: int) -> str:
 
 def refuse_other(name: str, value: object, choices: object) -> None:
     """Refuse a value of an argument that is none of a `Literal`'s."""
-    known = get_args(choices)
-    if value not in known:
-        listed = ", ".join(map(repr, known))
+    if value not in get_args(choices):
+        listed = ", ".join(map(repr, get_args(choices)))
         raise LipsyncError(f"`{name}` is {value!r}; it is one of {listed}")

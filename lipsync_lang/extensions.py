@@ -99,11 +99,8 @@ class Extensions(Mapping[str, T]):
     def add(self, name: str, value: T, module: str) -> None:
         """Register a value defined in `module`; called by the decorators.
 
-        Raises
-        ------
-        LipsyncError
-            The name belongs to another distribution. During a plug-in import, the clash is a
-            `PluginWarning`, and the other names of the plug-in stay registered.
+        Raises LipsyncError if the name belongs to another distribution. During a plug-in import,
+        the clash is a `PluginWarning`, and the other names of the plug-in stay registered.
         """
         here = PROGRAM if _top(module) == _top(__name__) else self.origin or _top(module)
         first = PROGRAM if name in self.modules else self.origins.get(name, here)
@@ -153,10 +150,7 @@ class Extensions(Mapping[str, T]):
     def find(self, name: str, error: type[LipsyncError] = LipsyncError) -> T:
         """Look up an extension by name.
 
-        Raises
-        ------
-        LipsyncError
-            The name is unknown (raised as the given class); the message suggests the nearest name.
+        If it is unknown, an error of the given class suggests the nearest name.
         """
         if name not in self:
             raise error(f"unknown {self.title} '{name}'; {did_you_mean(name, self)}")
@@ -231,9 +225,6 @@ def _ending(path: Path, formats: Mapping[str, F]) -> list[F]:
 def summary(described: Callable[..., object]) -> str:
     """Return the first line of a function's docstring, as the title of its extension."""
     return (described.__doc__ or described.__name__).strip().splitlines()[0]
-
-
-# Plug-ins
 
 
 def _load(entry_point: EntryPoint) -> None:

@@ -57,9 +57,8 @@ def install_line(*names: str) -> str:
         return f'pipx install --force "{_requirement({*names, *_installed()})}"'
     if (home / UV_TOOL).is_file():
         return f'uv tool install "{_requirement({*names, *_installed()})}"'
-    if UV in _settings(home):
-        return f'uv pip install "{_requirement(set(names))}"'
-    return f'{_pip()} install "{_requirement(set(names))}"'
+    tool = "uv pip" if UV in _settings(home) else _pip()
+    return f'{tool} install "{_requirement(set(names))}"'
 
 
 def package_line(name: str) -> str:

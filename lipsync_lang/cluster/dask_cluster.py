@@ -73,9 +73,8 @@ def _client(address: str) -> "Iterator[Client]":
     try:
         import distributed
     except ImportError:
-        raise LipsyncError(
-            f"Dask is not installed here; install it: {install_line('cluster')}"
-        ) from None
+        what = "Dask is not installed here; install it"
+        raise LipsyncError(f"{what}: {install_line('cluster')}") from None
     for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are told by us, once
     warnings.filterwarnings("ignore", "Sending large graph")
@@ -91,10 +90,8 @@ def _client(address: str) -> "Iterator[Client]":
         _greet(address)
         client = Calm(address, timeout=LIMIT_SECONDS, set_as_default=False)
     except (ValueError, TypeError, KeyError) as error:
-        raise LipsyncError(
-            f"'{address}' is not the address of a Dask scheduler ({error}); {start}, such as "
-            "tcp://host:8786"
-        ) from None
+        what = f"'{address}' is not the address of a Dask scheduler ({error})"
+        raise LipsyncError(f"{what}; {start}, such as tcp://host:8786") from None
     except (OSError, RuntimeError) as error:
         why = f" ({error})" if str(error) else ""
         raise LipsyncError(
@@ -154,9 +151,6 @@ def _versions(answer: dict[str, Any]) -> dict[str, str | None]:
     return {"Python": python, **{n: packages.get(n) for n in (*CHECKED, PACKAGE)}}
 
 
-# Sight of the project's folder
-
-
 @contextmanager
 def sight_mark(folder: Path | None) -> Iterator[str]:
     """Write a file into the project's folder while the block runs, and yield its path."""
@@ -182,24 +176,18 @@ def check_sight(client: "Client", folder: Path | None, mark: str) -> None:
     try:
         seen = client.run(_sees, mark)
     except (ImportError, AttributeError) as error:
-        raise LipsyncError(
-            f"a worker of the cluster has another lipsync-lang ({error}); install the same on all "
-            "machines"
-        ) from None
+        what = f"a worker of the cluster has another lipsync-lang ({error})"
+        raise LipsyncError(f"{what}; install the same on all machines") from None
     blind = sorted(worker for worker, sees in seen.items() if not sees)
     if blind:
         more = f" and {len(blind) - 1} more" if len(blind) > 1 else ""
-        raise LipsyncError(
-            f"{folder.resolve()}: the worker {blind[0]}{more} does not see this folder; share it "
-            "under the same path with every machine of the cluster"
-        )
+        what = f"the worker {blind[0]}{more} does not see this folder"
+        mend = "share it under the same path with every machine of the cluster"
+        raise LipsyncError(f"{folder.resolve()}: {what}; {mend}")
 
 
 def _sees(mark: str) -> bool:
     return not mark or Path(mark).exists()
-
-
-# The run
 
 
 class _ClusterRun:
@@ -227,15 +215,8 @@ class _ClusterRun:
                 while len(running) < self._room and (job := next(jobs, None)):
                     batch = pickle.dumps(job.batch)  # Dask would look for tasks in tuples
                     values = [self._value(p) for p in (job.work, job.shared) if p is not None]
-                    future = self._client.submit(
-                        run_there,
-                        self._mark,
-                        batch,
-                        *values,
-                        retries=RETRIES,
-                        pure=False,
-                        key=f"lipsync-{uuid4()}",
-                    )
+                    settings = {"retries": RETRIES, "pure": False, "key": f"lipsync-{uuid4()}"}
+                    future = self._client.submit(run_there, self._mark, batch, *values, **settings)
                     running[future] = job
                     completed.add(future)
                 if not running:

@@ -43,11 +43,8 @@ def junit_text(
 ) -> str:
     """Return suites as XML, with a replacement character for each that XML forbids.
 
-    Parameters
-    ----------
-    name : name of all suites together, which then get the sums of the counts
-    counts : the counts of a suite, in the order of its attributes
-    seconds : time that all suites took
+    With a `name`, all suites together get the sums of the counts. `counts` are those of a suite, in
+    the order of its attributes, and `seconds` is the time that all suites took.
     """
     top = ET.Element("testsuites", {"name": xml_text(name)} if name else {})
     top.extend(_suite(suite, counts) for suite in suites)

@@ -6,7 +6,6 @@ decimals by the same rule.
 """
 
 WHOLE_PERCENT = 100.0
-"""Percent."""
 
 DOCUMENT_DECIMALS = 4
 LEAST_STEP = 1e-4
@@ -26,19 +25,13 @@ def percent(part: float, whole: float) -> float:
 def rounded(percentage: float, *, is_all: bool) -> float:
     """Round a percentage as documents hold it: 100 if it is all, and 0 if it is nothing."""
     whole = round(percentage, DOCUMENT_DECIMALS)
-    return (
-        whole
-        if is_all or percentage <= 0
-        else min(max(whole, LEAST_STEP), WHOLE_PERCENT - LEAST_STEP)
-    )
+    if is_all or percentage <= 0:
+        return whole
+    return min(max(whole, LEAST_STEP), WHOLE_PERCENT - LEAST_STEP)
 
 
 def percentage_text(percentage: float, space: str = " ") -> str:
-    """Write a percentage.
-
-    Parameters
-    ----------
-    space : between number and unit
+    """Write a percentage, with a `space` between number and unit.
 
     >>> [percentage_text(one) for one in (0, 0.01, 27.94, 38, 99.99, 100)]
     ['0 %', 'under 0.1 %', '27.9 %', '38.0 %', '99.9 %', '100 %']

@@ -22,9 +22,8 @@ def hours(time: float) -> str:
     minutes = round(time * 60)
     if minutes < 60:  # noqa: PLR2004 of an hour
         return f"{minutes}{NBSP}min"
-    return (
-        f"{time:,.0f}{NBSP}h" if time >= TENTHS else f"{time:.1f}".removesuffix(".0") + f"{NBSP}h"
-    )
+    shown = f"{time:,.0f}" if time >= TENTHS else f"{time:.1f}".removesuffix(".0")
+    return f"{shown}{NBSP}h"
 
 
 def count(number: int, noun: str, nouns: str = "") -> str:
