@@ -27,10 +27,9 @@ def read_document(path: Path) -> Coverage:
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(step) for step in first["loc"])
-        raise LipsyncError(
-            f"{path}: is not a '{COVERAGE_FORMAT}' document ({where or 'file'}: {first['msg']}); "
-            f"write one with coverage ... --format json -o {path.name}"
-        ) from None
+        what = f"is not a '{COVERAGE_FORMAT}' document ({where or 'file'}: {first['msg']})"
+        mend = f"write one with coverage ... --format json -o {path.name}"
+        raise LipsyncError(f"{path}: {what}; {mend}") from None
 
 
 def since(old: Coverage, new: Coverage, file: str) -> Coverage:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,15 +57,10 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     faces = None if cast is None else SpeakerFaces({**cast, OTHERS: tuple(map(str, who))})
     characters = who if faces is None else faces.characters
     folders = folders_of(paths)
-    pairs = [
-        (resolve(tongue, face, paths=folders, gaps="rest"), str(face))
-        for tongue in _names(language)
-        for face in characters
-    ]
-    packs = {
-        performer.language: Library(performer.paths).language(performer.language).model
-        for performer, _ in pairs
-    }
+    chosen = product(_names(language), characters)
+    pairs = [(resolve(one, face, paths=folders, gaps="rest"), str(face)) for one, face in chosen]
+    searched = {performer.language: performer.paths for performer, _ in pairs}
+    packs = {name: Library(own).language(name).model for name, own in searched.items()}
     readings: list[Reading] = []
     keys: list[tuple[object, ...]] = []
     reading_of: list[int] = []

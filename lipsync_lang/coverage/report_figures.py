@@ -124,6 +124,7 @@ def report_of(
     total = sum(row.count for row in rows)
     missing = [row for row in rows if not row.authored]
     soon = missing[: plan.affordable(minutes)]
+    drawn = sum(row.covered for row in rows)
     gain = sum(row.count - row.covered for row in soon)
     return CoverageReport(
         language=performer.language,
@@ -138,10 +139,7 @@ def report_of(
         silence=counted_lines.bigrams(counted_lines.silent, origins, names, trigrams),
         unused=tuple(names[code] for code in counted_lines.unused),
         needed=plan.needed([row.count for row in rows]),
-        authored=AuthoredShare(
-            bigrams=len(rows) - len(missing),
-            percent=percent(sum(row.covered for row in rows), total),
-        ),
+        authored=AuthoredShare(bigrams=len(rows) - len(missing), percent=percent(drawn, total)),
         left=WorkLeft(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
         next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=percent(gain, total)),
         sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names)

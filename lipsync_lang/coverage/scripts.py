@@ -73,13 +73,8 @@ class OtherScripts:
             foreign = self._own and any(map(self._foreign, set(line.text)))
             shape = "".join(map(self._class, line.text)) if foreign else ""
             spans.append([match.span() for match in _PHRASE.finditer(shape)])
-        self._judge(
-            {
-                _judged(line.text[slice(*span)])
-                for line, found in zip(lines, spans, strict=True)
-                for span in found
-            }
-        )
+        pairs = [(line, span) for line, found in zip(lines, spans, strict=True) for span in found]
+        self._judge({_judged(line.text[slice(*span)]) for line, span in pairs})
         spelled_spans: list[TextSpans] = []
         for line, found in zip(lines, spans, strict=True):
             spelled_spans.append([])
@@ -97,15 +92,12 @@ class OtherScripts:
 
     def tallies(self) -> tuple[OtherScript, ...]:
         """Return the words, most frequent first."""
-        found = [
-            OtherScript(
-                **tally.model_dump(),
-                script=next(filter(None, map(script, tally.what))),
-                counted=counted,
-            )
-            for counter, counted in ((self._read, True), (self._spelled, False))
-            for tally in counter.tallies()
-        ]
+        found = []
+        for counter in (self._read, self._spelled):
+            for tally in counter.tallies():
+                own = next(filter(None, map(script, tally.what)))
+                stated = {"script": own, "counted": counter is self._read}
+                found.append(OtherScript(**tally.model_dump(), **stated))
         return tuple(sorted(found, key=lambda one: (-one.count, one.what)))
 
     def _foreign(self, character: str) -> bool:

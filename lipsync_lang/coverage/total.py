@@ -90,19 +90,12 @@ def total_of(
     faces: dict[str, list[CoverageReport]] = {}
     for report in reports:
         faces.setdefault(report.character, []).append(report)
-    return Total(
-        **_figures(reports, minutes, ranking, full),
-        weights=full,
-        faces=tuple(
-            FaceTotal(
-                **_figures(own, minutes, _ranking(own, full), full),
-                character=character,
-                poseset=own[0].poseset,
-            )
-            for character, own in faces.items()
-        ),
-        ranking=tuple(ranking),
-    )
+    totals: list[FaceTotal] = []
+    for character, own in faces.items():
+        figures = _figures(own, minutes, _ranking(own, full), full)
+        totals.append(FaceTotal(**figures, character=character, poseset=own[0].poseset))
+    figures = _figures(reports, minutes, ranking, full)
+    return Total(**figures, weights=full, faces=tuple(totals), ranking=tuple(ranking))
 
 
 def _figures(

@@ -136,10 +136,8 @@ def _since(since: "CoverageChanges") -> list[str]:
     lines = [f"since {since.file}:"]
     if since.left is not None and len(since.reports) > 1:
         before, now = since.left
-        lines.append(
-            f"  in all: {before.bigrams} to {now.bigrams} left, {before.hours:g} to "
-            f"{now.hours:g} hours"
-        )
+        hours = f"{before.hours:g} to {now.hours:g} hours"
+        lines.append(f"  in all: {before.bigrams} to {now.bigrams} left, {hours}")
     for script in since.script:
         was, has = script.lines
         whose = f"script in {_few(script.languages)}" if len(since.script) > 1 else "script"

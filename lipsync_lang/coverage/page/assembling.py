@@ -57,13 +57,9 @@ class PartStore:
     def __init__(self, reports: Sequence[ReportView], macros: object) -> None:
         self.first = _parts(replace(reports[0], painted=True), macros)
         self._numbers: dict[Markup, int] = {}
-        self.keys = [
-            {
-                name: self._numbers.setdefault(part, len(self._numbers))
-                for name, part in _parts(report, macros).items()
-            }
-            for report in reports
-        ]
+        known = self._numbers
+        made = (_parts(report, macros).items() for report in reports)
+        self.keys = [{name: known.setdefault(p, len(known)) for name, p in own} for own in made]
         """The numbers of the parts of each report."""
 
     def others(self) -> list[tuple[int, Markup]]:

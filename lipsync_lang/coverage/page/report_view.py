@@ -60,11 +60,8 @@ class ReportView:
     def stack(self) -> list[tuple[str, float]]:
         """Code and percentage of each status that occurs."""
         whole = sum(heard for _, heard in self.shares.values()) or 1
-        return [
-            (STATE_CODES[code], 100 * heard / whole)
-            for code, (_, heard) in enumerate(self.shares.values())
-            if heard
-        ]
+        shares = zip(STATE_CODES, self.shares.values(), strict=False)
+        return [(code, 100 * heard / whole) for code, (_, heard) in shares if heard]
 
     @property
     def stack_description(self) -> str:
