@@ -29,27 +29,23 @@ EXPORT = "export the model as GLB (binary glTF 2.0)"
 CONVERT = f"{EXPORT} or VRM, with its shape keys (in Blender: File > Export > glTF 2.0)"
 """Cure for a model in the format of another program."""
 
-SEEMS = (
-    (b"Kaydara FBX", "an FBX file"),
-    (b"; FBX", "an FBX file"),
-    (b"\x89PNG", "a PNG image"),
-    (b"\xff\xd8\xff", "a JPEG image"),
-    (b"PK\x03\x04", "a zip archive; unpack it first"),
-    (b"\x1f\x8b", "a gzip archive; unpack it first"),
-    (b"BLENDER", "a Blender file"),
-    (b"\x28\xb5\x2f\xfd", "a compressed Blender file"),
-    (b"//Maya", "a Maya file"),
-    (b"FOR4", "a Maya file"),
-    (b"PXR-USDC", "a USD file"),
-    (b"#usda", "a USD file"),
-    (b"version https://git-lfs", "a Git LFS pointer; fetch the file itself with `git lfs pull`"),
-    (b"<!DOCTYPE html", "a web page; download the file itself"),
-    (b"<html", "a web page; download the file itself"),
-    (b"<?xml", "XML, such as COLLADA"),
-    (b"ply", "a PLY file"),
-    (b"solid", "an STL file"),
-)
-"""Signatures of other file types, with their names for messages."""
+SEEMS = {
+    "an FBX file": (b"kaydara fbx", b"; fbx"),
+    "a PNG image": (b"\x89png",),
+    "a JPEG image": (b"\xff\xd8\xff",),
+    "a zip archive; unpack it first": (b"pk\x03\x04",),
+    "a gzip archive; unpack it first": (b"\x1f\x8b",),
+    "a Blender file": (b"blender",),
+    "a compressed Blender file": (b"\x28\xb5\x2f\xfd",),
+    "a Maya file": (b"//maya", b"for4"),
+    "a USD file": (b"pxr-usdc", b"#usda"),
+    "a Git LFS pointer; fetch the file itself with `git lfs pull`": (b"version https://git-lfs",),
+    "a web page; download the file itself": (b"<!doctype html", b"<html"),
+    "XML, such as COLLADA": (b"<?xml",),
+    "a PLY file": (b"ply",),
+    "an STL file": (b"solid",),
+}
+"""Other file types by their names in messages, with their signatures in small letters."""
 
 OBJ_LINES = ("#", "mtllib ", "o ", "g ", "v ", "vt ", "vn ", "f ", "usemtl ", "s ")
 
@@ -124,8 +120,8 @@ def _container(
 def _seems(head: bytes) -> str:
     if not head:
         return "empty"
-    for start, what in SEEMS:
-        if head.lower().startswith(start.lower()):
+    for what, starts in SEEMS.items():
+        if head.lower().startswith(starts):
             return what
     lines = head.decode("latin-1").splitlines()
     if lines[0].startswith(OBJ_LINES) and lines[-2:][0].startswith(OBJ_LINES):

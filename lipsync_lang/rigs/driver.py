@@ -35,9 +35,8 @@ class Driver:
         channels = []
         for one in stated:
             ways = (tuple(one[way]) if one[way] else None for way in ("rotation", "translation"))
-            channels.append(
-                Channel(one["name"], tuple(one["names"]), one["mesh"], one["node"], *ways)
-            )
+            names = tuple(one["names"])
+            channels.append(Channel(one["name"], names, one["mesh"], one["node"], *ways))
         number = {one["name"]: index for index, one in enumerate(stated)}
         limits = {number[one["name"]]: number[one["at_most"]] for one in stated if one["at_most"]}
         # Each value is final before its use as a limit.
