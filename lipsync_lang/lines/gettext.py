@@ -33,17 +33,10 @@ class Entry:
     fuzzy: bool = False
     speaker: str = ""
 
-    def translations(self) -> Iterator[tuple[int, str]]:
-        """Yield (line, text) of each translated form."""
-        for key, text in self.texts.items():
-            if key.startswith("msgstr") and text.strip():
-                yield self.places[key], text
-
-    def originals(self) -> Iterator[tuple[int, str]]:
-        """Yield (line, text) of the original and its plural."""
-        for key in ("msgid", "msgid_plural"):
-            if self.texts.get(key, "").strip():
-                yield self.places[key], self.texts[key]
+    def forms(self, kind: str) -> list[tuple[int, str]]:
+        """Return (line, text) of each form of the original (`msgid`) or translation (`msgstr`)."""
+        found = [(key, text) for key, text in self.texts.items() if key.startswith(kind)]
+        return [(self.places[key], text) for key, text in found if text.strip()]
 
 
 @reader("gettext", suffixes=[".po", ".pot"])
@@ -57,14 +50,14 @@ def read(source: LineFile) -> Iterator[Line]:
             if name not in ("charset", "utf-8", "utf8"):
                 source = replace(source, encoding=name)
     sound = (one for one in _entries(source) if one.texts.get("msgid") and not one.fuzzy)
-    translated = any(any(entry.translations()) for entry in sound)
+    kind = "msgstr" if any(entry.forms("msgstr") for entry in sound) else "msgid"
     left, named = 0, source.speaker is None or source.speaker.isdecimal()
     for entry in _entries(source):
         named |= bool(entry.speaker)
         if entry.fuzzy or not entry.texts.get("msgid"):
             left += entry.fuzzy and bool(entry.texts.get("msgid"))
             continue
-        texts = list(entry.translations() if translated else entry.originals())
+        texts = entry.forms(kind)
         left += not texts
         for number, text in texts:
             name, original = entry.texts.get("msgctxt", ""), entry.texts["msgid"]
