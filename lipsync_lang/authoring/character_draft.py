@@ -61,11 +61,9 @@ class CharacterDraft(PackDraft):
             *(f"  or {other}: {_asking(other)}" for other in self.others),
             *(f"wrote {path}: {self.summaries[path]}" for path in self.outputs),
             *(f"doubtful: {doubt}" for doubt in match.found.doubts),
-            *(
-                f"approximate: {' and '.join(channels)} share one shape, {shape}"
-                for shape, channels in match.found.shared.items()
-            ),
         ]
+        for shape, channels in match.found.shared.items():
+            lines.append(f"approximate: {' and '.join(channels)} share one shape, {shape}")
         if absent:
             lines.append(f"not shown: {', '.join(absent)}")
         lines += [f"lost: {loss}" for loss in match.losses if loss.pose not in absent]
@@ -104,10 +102,8 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
     if not match.complete:
         rig_path = _new_rig_path(library, match, wanted.name, folder)
         poseset = library.poseset(match.poseset).model
-        base: Any = None
-        if match.rig is not None:
-            known = {one.stem: one for one in library.rigs_of(match.poseset)}
-            base = library.load(known[match.rig], "rig", match.rig).model
+        own = [one for one in library.rigs_of(match.poseset) if one.stem == match.rig]
+        base: Any = library.load(own[-1], "rig", own[-1].stem).model if own else None
         made = drafted(wanted.name, wanted.heading, match, poseset, base)
         outputs[rig_path] = pack_bytes(rig_lines(made, model, match, poseset))
         count = sum(len(places) for places in match.found.places.values())

@@ -39,10 +39,8 @@ def copy_example(name: str, folder: Path | None) -> list[Path]:
     known = examples()
     if name not in known:
         alone = ", ".join(other for other, one in known.items() if one.place is None)
-        raise LipsyncError(
-            f"unknown example '{name}': {did_you_mean(name, known)} Examples are {alone}, and each "
-            "built-in language and pose set"
-        )
+        choice = f"Examples are {alone}, and each built-in language and pose set"
+        raise LipsyncError(f"unknown example '{name}': {did_you_mean(name, known)} {choice}")
     source, place = known[name]
     target = (folder or Path(name)) if place is None else (folder or Path()) / place / source.name
     inner = sorted(p for p in source.rglob("*") if p.is_file() and "__pycache__" not in p.parts)

@@ -55,10 +55,8 @@ def read_inventory(path: Path, which: str | None = None) -> Inventory:
         return Inventory(path.name, segments)
     found = dict(_inventories(text))
     if which is None:
-        raise LipsyncError(
-            f"{path}: holds {len(found)} inventories; name one by number, ISO 639-3 code or "
-            "language: --inventory-id 2269"
-        )
+        mend = "name one by number, ISO 639-3 code or language: --inventory-id 2269"
+        raise LipsyncError(f"{path}: holds {len(found)} inventories; {mend}")
     if which in found:
         return found[which]
     key = which.casefold()
@@ -75,7 +73,8 @@ def read_inventory(path: Path, which: str | None = None) -> Inventory:
 
 
 def _text(path: Path) -> str:
-    raw = read_input(path, MAX_INVENTORY_BYTES, mend="check that it is a table of phonemes")
+    mend = "check that it is a table of phonemes"
+    raw = read_input(path, MAX_INVENTORY_BYTES, mend=mend)
     try:
         if raw[:2] == b"\x1f\x8b":
             with gzip.open(BytesIO(raw)) as stream:
@@ -83,10 +82,8 @@ def _text(path: Path) -> str:
                 blocks = iter(lambda: stream.read(MIB_BYTES), b"")
                 raw = b"".join(islice(blocks, MAX_INVENTORY_BYTES // MIB_BYTES + 1))
             if len(raw) > MAX_INVENTORY_BYTES:
-                raise LipsyncError(
-                    f"{path}: unpacks to more than {MAX_INVENTORY_BYTES // MIB_BYTES} MB; check "
-                    "that it is a table of phonemes"
-                )
+                size = f"{MAX_INVENTORY_BYTES // MIB_BYTES} MB"
+                raise LipsyncError(f"{path}: unpacks to more than {size}; {mend}")
         return raw.decode("utf-8-sig")
     except (EOFError, OSError, zlib.error):
         raise LipsyncError(f"{path}: is a broken gzip file; download it again") from None

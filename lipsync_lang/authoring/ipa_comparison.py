@@ -61,10 +61,8 @@ def compare_models(
         for label, to in table.items():
             mapped.setdefault(label, {}).setdefault(to, []).append(name)
     numbers = {label: sum(map(len, found.values())) for label, found in mapped.items()}
-    return [
-        _row(label, mapped[label], tables, own, shared)
-        for label in sorted(mapped, key=lambda label: (-numbers[label], label))
-    ]
+    order = sorted(mapped, key=lambda label: (-numbers[label], label))
+    return [_row(label, mapped[label], tables, own, shared) for label in order]
 
 
 def _row(

@@ -57,8 +57,7 @@ class LanguageCheck:
     @property
     def failed(self) -> int:
         """Number of tests with another result."""
-        places = {(one.file, one.line) for one in self.faults if one.code == FAILED_TEST}
-        return len(places)
+        return len({(one.file, one.line) for one in self.faults if one.code == FAILED_TEST})
 
     @property
     def sound(self) -> bool:
@@ -126,14 +125,10 @@ def check_language(library: Library, path: Path, character: str | None = None) -
     pack = extended(library, path)
     trial = try_out(library, pack)
     tried = trial.faults(library.common().model.silence)
-    return LanguageCheck(
-        tuple(sorted({*faults, *tried, *doubts(library, pack)})),
-        SoundTable(library, pack).told(),
-        mouths_of(library, pack.model.name, character) if character else {},
-        character or "",
-        len(pack.model.tests),
-        trial.refusal or "",
-    )
+    found = tuple(sorted({*faults, *tried, *doubts(library, pack)}))
+    sounds, tests = SoundTable(library, pack).told(), len(pack.model.tests)
+    mouths = mouths_of(library, pack.model.name, character) if character else {}
+    return LanguageCheck(found, sounds, mouths, character or "", tests, trial.refusal)
 
 
 def mouths_of(library: Library, language: str, character: str) -> dict[str, str]:

@@ -23,6 +23,7 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
     common, trial = library.common().model, try_out(library, pack)
     failed = [fault for fault in trial.faults(common.silence) if fault.severity == "fault"]
     reasons = {one: reason_for(model, near, one, decided) for one in model.notations.get(IPA, {})}
+    speaks = f"{model.tts.engine}, voice {model.tts.voice or '(default)'}" if model.tts else ""
     return {
         "name": model.name,
         "title": model.title or model.name,
@@ -33,9 +34,7 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
         "automatic": model.automatic,
         "adds": list(model.adds),
         "reads": _reads(model),
-        "speaks": f"{model.tts.engine}, voice {model.tts.voice or '(default)'}"
-        if model.tts
-        else "",
+        "speaks": speaks,
         "caveats": list(model.caveats),
         "notations": {
             name: [

@@ -152,13 +152,9 @@ def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str
     yield "# 4. Remove `automatic` when the map has every label that you need."
     tag = wanted.tag or (wanted.voice or "").partition("+")[0] or (wanted.epitran or "")[:3]
     tag = tag or (inventory.code if inventory else "")
-    yield from head(
-        "language",
-        wanted.name,
-        tag=tag or "und            # write the BCP 47 tag of the language",
-        title=_scalar(wanted.heading),
-        adds=f"[{', '.join(added)}]" if added else None,
-    )
+    tag = tag or "und            # write the BCP 47 tag of the language"
+    title, adds = _scalar(wanted.heading), f"[{', '.join(added)}]" if added else None
+    yield from head("language", wanted.name, tag=tag, title=title, adds=adds)
     if wanted.lexicon:
         file = f"{wanted.name}{wanted.lexicon.suffix}"
         yield f"g2p: {{engine: lexicon, file: {_scalar(file)}, notation: {IPA}}}"
@@ -204,13 +200,10 @@ def _body(sounds: FoundSounds, found: Mapping[str, Nearest], order: Sequence[str
 def _entry(label: str, near: Nearest) -> str:
     names = [name for name, _ in near.value]
     shares = {round(share, 3) for _, share in near.value}
-    if len(names) == 1:
-        value = names[0]
-    elif len(shares) > 1:
+    value = names[0] if len(names) == 1 else f"[{', '.join(names)}]"
+    if len(shares) > 1:
         parts = ", ".join(f"{share:.3g}" for _, share in near.value)
-        value = f"{{to: [{', '.join(names)}], shares: [{parts}]}}"
-    else:
-        value = f"[{', '.join(names)}]"
+        value = f"{{to: {value}, shares: [{parts}]}}"
     told = [f"loses {', '.join(near.losses)}"] if near.losses else []
     told += [f"not IPA: {' '.join(near.unknown)}"] if near.unknown else []
     entry = f"    {_scalar(label)}: {value}"

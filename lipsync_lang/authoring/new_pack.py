@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from filecmp import cmp
 from functools import partial
+from io import BytesIO
 from os.path import relpath
 from pathlib import Path
 from shutil import copyfileobj
@@ -60,10 +61,7 @@ def write_new(files: NewFiles) -> None:
     """Write all files or none, in folders that need not exist."""
 
     def fill(content: bytes | Path, stream: BinaryIO) -> None:
-        if isinstance(content, bytes):
-            stream.write(content)
-            return
-        with content.open("rb") as source:
+        with BytesIO(content) if isinstance(content, bytes) else content.open("rb") as source:
             copyfileobj(source, stream)
 
     for path in files:
@@ -122,10 +120,8 @@ def place_model(model: Path, pack: Path) -> tuple[str, NewFiles]:
         return Path(relpath(model.resolve(), there)).as_posix(), {}
     # Other formats may refer to buffers and textures outside the file, which a copy would lose.
     if not model.name.lower().endswith(WHOLE_MODELS):
-        raise LipsyncError(
-            f"{model}: may refer to other files; export it as GLB, or move it with these files "
-            f"into {pack.parent} first"
-        )
+        mend = f"export it as GLB, or move it with these files into {pack.parent} first"
+        raise LipsyncError(f"{model}: may refer to other files; {mend}")
     copy = pack.with_name(model.name)
     if copy.is_file() and cmp(model, copy, shallow=False):
         return model.name, {}

@@ -34,10 +34,8 @@ def copy_poseset(library: Library, name: str, folder: Path) -> list[Path]:
     origin = next(f.root.path for f in library.names("poseset") if f.path == source)
     project = folder.resolve()
     if project not in searched or searched.index(origin.resolve()) < searched.index(project):
-        raise PackError(
-            f"{shown(source)}: takes precedence over the project, so a copy would have no effect; "
-            "edit this file"
-        )
+        why = "takes precedence over the project, so a copy would have no effect; edit this file"
+        raise PackError(f"{shown(source)}: {why}")
     outputs: dict[Path, bytes] = {}
     last = max((path.name for path in yaml_files(home / "banks").values()), default="")
     # A bank sorts after the banks of the project, which keep their precedence.

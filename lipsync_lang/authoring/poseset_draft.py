@@ -191,17 +191,15 @@ def taken(
         )
         for name, rule in known.contacts.items()
     }
-    targets = {
-        label: tuple(
-            step.model_copy(
-                update={"weights": renamed(step.weights), "dominance": renamed(step.dominance)}
-            )
-            for step in steps
-        )
-        for label, steps in known.targets.items()
-    }
-    measures = {name: renamed(gains) for name, gains in known.measures.items()}
     rest = (models.PhonemeTarget(),)
+    targets: dict[str, Sequence[models.PhonemeTarget]] = dict.fromkeys(common.base, rest)
+    for label, steps in known.targets.items():
+        moved = []
+        for step in steps:
+            own = {"weights": renamed(step.weights), "dominance": renamed(step.dominance)}
+            moved.append(step.model_copy(update=own))
+        targets[label] = tuple(moved if any(step.weights for step in moved) else moved[:1])
+    measures = {name: renamed(gains) for name, gains in known.measures.items()}
     # The motion states what differs from the default preset, and always the speed limit.
     usual = {**asdict(PRESETS["default"]), "speed_limit": None}
     motion: dict[str, Any] = {"speed_limit": PRESETS["default"].speed_limit}
@@ -216,10 +214,7 @@ def taken(
         priority=tuple(name for pose in known.priority for name in new.get(pose, ())),
         contacts={name: c for name, c in contacts.items() if c.floor or c.ceiling},
         motion=models.MotionFields(**unusual),
-        targets={
-            label: steps if any(step.weights for step in steps) else steps[:1]
-            for label, steps in {**dict.fromkeys(common.base, rest), **targets}.items()
-        },
+        targets=targets,
         measures={name: gains for name, gains in measures.items() if gains},
     )
 

@@ -138,10 +138,8 @@ class SoundTable:
         rows += self._automatic(trial, near)
         for row in rows:
             row["words"] = row["words"][:MAX_EXAMPLE_WORDS]
-        return sorted(
-            rows,
-            key=lambda row: (NEEDS.index(row["need"]), -row["distance"] if row["need"] else 0.0),
-        )
+        rows.sort(key=lambda row: -row["distance"] if row["need"] else 0.0)
+        return sorted(rows, key=lambda row: NEEDS.index(row["need"]))
 
     def _row(self, notation: str, label: str, to: list[str], shares: list[float]) -> dict[str, Any]:
         stated = self.pack.source.data
@@ -235,25 +233,17 @@ class SoundTable:
                 continue
             says = f"not shown: {', '.join(found.losses)}" if found.losses else "by its features"
             row = self._row(IPA, label, [name for name, _ in found.value], [])
-            yield row | {
-                "need": "automatic",
-                "says": says,
-                "losses": list(found.losses),
-                "distance": round(found.distance, 3),
-                "words": words,
-            }
+            row |= {"need": "automatic", "says": says, "words": words}
+            yield row | {"losses": list(found.losses), "distance": round(found.distance, 3)}
 
     def _heard(self, trial: Trial) -> dict[str, list[str]]:
         """Return the words of each label, as the engine or a test's source writes it."""
         heard: dict[str, list[str]] = {}
-        for transcript in trial.transcripts:
-            for said in transcript.words:
-                for label in said.labels:
-                    heard.setdefault(normalise(label), []).append(said.text)
-        for test in trial.pack.model.tests:
-            for label in test.ipa.split():
-                heard.setdefault(normalise(label), []).append(test.text)
-        for label, word in self.spoken:
+        read = (word for transcript in trial.transcripts for word in transcript.words)
+        pairs = [(label, word.text) for word in read for label in word.labels]
+        tests = trial.pack.model.tests
+        pairs += ((label, test.text) for test in tests for label in test.ipa.split())
+        for label, word in (*pairs, *self.spoken):
             heard.setdefault(normalise(label), []).append(word)
         return heard
 

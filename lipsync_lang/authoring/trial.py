@@ -41,9 +41,8 @@ class Trial:
         if self.refusal:
             what, hint = "its tests could not be run", self.refusal
             yield self.pack.warning(("tests",), "W310", what, hint, key=True)
-        for index, (test, heard) in enumerate(
-            zip(self.pack.model.tests, self.transcripts, strict=False)
-        ):
+        pairs = zip(self.pack.model.tests, self.transcripts, strict=False)
+        for index, (test, heard) in enumerate(pairs):
             said = [name for name in heard.phonemes if name != silence]
             if heard.unmapped:
                 labels = ", ".join(f"'{label}'" for label in heard.unmapped)

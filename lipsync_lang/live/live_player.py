@@ -173,10 +173,8 @@ class TextSpeaker:
         if not text.strip():
             raise LipsyncError("the text is empty; write at least one word")
         if len(text) > MAX_SPOKEN_CHARS:
-            raise LipsyncError(
-                f"the text has {len(text)} characters, more than {MAX_SPOKEN_CHARS}; "
-                "send it in parts"
-            )
+            long = f"{len(text)} characters, more than {MAX_SPOKEN_CHARS}"
+            raise LipsyncError(f"the text has {long}; send it in parts")
         with self.lock:
             if self.pending >= MAX_WAITING_TEXTS:
                 raise LipsyncError(f"{MAX_WAITING_TEXTS} texts wait already; send this text later")

@@ -132,10 +132,9 @@ class PacketOutlet:
         try:
             self.socket.sendto(self.pack(frame), self.target)
         except OSError as error:
-            raise LipsyncError(
-                f"{self.address.kind}: cannot send to {self.address.host}:{self.address.port} "
-                f"({error.strerror or error}); check the network"
-            ) from None
+            kind, host, port = self.address
+            what = f"cannot send to {host}:{port} ({error.strerror or error})"
+            raise LipsyncError(f"{kind}: {what}; check the network") from None
 
     def tell(self, event: Mapping[str, Any]) -> None:
         """Do nothing: an engine reads only frames."""
@@ -166,8 +165,7 @@ def outlet(  # noqa: PLR0913 the frames, and the names that a receiver knows
 
         now = localtime()
         start = round(((now.tm_hour * 60 + now.tm_min) * 60 + now.tm_sec) * fps)
-        packet = LiveLinkPacket(performer.channels, fps, subject, start)
-        return PacketOutlet(address, packet)
+        return PacketOutlet(address, LiveLinkPacket(performer.channels, fps, subject, start))
     from lipsync_lang.live.packets import vmc_messages
 
     return PacketOutlet(address, vmc_messages(performer.poses, renamed))

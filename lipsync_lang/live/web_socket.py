@@ -107,15 +107,11 @@ class Client:
         # All rows are checked for their form before the first is fed; the stream checks times.
         rows = asked.get("phonemes", [])
         if not isinstance(rows, list) or len(rows) > MAX_PHONEME_ROWS:
-            raise LipsyncError(
-                f"`phonemes` must be a list of at most {MAX_PHONEME_ROWS} rows of label, start "
-                "and end"
-            )
+            what = f"a list of at most {MAX_PHONEME_ROWS} rows of label, start and end"
+            raise LipsyncError(f"`phonemes` must be {what}")
         if any(not isinstance(row, list) or len(row) != ROW for row in rows):
-            raise LipsyncError(
-                "each row of `phonemes` must be a label, a start and an end, "
-                'such as ["LABEL", 0.1, 0.25]'
-            )
+            what = 'a label, a start and an end, such as ["LABEL", 0.1, 0.25]'
+            raise LipsyncError(f"each row of `phonemes` must be {what}")
         for label, start, end in rows:
             _refuse_long(stream, start if end is None else end)
             stream.feed(label, start, end)
@@ -137,10 +133,8 @@ def _refuse_long(stream: Stream, seconds: object) -> None:
     if known is None or isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
         return
     if seconds - known > MAX_OWN_SECONDS:
-        raise LipsyncError(
-            f"{known:g} to {seconds:g} s is longer than {MAX_OWN_SECONDS:g} s; "
-            "give times in seconds, and send long pauses in parts"
-        )
+        long = f"{known:g} to {seconds:g} s is longer than {MAX_OWN_SECONDS:g} s"
+        raise LipsyncError(f"{long}; give times in seconds, and send long pauses in parts")
 
 
 @dataclass(frozen=True)
