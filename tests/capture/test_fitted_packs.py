@@ -24,8 +24,8 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import BigramCurves
 from lipsync_lang.quality.baselines import dominance
 from lipsync_lang.resolver.bank_diff import diff_banks
-from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.bigram_sources import draft_bigrams
+from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.studio.routes import character_routes, coverage_routes, language_routes
 from lipsync_lang.studio.routes.requests import StudioRequest
 from lipsync_lang.studio.workshop import Workshop
