@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isnan
 from pathlib import Path
 from typing import Any, Self
+
+import numpy as np
 
 from lipsync_lang.build.archives import rewrite, split_archive
 from lipsync_lang.build.making import MadeLine
@@ -127,16 +128,16 @@ def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> Bu
     try:
         outcome, message, seconds, notes = result
         values, limits, heads = unpacked_figures(record.heading, [record.figures])
-        known = (
-            [None if isnan(one) else one for one in row.tolist()] for row in (values[0], limits[0])
-        )
-        rows = zip(heads, *known, notes, strict=True)
+        stated = np.array([values[0], limits[0]])
+        known = stated.astype(object)
+        known[np.isnan(stated)] = None
+        rows = zip(heads, *known.tolist(), notes, strict=True)
         figures = [
             JudgedFigure(name, value, unit, limit, at, words, binding)
             for (name, unit, binding), value, limit, (at, words) in rows
         ]
         written = {path: one.digest for path, one in record.outputs.items()}
-        stated = outcome, message, seconds, record.confidence, tuple(figures)
-        return BuiltLine(line, *stated, written)
+        kept = outcome, message, seconds, record.confidence, tuple(figures)
+        return BuiltLine(line, *kept, written)
     except (TypeError, ValueError):
         raise unusable() from None
