@@ -11,8 +11,6 @@ from lipsync_lang.errors import ModelError
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.models.rig_channels import plain_channels
-from lipsync_lang.rigs.model import known_model, some
-from lipsync_lang.rigs.recognise import recognise
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -60,6 +58,10 @@ def best_match(library: "Library", path: Path) -> "Match":
 
     Raise `ModelError` for a model that is unreadable, or whose shapes no pose set knows.
     """
+    # only a model needs the room of rigs
+    from lipsync_lang.rigs.model import known_model, some
+    from lipsync_lang.rigs.recognise import recognise
+
     model = known_model(path)
     found = next((match for match in recognise(library, model) if match.enough), None)
     if found is None:

@@ -141,7 +141,7 @@ def test_without_it_the_language_is_unknown(start, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.devnull)
     done = start("languages", "show", "hawaiian")
     assert done.code == 2
-    assert "unknown language 'hawaiian'" in done.err
+    assert "no pack has the language 'hawaiian'" in done.err
 
 
 def test_the_pack_of_the_tutorial_is_the_one_of_the_example(root, example):
