@@ -169,15 +169,26 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Check that the threshold of two poses leaves room for both of their floors."""
-    order = _Order(poseset.model)
-    for (one, (low, _)), (other, (high, _)) in combinations(_floors(order.model).items(), 2):
+    """Check that no phoneme demands two floors that exclude each other.
+
+    Contacts of different phonemes may exclude each other: a lip cannot close and meet the teeth.
+    """
+    order, contacts = _Order(poseset.model), poseset.model.contacts.values()
+    held = [
+        (pose, floor, set(contact.phonemes))
+        for contact in contacts
+        for pose, floor in contact.floor.items()
+    ]
+    needs: dict[frozenset[str], float] = {}
+    for (one, low, some), (other, high, others) in combinations(held, 2):
+        if one != other and some & others:
+            pair = frozenset((one, other))
+            needs[pair] = max(low + high, needs.get(pair, 0.0))
+    for one, other in combinations(_floors(order.model), 2):
         threshold, loc = order.threshold(one, other)
-        if threshold < min(NO_THRESHOLD, low + high - SUM_TOLERANCE):
-            what = (
-                f"'{one}' and '{other}' may add up to {threshold:g}, "
-                f"but their contacts need {low + high:g}"
-            )
+        need = needs.get(frozenset((one, other)), 0.0)
+        if threshold < min(NO_THRESHOLD, need - SUM_TOLERANCE):
+            what = f"'{one}' and '{other}' may add up to {threshold:g}, but their contacts need {need:g}"
             yield poseset.fault(loc, "P208", what, "raise the threshold, or lower the floors")
 
 
