@@ -171,25 +171,27 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     """Check that no phoneme demands two floors that exclude each other.
 
-    Contacts of different phonemes may exclude each other: a lip cannot close and meet the teeth.
+    Contacts of different phonemes may exclude each other: a lip cannot press the other lip and meet
+    the teeth. Where both are held, the later one in the pack wins, so it must have the priority.
     """
-    order, contacts = _Order(poseset.model), poseset.model.contacts.values()
-    held = [
-        (pose, floor, set(contact.phonemes))
-        for contact in contacts
-        for pose, floor in contact.floor.items()
-    ]
-    needs: dict[frozenset[str], float] = {}
-    for (one, low, some), (other, high, others) in combinations(held, 2):
-        if one != other and some & others:
-            pair = frozenset((one, other))
-            needs[pair] = max(low + high, needs.get(pair, 0.0))
-    for one, other in combinations(_floors(order.model), 2):
+    order, floors = _Order(poseset.model), _floors(poseset.model)
+    contacts, places = poseset.model.contacts, list(poseset.model.contacts)
+    for (one, (low, some)), (other, (high, others)) in combinations(floors.items(), 2):
         threshold, loc = order.threshold(one, other)
-        need = needs.get(frozenset((one, other)), 0.0)
-        if threshold < min(NO_THRESHOLD, need - SUM_TOLERANCE):
-            what = f"'{one}' and '{other}' may add up to {threshold:g}, but their contacts need {need:g}"
+        if threshold >= min(NO_THRESHOLD, low + high - SUM_TOLERANCE):
+            continue
+        if some == others or set(contacts[some].phonemes) & set(contacts[others].phonemes):
+            what = (
+                f"'{one}' and '{other}' may add up to {threshold:g}, "
+                f"but their contacts need {low + high:g}"
+            )
             yield poseset.fault(loc, "P208", what, "raise the threshold, or lower the floors")
+        ahead = order.rank(one) - order.rank(other)
+        if ahead * (places.index(some) - places.index(others)) < 0:
+            first, last = (others, some) if ahead > 0 else (some, others)
+            what = f"contacts '{first}' and '{last}' exclude each other, and '{first}' is held last"
+            hint = f"put '{last}', whose pose has the priority, after '{first}'"
+            yield poseset.warning(("contacts", last), "W316", what, hint, key=True)
 
 
 def _contacts(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
