@@ -225,9 +225,7 @@ def _exclusive(tables: Tables, cap: Cap) -> bool:
     return bool(floors.all() and floors.sum() > cap.threshold + ROUNDING)
 
 
-def _excluded(
-    tables: Tables, raised: Sequence[Sequence[Plateau]], number: int
-) -> list[Plateau]:
+def _excluded(tables: Tables, raised: Sequence[Sequence[Plateau]], number: int) -> list[Plateau]:
     """Return ceilings of poses that a contact keeps down for its own floors.
 
     Only contacts that are held later, and so win where both are held, are kept down.
