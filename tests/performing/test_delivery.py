@@ -198,7 +198,7 @@ def test_a_word_beyond_the_line_is_told(anna):
 @pytest.mark.parametrize("level", [0, 0.3, 1.5, 2])
 def test_a_dial_scales_its_region_alone_and_contacts_hold(bare, level):
     usual, dialled = bare.perform(LINE), bare.perform(LINE, dials={"lips": level})
-    tables, poses = bare.compiled.tables, bare.poses
+    poses = bare.poses
     lips = bare.compiled.regions["lips"]
     tongue = [n for n, pose in enumerate(poses) if n not in (*lips, poses.index("open"))]
     assert np.abs(dialled.weights[:, tongue] - usual.weights[:, tongue]).max() < 1e-9
