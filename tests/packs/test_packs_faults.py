@@ -225,7 +225,8 @@ BAD = [
         "{between: [FV, PBM], threshold: 1}", (("W316", 17, "lips"),), "after 'teeth'"),
     Bad("one phoneme demands floors that exclude each other", POSESET,
         "{pose: wide, at_most: open}\npriority: [open, FV, PBM]\ncontacts:\n  lips: {phonemes: [p]",
-        "{between: [FV, PBM], threshold: 1}\npriority: [open, FV, PBM]\ncontacts:\n  lips: {phonemes: [p, f]",
+        "{between: [FV, PBM], threshold: 1}\npriority: [open, FV, PBM]\n"
+        "contacts:\n  lips: {phonemes: [p, f]",
         (("P208", 14, "1}"), ("W316", 17, "lips"), ("W314", 22, "f: {")), "raise"),
     Bad("contacts just fit, rounding aside", POSESET, "{pose: wide, at_most: open}",
         "{between: [FV, PBM], threshold: 1.7}", ()),
