@@ -32,16 +32,16 @@ MOST = 2.0
 SPAN = 4.5
 """Difference from the median in decibels at the minimum and maximum level."""
 
-FRAME_SECONDS = 0.01
+ENERGY_STEP_SECONDS = 0.01
 """Distance of the frames whose energy is measured."""
 
-FRAME_REACH_SECONDS = 0.03
+ENERGY_REACH_SECONDS = 0.03
 """Time on each side of a frame over which its energy is measured: a jaw follows no faster."""
 
-FRAME_SHARE = 0.3
+ENERGY_SHARE = 0.3
 """Largest share by which the energy of a frame raises or lowers the level."""
 
-FRAME_SPAN = 12.0
+ENERGY_SPAN = 12.0
 """Difference of a frame from the line's median in decibels at which that share is reached."""
 
 TOLERANCE = 6.0
@@ -162,16 +162,16 @@ def frame_levels(
     if audio is None or len(slow.times) < 2:  # noqa: PLR2004 one sound has nothing to compare
         return slow
     first, last = slow.times[0], slow.times[-1]
-    middles = np.append(np.arange(first, last, FRAME_SECONDS), last)
-    ends = (middles[:, None] + (-FRAME_REACH_SECONDS, FRAME_REACH_SECONDS)).clip(first, last)
+    middles = np.append(np.arange(first, last, ENERGY_STEP_SECONDS), last)
+    ends = (middles[:, None] + (-ENERGY_REACH_SECONDS, ENERGY_REACH_SECONDS)).clip(first, last)
     cuts = np.rint(ends * audio.rate).clip(0, len(audio.samples)).astype(np.intp)
     # float64, because a sum of squares over minutes would lose quiet frames in float32
     summed = np.concatenate(([0.0], np.cumsum(np.square(audio.samples, dtype=np.float64))))
     power = np.diff(summed[cuts])[:, 0] / np.diff(cuts)[:, 0].clip(1)
     decibels = 10 * np.log10(power.clip(FLOOR**2))
-    share = ((decibels - np.median(decibels)) / FRAME_SPAN).clip(-1, 1)
+    share = ((decibels - np.median(decibels)) / ENERGY_SPAN).clip(-1, 1)
     least, most = limits
-    values = slow.at(middles) + intensity * FRAME_SHARE * share
+    values = slow.at(middles) + intensity * ENERGY_SHARE * share
     lowest, highest = 1 - intensity * (1 - least), 1 + intensity * (most - 1)
     return Level(middles, values.clip(max(lowest, 0.0), highest))
 
