@@ -277,3 +277,30 @@ def motions(**fixed):
     }
     chosen = {**drawn, **{name: st.just(value) for name, value in fixed.items()}}
     return st.one_of(st.just(Motion(**fixed)), st.builds(Motion, **chosen))
+
+
+def undisturbed(performance, seconds=0.1):
+    """Yield each contact with the frames that hold it, far from contacts that exclude it.
+
+    A lip that presses lets go of the teeth: a contact whose floors pass the threshold with those of
+    a contact of higher priority may be missed beside that.
+    """
+    tables, reach = performance.tables, int(np.ceil(seconds * performance.frames.fps)) + 2
+    held = [frames for _, frames in performance.held]
+    for contact, frames in zip(tables.contacts, held, strict=True):
+        near = np.zeros(len(frames) + 2 * reach, bool)
+        for other, others in zip(tables.contacts, held, strict=True):
+            excluded = any(
+                contact.floor[cap.low] > 0
+                and contact.floor[cap.low] + other.floor[cap.high] > cap.threshold
+                and other.floor[cap.high] > 0
+                for cap in tables.caps
+            )
+            for frame in np.flatnonzero(others) if excluded else ():
+                near[frame : frame + 2 * reach + 1] = True
+        near = near[reach : reach + len(frames)]
+        kept = np.zeros(len(frames), bool)
+        edges = np.flatnonzero(np.diff(frames, prepend=False, append=False))
+        for start, stop in edges.reshape(-1, 2):
+            kept[start:stop] = not near[start:stop].any()
+        yield contact, kept

@@ -4,6 +4,9 @@ Vowels are always louder than stops, so each sound is compared with the median o
 the same line, in decibels. The line as a whole is compared with a reference: its active level, the
 mean power of its sounds without the pauses (as ITU-T P.56 measures it), against that of ordinary
 speech. Microphones and mixes differ, so the first `TOLERANCE` decibels of that do not count.
+
+Within a line the jaw also follows the energy of each frame, against the median of all: the mouth is
+widest where the voice is loudest, which is not always the middle of a vowel.
 """
 
 from collections.abc import Sequence
@@ -26,8 +29,20 @@ if TYPE_CHECKING:
 MOST = 2.0
 """Maximum intensity; 1 is the setting of the pose set."""
 
-SPAN = 9.0
+SPAN = 4.5
 """Difference from the median in decibels at the minimum and maximum level."""
+
+ENERGY_STEP_SECONDS = 0.01
+"""Distance of the frames whose energy is measured."""
+
+ENERGY_REACH_SECONDS = 0.03
+"""Time on each side of a frame over which its energy is measured: a jaw follows no faster."""
+
+ENERGY_SHARE = 0.3
+"""Largest share by which the energy of a frame raises or lowers the level."""
+
+ENERGY_SPAN = 12.0
+"""Difference of a frame from the line's median in decibels at which that share is reached."""
 
 TOLERANCE = 6.0
 """Difference of a line from the reference level in decibels that has no effect."""
@@ -87,8 +102,8 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
     limits = (stated["least"], stated["most"])
     usual = schedule.audio.usual_level
     reference = motion.reference_level if usual is None else usual
-    level = levels(schedule, classes, intensity, limits, reference)
-    return Dial(poses, level, "loudness")
+    slow = levels(schedule, classes, intensity, limits, reference)
+    return Dial(poses, frame_levels(slow, schedule, intensity, limits), "loudness")
 
 
 def levels(
@@ -131,6 +146,34 @@ def levels(
     values = 1 + intensity * share * np.where(share > 0, most - 1, 1 - least)
     middles = (times[:-1] + times[1:]) / 2
     return Level(middles[sounding], np.maximum(values, 0.0))
+
+
+def frame_levels(
+    slow: Level, schedule: "Schedule", intensity: float, limits: tuple[float, float]
+) -> Level:
+    """Raise a level where a frame is louder than the median of the line, and lower it elsewhere.
+
+    Parameters
+    ----------
+    slow : level by sounds, at the middle of each
+    intensity : 0 for no effect of a frame, 1 for the full share
+    """
+    audio = schedule.audio
+    if audio is None or len(slow.times) < 2:  # noqa: PLR2004 one sound has nothing to compare
+        return slow
+    first, last = slow.times[0], slow.times[-1]
+    middles = np.append(np.arange(first, last, ENERGY_STEP_SECONDS), last)
+    ends = (middles[:, None] + (-ENERGY_REACH_SECONDS, ENERGY_REACH_SECONDS)).clip(first, last)
+    cuts = np.rint(ends * audio.rate).clip(0, len(audio.samples)).astype(np.intp)
+    # float64, because a sum of squares over minutes would lose quiet frames in float32
+    summed = np.concatenate(([0.0], np.cumsum(np.square(audio.samples, dtype=np.float64))))
+    power = np.diff(summed[cuts])[:, 0] / np.diff(cuts)[:, 0].clip(1)
+    decibels = 10 * np.log10(power.clip(FLOOR**2))
+    share = ((decibels - np.median(decibels)) / ENERGY_SPAN).clip(-1, 1)
+    least, most = limits
+    values = slow.at(middles) + intensity * ENERGY_SHARE * share
+    lowest, highest = 1 - intensity * (1 - least), 1 + intensity * (most - 1)
+    return Level(middles, values.clip(max(lowest, 0.0), highest))
 
 
 def _decibels(power: float, count: int) -> float:

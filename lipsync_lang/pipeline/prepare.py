@@ -32,6 +32,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.anticipate import falling
+from lipsync_lang.pipeline.constrain import Cap
 from lipsync_lang.pipeline.hold import SHORTEST, Plateau, bounds
 from lipsync_lang.pipeline.limit import ramps
 from lipsync_lang.pipeline.motion import Motion
@@ -132,7 +133,10 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
     raised = tuple(keeping.levels(c.floor, c.raised, room) for c in contacts)
     ones = np.ones(len(half))
     under = [keeping.levels(1 - c.ceiling, _unimplied(tables, c), ones) for c in contacts]
-    lowered = tuple(tuple(Plateau(p, 1 - weight) for p, weight in levels) for levels in under)
+    lowered = tuple(
+        (*(Plateau(p, 1 - weight) for p, weight in levels), *_excluded(tables, raised, number))
+        for number, levels in enumerate(under)
+    )
     # what a level wants beyond the range of its pose lengthens the plateau by so many frames
     above = [weight - room[pose] for levels in raised for pose, weight in levels]
     below = [-weight for levels in lowered for _, weight in levels]
@@ -190,12 +194,15 @@ def _blurs(half: Floats, fps: float) -> tuple[Blur, ...]:
 def _room(tables: Tables) -> tuple[Floats, bool]:
     """Return the limit for raising each floor, (P,), and True if all pairs can be convex."""
     floors, room, convex = tables.floors, np.ones(len(tables.floors)), True
-    for low, high, threshold in tables.caps:
+    for cap in tables.caps:
+        low, high, threshold = cap
         # what two floors leave of their threshold is divided evenly between them
         shared = max(threshold - floors[low] - floors[high], 0)
-        if floors[low] > 0:
+        if floors[low] > 0 and not _exclusive(tables, cap):
             for pose in (low, high):
                 room[pose] = min(room[pose], max(floors[pose] + shared / 2, floors[pose]))
+        elif floors[low] > 0:
+            room[low] = min(room[low], max(threshold, floors[low]))
         if threshold < 1:
             convex &= bool(threshold >= floors[high])
             room[high] = min(room[high], max(threshold, floors[high]))
@@ -213,6 +220,26 @@ def _unimplied(tables: Tables, contact: Contact) -> list[int]:
     return [pose for pose in contact.lowered if pose not in kept]
 
 
+def _exclusive(tables: Tables, cap: Cap) -> bool:
+    """Return True if two contact poses exclude each other: their floors pass the threshold."""
+    floors = tables.floors[[cap.low, cap.high]]
+    return bool(floors.all() and floors.sum() > cap.threshold + ROUNDING)
+
+
+def _excluded(tables: Tables, raised: Sequence[Sequence[Plateau]], number: int) -> list[Plateau]:
+    """Return ceilings of poses that a contact keeps down for its own floors.
+
+    Only contacts that are held later, and so win where both are held, are kept down.
+    """
+    later = [pose for levels in raised[number + 1 :] for pose, _ in levels]
+    return [
+        Plateau(cap.high, max(cap.threshold - weight, 0.0))
+        for pose, weight in raised[number]
+        for cap in tables.caps
+        if cap.low == pose and cap.high in later and _exclusive(tables, cap)
+    ]
+
+
 def _tops(
     tables: Tables, raised: Sequence[Sequence[Plateau]], room: Floats, *, soft: bool
 ) -> Floats:
@@ -221,8 +248,9 @@ def _tops(
     for pose, weight in (level for levels in raised for level in levels):
         held[pose] = max(held[pose], min(weight, room[pose]))
     tops = np.ones(len(room))
-    for low, high, threshold in tables.caps:
-        if held[low] > 0:
+    for cap in tables.caps:
+        low, high, threshold = cap
+        if held[low] > 0 and not _exclusive(tables, cap):
             tops[high] = min(tops[high], threshold - held[low])
         if soft and threshold < 1:
             tops[high] = min(tops[high], max(threshold, tables.floors[high]))

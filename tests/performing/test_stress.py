@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from shipped import LIBRARY
+from strategies import undisturbed
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
@@ -238,7 +239,7 @@ def test_no_stress_opens_a_contact(marks, factor, seconds, fps):
     performance = performer.performance(Schedule(labels, times, stress=tuple(marks)), fps)
     weights = performance.weights()
     assert np.abs(np.diff(weights, axis=0)).max() <= performer.motion.speed_limit / fps + 1e-9
-    for contact, (_, frames) in zip(performance.tables.contacts, performance.held, strict=True):
+    for contact, frames in undisturbed(performance):
         kept = (weights >= contact.floor - GIVEN - 1e-9).all(axis=1)
         kept &= (weights <= contact.ceiling + GIVEN + 1e-9).all(axis=1)
         starts = np.flatnonzero(np.diff(frames, prepend=False, append=False))

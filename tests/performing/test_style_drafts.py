@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lanes import swept
 from shipped import LIBRARY
+from strategies import undisturbed
 from test_loudness import line
 
 import lipsync_lang as ll
@@ -172,11 +173,11 @@ def test_no_style_breaks_a_promise(named, share, seconds, fps):
     poseset, style = named
     performer = ll.resolve("english", poseset)
     performance = performer.performance(line([3000] * 9, seconds), fps, styles={style: share})
-    weights, tables = performance.weights(), performance.tables
+    weights = performance.weights()
     assert weights.min() >= 0
     assert weights.max() <= 1
     assert np.abs(np.diff(weights, axis=0)).max() <= performer.motion.speed_limit / fps + 1e-9
-    for contact, (_, frames) in zip(tables.contacts, performance.held, strict=True):
+    for contact, frames in undisturbed(performance):
         kept = (weights >= contact.floor - GIVEN - 1e-9).all(axis=1)
         kept &= (weights <= contact.ceiling + GIVEN + 1e-9).all(axis=1)
         starts = np.flatnonzero(np.diff(frames, prepend=False, append=False))

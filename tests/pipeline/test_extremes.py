@@ -29,6 +29,20 @@ def performance(performer, lengths, fps, tables=None):
     return perform(tables, track, performer.motion, fps)
 
 
+BESIDE_SECONDS = 0.25
+"""Distance from a stronger contact at which an excluded one is promised, at any softness."""
+
+
+def excludes(tables, stronger, contact):
+    """Return True if a contact makes another yield."""
+    return any(
+        stronger.floor[cap.high] > 0
+        and contact.floor[cap.low] > 0
+        and stronger.floor[cap.high] + contact.floor[cap.low] > cap.threshold
+        for cap in tables.caps
+    )
+
+
 def keeps_its_promises(made, speed, fps):
     """Check bounds, rest, speed and every contact of a performance."""
     weights, times = made.weights(), made.frames.times()
@@ -39,7 +53,17 @@ def keeps_its_promises(made, speed, fps):
     track = made.track
     for contact in made.tables.contacts:
         floor = contact.floor * (contact.floor > 0)
+        stronger = [one for one in made.tables.contacts if excludes(made.tables, one, contact)]
+        others = np.flatnonzero(
+            sum((demands(one, track) for one in stronger), np.zeros(track.ids.shape))
+        )
         for number in np.flatnonzero(demands(contact, track)):
+            away = np.maximum(
+                track.bounds[others] - track.bounds[number + 1],
+                track.bounds[number] - track.bounds[others + 1],
+            )
+            if (away < BESIDE_SECONDS + 2 / fps).any():
+                continue
             low, high = track.bounds[number : number + 2] + np.array([-0.5, 0.5]) / fps
             near = weights[(times >= low - 1e-6) & (times <= high + 1e-6)]
             up = (near >= floor - GIVEN - 1e-6).all(axis=1)
@@ -79,7 +103,7 @@ def test_a_floor_of_one(seconds, fps):
     performer = ll.resolve("english", "facefx")
     tables = with_contacts(
         performer.compiled.tables,
-        lambda contact: replace(contact, floor=np.where(contact.floor >= 0.9, 1.0, contact.floor)),
+        lambda contact: replace(contact, floor=np.where(contact.floor >= 0.7, 1.0, contact.floor)),
     )
     keeps_its_promises(
         performance(performer, [seconds] * 11, fps, tables), performer.motion.speed_limit, fps
@@ -89,13 +113,16 @@ def test_a_floor_of_one(seconds, fps):
 @given(st.floats(0.001, 0.3), RATES)
 def test_two_contacts_at_once(seconds, fps):
     performer = ll.resolve("english", "facefx")
+    lips, teeth = (performer.poses.index(pose) for pose in ("PBM", "FV"))
     own = performer.compiled.tables
+    thresholds = own.thresholds.copy()
+    thresholds[[lips, teeth], [teeth, lips]] = 1.8
+    own = replace(own, thresholds=thresholds)
     either = np.logical_or.reduce([contact.phonemes for contact in own.contacts])
     tables = with_contacts(own, lambda contact: replace(contact, phonemes=either))
     made = performance(performer, [seconds] * 11, fps, tables)
     keeps_its_promises(made, performer.motion.speed_limit, fps)
-    lips, teeth = (performer.poses.index(pose) for pose in ("PBM", "FV"))
-    assert made.weights()[:, [lips, teeth]].min(axis=1).max() >= 0.8 - GIVEN
+    assert made.weights()[:, [lips, teeth]].min(axis=1).max() >= 0.6 - GIVEN
 
 
 @pytest.mark.parametrize("face", ["facefx", "arkit"])

@@ -197,7 +197,7 @@ def test_motion_is_refined_by_pose_set_character_and_call(tmp_path):
 
 def test_a_faulty_pack_tells_all_its_faults_when_it_is_used(tmp_path):
     text = (built_in() / "posesets" / "facefx" / "poseset.yaml").read_text()
-    text = text.replace("threshold: 1,", "threshold: 5,", 1).replace("{FV: 0.9", "{VF: 0.9")
+    text = text.replace("threshold: 1,", "threshold: 5,", 1).replace("{FV: 0.8", "{VF: 0.8")
     write(tmp_path / "posesets" / "facefx" / "poseset.yaml", text)
     with pytest.raises(PackError, match=r"(?s)P104.*at most 2.*P201 unknown pose 'VF'"):
         compiled(tmp_path)

@@ -216,7 +216,7 @@ def test_a_trigram_waives_the_contacts_of_its_three_phonemes(tmp_path):
     (warning,) = held.report.warnings
     for told in ("characters/anna.yaml:6:3", "W306", "aa-bmp-aa brings PBM to 0.00 at bmp"):
         assert told in warning
-    assert held.perform(up)["PBM"].max() > 0.85
+    assert held.perform(up)["PBM"].max() >= 0.7
     character(tmp_path, "trigrams:\n" + trigram("aa-bmp-aa", "open", contact="free"))
     free = performer(tmp_path)
     assert free.report.warnings == ()

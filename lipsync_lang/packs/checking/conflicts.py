@@ -160,16 +160,30 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Check that the threshold of two poses leaves room for both of their floors."""
+    """Check that no phoneme demands two floors that exclude each other.
+
+    Contacts of different phonemes may exclude each other: a lip cannot press the other lip and meet
+    the teeth. Where both are held, the later one in the pack wins, so it must have the priority.
+    """
     model = poseset.model
-    for (one, (low, _)), (other, (high, _)) in combinations(_floors(model).items(), 2):
+    contacts, places = model.contacts, list(model.contacts)
+    for (one, (low, some)), (other, (high, others)) in combinations(_floors(model).items(), 2):
         threshold, loc = _threshold(model, one, other)
-        if threshold < min(NO_THRESHOLD, low + high - SUM_TOLERANCE):
+        if threshold >= min(NO_THRESHOLD, low + high - SUM_TOLERANCE):
+            continue
+        if some == others or set(contacts[some].phonemes) & set(contacts[others].phonemes):
             what = (
                 f"'{one}' and '{other}' may add up to {threshold:g}, "
                 f"but their contacts need {low + high:g}"
             )
             yield poseset.fault(loc, "P208", what, "raise the threshold, or lower the floors")
+            continue
+        ahead = _rank(model, one) - _rank(model, other)
+        if ahead * (places.index(some) - places.index(others)) < 0:
+            first, last = (others, some) if ahead > 0 else (some, others)
+            what = f"contacts '{first}' and '{last}' exclude each other, and '{first}' is held last"
+            hint = f"put '{last}', whose pose has the priority, after '{first}'"
+            yield poseset.warning(("contacts", last), "W316", what, hint, key=True)
 
 
 def _contacts(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
