@@ -13,6 +13,7 @@ from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.errors import LipsyncError, refuse_other
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
+from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.batch import LineDelivery, animate
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from lipsync_lang.animations.explanation import Explanation
+    from lipsync_lang.listening.listener import Listener
     from lipsync_lang.performing.delivery import DialLevels
     from lipsync_lang.performing.stream import Late, Stream
     from lipsync_lang.phonology.nearest import Nearest
@@ -234,6 +236,44 @@ class Performer:
             self, checked_rate(fps), notation=notation, styles=styles, dials=dials, stress=stress,
             emphasis=emphasis, late=late,
         )  # fmt: skip
+
+    def listen(self, rate: int = 16_000, delay: float = 0.08, fps: float = 60) -> "Listener":
+        """Open a listener, which takes sound as it arrives and returns final frames.
+
+        It needs no text. A voice in any language moves the lips, by the sounds of this language
+        that are most like those heard.
+
+        Parameters
+        ----------
+        rate : samples per second of the sound
+        delay : seconds of sound after a frame that are awaited; more make the lips more exact
+        fps : output frames per second, as in `perform`
+
+        Raises
+        ------
+        LipsyncError
+            The acoustic model is not installed, or an argument is out of range.
+
+        Examples
+        --------
+        >>> listener = ll.resolve("english", "facefx").listen(delay=0.08)
+        >>> times, weights = listener.push(np.zeros(1600, np.int16))
+        >>> round(float(weights.max()), 2)
+        0.0
+        """
+        from lipsync_lang.listening.listener import open_listener
+
+        tables, motion, labels = self.compiled.tables, self.motion, self.labels
+        return open_listener(
+            tables.papers if motion.thresholds == "paper" else tables,
+            motion,
+            self.poses,
+            labels.notations.get(IPA),
+            self.compiled.numbers(shades=labels.shades),
+            rate=rate,
+            delay=delay,
+            fps=checked_rate(fps),
+        )
 
     def rigged(self, animation: Animation) -> Animation:
         """Convert an animation of poses to an animation of the model's rig channels.

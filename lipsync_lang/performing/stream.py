@@ -15,18 +15,17 @@ Revised
 
 from collections.abc import Mapping
 from math import floor
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, ScheduleError, refuse_other
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.heard import HeardLabels
 from lipsync_lang.performing.intake import Intake, refuse_jump, second
 from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
-from lipsync_lang.pipeline.perform import BLOCK
+from lipsync_lang.pipeline.perform import BLOCK, FinalFrames
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule
 
 if TYPE_CHECKING:
@@ -41,15 +40,6 @@ MAX_FRAMES = 2.0**60
 
 ROUNDED_FRAMES = 1e-6
 """Tolerance of a frame's time, as a share of a frame."""
-
-
-class FinalFrames(NamedTuple):
-    """Frames that no later phoneme changes."""
-
-    times: Floats
-    """(k,) seconds."""
-    weights: Floats
-    """(k, P) in [0, 1]."""
 
 
 class Stream:

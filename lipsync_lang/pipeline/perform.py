@@ -43,6 +43,15 @@ class Stage(NamedTuple):
     """(P, T)"""
 
 
+class FinalFrames(NamedTuple):
+    """Frames that nothing fed later changes."""
+
+    times: Floats
+    """(k,) seconds."""
+    weights: Floats
+    """(k, P) in [0, 1]."""
+
+
 @dataclass(frozen=True)
 class Frames:
     """Output frames: frame k lies at ``start + (first + k) / fps`` seconds."""

@@ -36,6 +36,7 @@ FLOORS = (
     {"banks", "rigs"},
     {"animations", "resolver"},
     {"speech"},
+    {"listening"},
     {"performing"},
     {"coverage", "live", "quality", "render"},
     {"authoring"},

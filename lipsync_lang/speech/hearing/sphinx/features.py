@@ -3,6 +3,8 @@
 Processing steps and constants match the training of the CMU Sphinx models.
 """
 
+from functools import cache
+
 import numpy as np
 
 from lipsync_lang.arrays import Floats
@@ -29,6 +31,10 @@ CEPSTRA = 13
 LIFTER = 22
 
 
+DELTA_FRAMES = 3
+"""Frames on each side of a frame on which its derivatives depend."""
+
+
 def features(samples: Floats) -> Floats:
     """Return three streams of features for each frame of a sound.
 
@@ -40,48 +46,89 @@ def features(samples: Floats) -> Floats:
     -------
     (T, 3, 13): cepstra less their mean, first and second derivatives; T = N / `HOP_SAMPLES`
     """
-    order = np.arange(CEPSTRA)[:, None]
-    waves = np.cos(np.pi * order * (np.arange(BANDS) + 0.5) / BANDS) * np.sqrt(2 / BANDS)
-    # The unitary cosine transform has another factor for the constant.
-    waves[0] = np.sqrt(1 / BANDS)
-    lifter = 1 + LIFTER / 2 * np.sin(np.pi * np.arange(CEPSTRA) / LIFTER)
-    cepstra: Floats = (np.log(_quieted(_spectra(samples)) + 1e-4) @ waves.T) * lifter
+    cepstra = CepstralFrames().last(samples)
     # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
     cepstra -= cepstra.mean(axis=0)
-    wide = np.pad(cepstra, ((3, 3), (0, 0)), mode="edge")
-    count = len(cepstra)
+    return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
+
+
+def derived(wide: Floats) -> Floats:
+    """Return cepstra, (T + 2 `DELTA_FRAMES`, 13), with their derivatives: (T, 3, 13)."""
+    count = len(wide) - 2 * DELTA_FRAMES
 
     def at(later: int) -> Floats:
-        return wide[3 + later : 3 + later + count]
+        return wide[DELTA_FRAMES + later : DELTA_FRAMES + later + count]
 
     # The decoder of the models takes these differences over 4 and 6 frames, without the usual
     # weights: other derivatives fit none of their Gaussians.
     change = at(2) - at(-2)
     turn = (at(3) - at(-1)) - (at(1) - at(-3))
-    return np.stack([cepstra, change, turn], axis=1)
+    return np.stack([at(0), change, turn], axis=1)
 
 
-def _spectra(samples: Floats) -> Floats:
-    """Return the power of each band in each frame: (T, `BANDS`)."""
-    # Ceiling division: the last frame may hold less sound than a hop.
-    count = max(-(-len(samples) // HOP_SAMPLES), 1)
-    padded = np.pad(
-        samples, (0, max(count * HOP_SAMPLES + WINDOW_SAMPLES - HOP_SAMPLES - len(samples), 0))
-    )
-    # NumPy reads the right side before it writes, so no sample is filtered twice.
-    padded[1:] -= PRE_EMPHASIS * padded[:-1]
-    frames = np.lib.stride_tricks.sliding_window_view(padded, WINDOW_SAMPLES)[
-        : count * HOP_SAMPLES : HOP_SAMPLES
-    ]
-    # A Hamming window.
+class CepstralFrames:
+    """Cepstra of a sound that arrives in parts, before any mean is taken away."""
+
+    def __init__(self) -> None:
+        self._sound = np.zeros(0)
+        self._before = 0.0
+        self._noise: _BandNoise | None = None
+
+    def push(self, samples: Floats) -> Floats:
+        """Return the cepstra of the frames that are complete with these samples: (k, 13)."""
+        # Pre-emphasis, across the parts.
+        earlier = np.concatenate([[self._before], samples])
+        self._before = float(earlier[-1])
+        sound = np.concatenate([self._sound, samples - PRE_EMPHASIS * earlier[:-1]])
+        count = max((len(sound) - WINDOW_SAMPLES) // HOP_SAMPLES + 1, 0)
+        self._sound = sound[count * HOP_SAMPLES :]
+        if count == 0:
+            return np.zeros((0, CEPSTRA))
+        spectra = _spectra(sound, count)
+        if self._noise is None:
+            self._noise = _BandNoise(spectra[0])
+        waves, lifter = _cosines()
+        cepstra: Floats = (np.log(self._noise.quieted(spectra) + 1e-4) @ waves.T) * lifter
+        return cepstra
+
+    def last(self, samples: Floats) -> Floats:
+        """Return the cepstra of the last samples, the rest of them filled up with zeros."""
+        whole = len(self._sound) + len(samples)
+        # Ceiling division: the last frame may hold less sound than a hop.
+        count = max(-(-whole // HOP_SAMPLES), 1)
+        missing = max(count * HOP_SAMPLES + WINDOW_SAMPLES - HOP_SAMPLES - whole, 0)
+        return self.push(np.pad(samples, (0, missing)))[:count]
+
+
+@cache
+def _cosines() -> tuple[Floats, Floats]:
+    """Return the cosine transform of bands to cepstra, and the factor of each cepstrum."""
+    order = np.arange(CEPSTRA)[:, None]
+    waves = np.cos(np.pi * order * (np.arange(BANDS) + 0.5) / BANDS) * np.sqrt(2 / BANDS)
+    # The unitary cosine transform has another factor for the constant.
+    waves[0] = np.sqrt(1 / BANDS)
+    return waves, 1 + LIFTER / 2 * np.sin(np.pi * np.arange(CEPSTRA) / LIFTER)
+
+
+@cache
+def _filters() -> tuple[Floats, Floats]:
+    """Return the Hamming window of a frame, and the filter of each band."""
     window = 0.54 - 0.46 * np.cos(2 * np.pi * np.arange(WINDOW_SAMPLES) / (WINDOW_SAMPLES - 1))
     spacing = SPEECH_RATE / FFT_POINTS
     # The trainer rounds the corners of the filters to bins of the Fourier transform, and gives all
     # filters one area.
     edges = np.floor(mel_edges(LOWEST, HIGHEST, BANDS) / spacing + 0.5) * spacing
-    bands = triangles(edges) * (2 / (edges[2:] - edges[:-2]))
-    spectra = np.empty((len(frames), BANDS))
-    for start in range(0, len(frames), 1000):  # in blocks, to bound memory
+    return window, triangles(edges) * (2 / (edges[2:] - edges[:-2]))
+
+
+def _spectra(sound: Floats, count: int) -> Floats:
+    """Return the power of each band in some frames: (`count`, `BANDS`)."""
+    window, bands = _filters()
+    frames = np.lib.stride_tricks.sliding_window_view(sound, WINDOW_SAMPLES)[
+        : count * HOP_SAMPLES : HOP_SAMPLES
+    ]
+    spectra = np.empty((count, BANDS))
+    for start in range(0, count, 1000):  # in blocks, to bound memory
         block = slice(start, start + 1000)
         spectra[block] = (np.abs(np.fft.rfft(frames[block] * window, FFT_POINTS)) ** 2) @ bands
     return spectra
@@ -102,33 +149,41 @@ def triangles(edges: Floats) -> Floats:
     return np.maximum(0, np.minimum(rising, falling))
 
 
-def _quieted(spectra: Floats) -> Floats:
-    """Subtract slowly varying noise from each band, tracked over frames."""
-    quieted = np.empty_like(spectra)
-    power = spectra[0].copy()
-    # The start of a sound counts as 13 dB above its noise, until the envelopes have settled.
-    noise = spectra[0] / 20
-    floor = noise.copy()
-    peak = np.zeros(BANDS)
-    sums = np.arange(BANDS)
-    first, last = np.maximum(sums - 4, 0), np.minimum(sums + 5, BANDS)
-    for number, here in enumerate(spectra):
-        power = 0.7 * power + 0.3 * here
-        noise = _envelope(power, noise)
-        signal = np.maximum(power - noise, 1.0)
-        floor = _envelope(signal, floor)
-        # Temporal masking: after a peak, a weaker sound is lowered to a share of the fading peak
-        # (Kim and Stern 2016, power-normalized cepstra).
-        peak = 0.85 * peak
-        heard = signal
-        signal = np.where(signal < 0.85 * peak, 0.2 * peak, signal)
-        peak = np.maximum(peak, heard)
-        signal = np.maximum(signal, floor)
-        gain = np.clip(signal / np.maximum(power, 1e-300), 1 / 20, 20)
-        # A moving mean over nine bands from differences of the running sum, which has a 0 in front.
-        whole = np.concatenate([[0.0], np.cumsum(gain)])
-        quieted[number] = here * (whole[last] - whole[first]) / (last - first)
-    return quieted
+class _BandNoise:
+    """Slowly varying noise in each band, tracked over frames."""
+
+    def __init__(self, first: Floats) -> None:
+        self.power = first.copy()
+        # The start of a sound counts as 13 dB above its noise, until the envelopes have settled.
+        self.noise = first / 20
+        self.floor = self.noise.copy()
+        self.peak = np.zeros(BANDS)
+
+    def quieted(self, spectra: Floats) -> Floats:
+        """Subtract the noise from the next frames: (k, `BANDS`)."""
+        quieted = np.empty_like(spectra)
+        power, noise, floor, peak = self.power, self.noise, self.floor, self.peak
+        sums = np.arange(BANDS)
+        first, last = np.maximum(sums - 4, 0), np.minimum(sums + 5, BANDS)
+        for number, here in enumerate(spectra):
+            power = 0.7 * power + 0.3 * here
+            noise = _envelope(power, noise)
+            signal = np.maximum(power - noise, 1.0)
+            floor = _envelope(signal, floor)
+            # Temporal masking: after a peak, a weaker sound is lowered to a share of the fading
+            # peak (Kim and Stern 2016, power-normalized cepstra).
+            peak = 0.85 * peak
+            heard = signal
+            signal = np.where(signal < 0.85 * peak, 0.2 * peak, signal)
+            peak = np.maximum(peak, heard)
+            signal = np.maximum(signal, floor)
+            gain = np.clip(signal / np.maximum(power, 1e-300), 1 / 20, 20)
+            # A moving mean over nine bands from differences of the running sum, which has a 0 in
+            # front.
+            whole = np.concatenate([[0.0], np.cumsum(gain)])
+            quieted[number] = here * (whole[last] - whole[first]) / (last - first)
+        self.power, self.noise, self.floor, self.peak = power, noise, floor, peak
+        return quieted
 
 
 def _envelope(values: Floats, below: Floats) -> Floats:

@@ -1,0 +1,1 @@
+"""Listening: lips from sound alone, without a text, live or of a whole recording."""

@@ -1,0 +1,170 @@
+"""The listener: sound in, final frames out.
+
+Times are seconds from the first sample. A frame at time t is final once sound until t + `delay` is
+known. No later sound changes it.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.arrays import Floats
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.listening.belief import PhoneLoop, Smoother
+from lipsync_lang.listening.ear import (
+    LOOK_AHEAD_SECONDS,
+    MIDDLE_SECONDS,
+    Ear,
+    PhoneScores,
+    phone_scores,
+)
+from lipsync_lang.listening.mouth import Mouth, heard_values, state_targets
+from lipsync_lang.pipeline.perform import FinalFrames
+from lipsync_lang.resolver.nearest_phonemes import model_phones
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
+from lipsync_lang.speech.hearing.sphinx.folder import find_models
+from lipsync_lang.speech.sound import INT16_FULL_SCALE
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from lipsync_lang.phonology.labels import Notation
+    from lipsync_lang.pipeline.motion import Motion
+    from lipsync_lang.pipeline.tables import Tables
+
+LEAST_DELAY = LOOK_AHEAD_SECONDS + FRAME_SECONDS
+"""Seconds: the features of a frame, and the frame after it."""
+
+MOST_DELAY = 1.0
+"""Seconds."""
+
+MOST_LAG_FRAMES = 3
+"""Frames that the belief looks ahead at most, with a long delay; more change little."""
+
+
+class Listener:
+    """Lips of a voice that arrives in parts; see `Performer.listen`.
+
+    Examples
+    --------
+    >>> listener = ll.resolve("english", "facefx").listen(rate=16000, delay=0.08, fps=60)
+    >>> times, weights = listener.push(np.zeros(1600, np.int16))
+    >>> weights.shape
+    (2, 9)
+    """
+
+    def __init__(  # noqa: PLR0913 what it hears with, what it moves, and three settings
+        self,
+        scores: PhoneScores,
+        mouth: "Mouth",
+        poses: tuple[str, ...],
+        *,
+        rate: int,
+        delay: float,
+        fps: float,
+    ) -> None:
+        if not LEAST_DELAY <= delay <= MOST_DELAY:
+            raise LipsyncError(
+                f"a delay of {delay:g} s is out of range; sound needs {LEAST_DELAY:.3f} to "
+                f"{MOST_DELAY:g} s"
+            )
+        self.poses, self.rate, self.fps = poses, rate, fps
+        self.phones = scores.model.names
+        lag = min(int((delay - LEAST_DELAY) / FRAME_SECONDS + 1e-9), MOST_LAG_FRAMES)
+        self.delays = {
+            "features": LOOK_AHEAD_SECONDS,
+            "belief": lag * FRAME_SECONDS,
+            "frames": FRAME_SECONDS,
+            "motion": delay - LEAST_DELAY - lag * FRAME_SECONDS,
+        }
+        shares = np.full(len(self.phones), 1 / len(self.phones))
+        self._ear = Ear(scores)
+        self._smoother = Smoother(PhoneLoop(shares), lag)
+        self._mouth = mouth
+        self._samples = self._given = self._frames = 0
+        self._last = np.zeros((0, len(poses)))
+        self.belief = shares
+        """(N,) probability of each phone in the newest frame."""
+
+    @property
+    def delay(self) -> float:
+        """Seconds of sound after a frame that must be known before it is final."""
+        return sum(self.delays.values())
+
+    def push(self, samples: npt.ArrayLike) -> FinalFrames:
+        """Hear the next samples, and return the frames that are final now.
+
+        Parameters
+        ----------
+        samples : (n,) int16, or floats from -1 to 1, at `rate`
+
+        Raises
+        ------
+        LipsyncError
+            The samples have another form.
+        """
+        sound = np.asarray(samples)
+        if sound.ndim != 1:
+            raise LipsyncError(f"samples of shape {sound.shape}: give one channel, shape (n,)")
+        if sound.dtype != np.int16:
+            sound = sound * float(INT16_FULL_SCALE)
+        self._samples += len(sound)
+        return self._moved(self._smoother.push(self._ear.hear(sound.astype(np.float64))))
+
+    def finish(self) -> FinalFrames:
+        """Return the last frames; the mouth comes to rest."""
+        last = self._smoother.push(self._ear.finish())
+        return self._moved(np.concatenate([last, self._smoother.finish()]))
+
+    def _moved(self, belief: Floats) -> FinalFrames:
+        if len(belief):
+            self.belief = belief[-1].sum(axis=-1)
+        curves = np.concatenate([self._last, self._mouth.push(belief)])
+        # Curves of the ear's frames, straight between them. The motion shows late what the kernel
+        # and the rest of the delay leave.
+        first = self._frames - len(self._last)
+        self._frames += len(belief)
+        late = MIDDLE_SECONDS - self.delays["motion"]
+        until = (self._frames - 1) * FRAME_SECONDS + late
+        count = int(np.floor(until * self.fps + 1e-9)) + 1 - self._given if len(curves) else 0
+        times = (self._given + np.arange(max(count, 0))) / self.fps
+        self._given += len(times)
+        at = np.clip((times - late) / FRAME_SECONDS - first, 0, max(len(curves) - 1, 0))
+        low = np.minimum(at.astype(int), max(len(curves) - 2, 0))
+        share = (at - low)[:, None]
+        self._last = curves[-2:]
+        if not len(times):
+            return FinalFrames(times, np.zeros((0, len(self.poses))))
+        high = np.minimum(low + 1, len(curves) - 1)
+        return FinalFrames(times, curves[low] * (1 - share) + curves[high] * share)
+
+
+def open_listener(  # noqa: PLR0913 what moves, the language, and three settings
+    tables: "Tables",
+    motion: "Motion",
+    poses: tuple[str, ...],
+    notation: "Notation | None",
+    numbers: "Mapping[str, int]",
+    *,
+    rate: int,
+    delay: float,
+    fps: float,
+) -> Listener:
+    """Open a listener for the poses of some tables; see `Performer.listen`.
+
+    Parameters
+    ----------
+    notation : of the language, in IPA
+    numbers : number of each common phoneme in the tables
+    """
+    known = model_phones()
+    if known is None:
+        raise LipsyncError("the pack of the IPA names no acoustic model (`hearing`)")
+    if notation is None:
+        raise LipsyncError("the language has no notation 'ipa', which listening needs")
+    scores = phone_scores(find_models(known.model).model)
+    values = heard_values(known, notation)
+    heard = [values.get(name, ()) for name in scores.model.names]
+    mouth = Mouth(tables, motion, *state_targets(tables, heard, numbers))
+    return Listener(scores, mouth, poses, rate=rate, delay=delay, fps=fps)

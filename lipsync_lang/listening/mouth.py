@@ -1,0 +1,160 @@
+"""The mouth: curves of poses that follow a belief about phones, without looking ahead.
+
+The mouth goes to the expected target: the mean of the targets of all phones, each as likely as it
+is. So doubt gives a half-open mouth that never flickers. Half a contact is none: phones that demand
+it, together likelier than `CLOSES`, close it fully.
+
+Conventions: P poses, N phones of three states; frames are those of the ear. The stages are those
+of a whole line, turned to the past: a speed limit that follows, the constraints, and a kernel over
+past frames alone. Each keeps what those before it promise, as `pipeline` explains.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.phonology.nearest import NearestPhonemes
+from lipsync_lang.pipeline.constrain import constrain
+from lipsync_lang.pipeline.soften import kernel
+from lipsync_lang.pipeline.tables import RESOLUTION, Contact, Tables
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
+
+if TYPE_CHECKING:
+    from lipsync_lang.phonology.labels import Notation, Value
+    from lipsync_lang.pipeline.motion import Motion
+    from lipsync_lang.resolver.nearest_phonemes import ModelPhones
+
+CLOSES = 0.5
+"""Probability of the phones of a contact that closes it."""
+
+OPENS = 0.25
+"""Probability of these phones below which it opens again."""
+
+HELD_FRAMES = 3
+"""Frames for which a contact is held at least."""
+
+SOFT_SECONDS = 0.02
+"""Half-width of the kernel."""
+
+
+def heard_values(known: "ModelPhones", notation: "Notation") -> "dict[str, Value]":
+    """Return the common phonemes of each phone of a model, as a language has them.
+
+    Parameters
+    ----------
+    notation : of the language, in IPA
+    """
+    table = {label: (label,) for label in notation.table}
+    by_ear = NearestPhonemes(known.nearest.features, table)
+    found: dict[str, Value] = {}
+    for phone, letters in known.nearest.candidates.items():
+        own = next((label for label in letters if notation.find(label) is not None), None)
+        near = None if own else by_ear.value(letters[0])
+        label = own or (near[0][0] if near else None)
+        found[phone] = (notation.find(label) if label else None) or ()
+    return found
+
+
+def state_targets(
+    tables: Tables, values: "Sequence[Value]", numbers: Mapping[str, int]
+) -> tuple[Floats, list[Bools]]:
+    """Return the target of each state of each phone, and the states that demand each contact.
+
+    Parameters
+    ----------
+    values : of each phone; one without any rests
+    numbers : number of each common phoneme in the tables
+
+    Returns
+    -------
+    (N, 3, P) weights, and (N, 3) for each contact
+    """
+    targets = np.zeros((len(values), 3, len(tables.priority)))
+    demands = [np.zeros((len(values), 3), bool) for _ in tables.contacts]
+    for phone, value in enumerate(values):
+        sounds = [numbers[name] for name, _ in value]
+        ends = np.cumsum([share for _, share in value])
+        for state in range(3 if sounds else 0):
+            # the sound that has the middle of the state, and where in it that lies
+            middle = (state + 0.5) / 3 * ends[-1]
+            at = int(np.searchsorted(ends, middle))
+            begin = ends[at - 1] if at else 0.0
+            within = (middle - begin) / (ends[at] - begin)
+            first, last = _ends(tables, sounds[at])
+            targets[phone, state] = first + np.interp(within, (0.25, 0.75), (0, 1)) * (last - first)
+            for demanded, contact in zip(demands, tables.contacts, strict=True):
+                demanded[phone, state] = contact.phonemes[sounds[at]]
+    return targets, demands
+
+
+def _ends(tables: Tables, phoneme: int) -> tuple[Floats, Floats]:
+    """Return the weights at the first and the last step of a phoneme beside itself: (P,) each.
+
+    The bigram of a phoneme with itself is at its target around its boundary; of one that moves,
+    the last step lies before it and the first one after it (`banks.draft`).
+    """
+    row = tables.pairs[phoneme, phoneme]
+    boundary = float(tables.boundary[row])
+    places = (boundary + (1 - boundary) / 3, boundary * 2 / 3)
+    first, last = (tables.curves[row, round(at * RESOLUTION)].astype(float) for at in places)
+    return first, last
+
+
+class Mouth:
+    """Curves of poses, from a belief that arrives in parts.
+
+    Parameters
+    ----------
+    targets, demands : as from `state_targets`
+    """
+
+    def __init__(
+        self, tables: Tables, motion: "Motion", targets: Floats, demands: Sequence[Bools]
+    ) -> None:
+        self.tables = tables
+        poses = targets.shape[-1]
+        self._targets = targets.reshape(-1, poses)
+        self._demands = np.array([one.ravel() for one in demands]).reshape(len(demands), -1)
+        self._step = motion.speed_limit * FRAME_SECONDS
+        self._kernel = kernel(SOFT_SECONDS * bool(motion.softness), 1 / FRAME_SECONDS)
+        self._now = np.zeros(poses)
+        self._past = np.zeros((poses, len(self._kernel) - 1))
+        self._held = [0] * len(demands)
+
+    @property
+    def lag(self) -> float:
+        """Seconds by which the kernel shows a movement late."""
+        return len(self._kernel) // 2 * FRAME_SECONDS
+
+    def push(self, belief: Floats) -> Floats:
+        """Return the weights at each frame of a belief (k, N, 3): (k, P)."""
+        flat = belief.reshape(len(belief), len(self._targets))
+        wanted = flat @ self._targets
+        sure = flat @ self._demands.T
+        curves = np.empty((wanted.shape[1], len(wanted)))
+        for frame, expected in enumerate(wanted):
+            goal = expected
+            for number, contact in enumerate(self.tables.contacts):
+                goal = self._touched(number, contact, goal, sure[frame, number])
+            self._now = self._now + np.clip(goal - self._now, -self._step, self._step)
+            curves[:, frame] = self._now
+        kept = constrain(curves, self.tables.binding, self.tables.at_most)
+        wide = np.concatenate([self._past, kept], axis=1)
+        self._past = wide[:, wide.shape[1] - len(self._kernel) + 1 :]
+        if not len(wanted):
+            return wanted
+        windows = np.lib.stride_tricks.sliding_window_view(wide, len(self._kernel), axis=1)
+        out: Floats = (windows @ self._kernel).T
+        return out
+
+    def _touched(self, number: int, contact: Contact, target: Floats, sure: float) -> Floats:
+        """Return a target with the floor and the ceilings of a contact, while it is held."""
+        if sure >= CLOSES:
+            self._held[number] = HELD_FRAMES
+        elif self._held[number] and sure < OPENS:
+            self._held[number] -= 1
+        if not self._held[number]:
+            return target
+        return np.maximum(np.minimum(target, contact.ceiling), contact.floor)
