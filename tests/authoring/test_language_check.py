@@ -84,7 +84,7 @@ def test_a_pack_is_checked_by_its_file_or_its_name(cli):
     rows = {line.split()[0]: line for line in by_file.out.split("\n") if line.startswith("  ")}
     assert "ŋ" in rows["kg"], "the pack's own mapping"
     assert "ng" not in rows
-    assert "PBM 1.00" in rows["bmp"]
+    assert "PBM 0.85" in rows["bmp"]
     assert "lips pressed together" in rows["bmp"]
     assert "0 faults, 0 warnings" in by_file.err
 
@@ -134,7 +134,7 @@ def test_json_says_the_same(cli):
     told = json.loads(cli("languages", "check", "stage-english", "-c", "facefx", "--json").out)
     assert told["faults"] == []
     assert told["character"] == "facefx"
-    assert told["mouths"]["bmp"].startswith("PBM 1.00")
+    assert told["mouths"]["bmp"].startswith("PBM 0.85")
     assert {row["label"] for row in told["sounds"]["rows"]} >= {"ŋ", "NG"}
 
 
