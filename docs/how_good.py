@@ -514,7 +514,7 @@ class Page:
              "protrusion is weak; drafts were made with these three recordings"],
             ["[motion](#motion-beside-captures)",
              f"{jaw['> 8 Hz %']:.1f} % of the power above 8 Hz, still {jaw['still %']:.1f} % of the time open",
-             "captures of one face"],
+             "captures say other lines"],
             ["[contacts](#contacts)",
              f"{max(missed.values())} of {jaw['contacts']} missed at any of {len(missed)} frame rates",
              "the motion promises this result"],

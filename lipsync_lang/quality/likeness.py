@@ -159,8 +159,8 @@ def _jaw_figures(scene: MeasuredScene, values: Iterable[float]) -> Iterator[list
 def jerk(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Jerk of the jaw: the 95th percentile of its third derivative.
 
-    Corners have a large jerk. Captures have 1.1e4 to 1.3e4 over eight lines. Single lines reach
-    1.7 times that, which is the limit::
+    Corners have a large jerk. Captures have 6.4e3 to 8.3e3 over many lines, and 1.2e4 in fast
+    clips. Single lines reach twice that, which is the limit::
 
         value = 95th percentile over frames of |jaw'''(t)|,   jaw in shares of its peak
     """
@@ -184,9 +184,9 @@ def jerk(scene: MeasuredScene) -> Iterable[list[Figure]]:
 def high_power(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Share of the power of the jaw's spectrum above 8 Hz.
 
-    Speech is not that fast, so this power comes from corners and tremble. Captures have 0.010 to
-    0.012 over eight lines. Smooth single lines with quick consonants reach 0.052; the limit is
-    just above::
+    Speech is not that fast, so this power comes from corners and tremble. Captures have 0.003 to
+    0.005 over many lines, and 0.011 in fast clips. Smooth single lines with quick consonants reach
+    0.052; the limit is just above::
 
         value = power above 8 Hz / power,   Hann window, mean removed
     """
@@ -201,7 +201,7 @@ def shelves(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
     A frame is still if the jaw moves by less than 0.015 of its peak before and after it, so a
     plateau is still and a peak is not. Sounds longer than 0.3 s may hold and are left out.
-    Captures have 0.01 to 0.02 over eight lines. The limit allows the slow turns of a single line;
+    Captures have 0.03 to 0.08 over many lines. The limit allows the slow turns of a single line;
     curves with filled valleys have 0.2 to 0.4::
 
         value = still frames / frames with the jaw above 0.1 of its peak
@@ -235,7 +235,7 @@ def shelves(scene: MeasuredScene) -> Iterable[list[Figure]]:
 def turns(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Turns of the jaw, larger than 0.02 of its peak, per second of the line.
 
-    Captures have 6.5 to 7.3. Mumbled or slow lines have fewer, so only packs that state a limit
+    Captures have 4.3 to 5.8. Mumbled or slow lines have fewer, so only packs that state a limit
     have one::
 
         value = turns / seconds
