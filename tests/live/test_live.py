@@ -12,6 +12,7 @@ from contextlib import closing, suppress
 
 import numpy as np
 import pytest
+from fake_listener import FakeListener
 from lanes import full
 
 import lipsync_lang as ll
@@ -25,6 +26,7 @@ from lipsync_lang.live.live_player import (
     LivePlayer,
     TextSpeaker,
 )
+from lipsync_lang.live.live_voice import LiveVoice
 from lipsync_lang.live.outlets import LiveAddress, LiveFrame, PacketOutlet, parse_address
 from lipsync_lang.live.packets import LiveLinkPacket, vmc_messages
 from lipsync_lang.live.web_socket import MAX_PHONEME_ROWS, Client, Session
@@ -270,9 +272,13 @@ def client(performer):
         said.append(text)
         return len(said) - 1
 
+    voice = LiveVoice(performer.listen, 60, print)
     made = Client(
-        Session({}, say, lambda notation: performer.stream(60, notation=notation or "arpabet"))
-    )
+        Session(
+            {}, say, lambda notation: performer.stream(60, notation=notation or "arpabet"),
+            lambda rate, delay: FakeListener(rate, delay or 0.08), voice,
+        )
+    )  # fmt: skip
     made.said = said
     return made
 
@@ -299,7 +305,7 @@ def test_a_client_sends_phonemes_and_gets_the_frames_of_the_file(client, perform
     [
         ("", "not JSON"),
         ("[" * 100_000, "not JSON"),
-        (b"\xff\xfe", "not JSON"),
+        (b"\xff\xfe\0", "ends within a sample"),
         ("[1]", "not a JSON object"),
         ("{}", "the message is empty; the fields of a message are"),
         ('{"words": 1}', "unknown field 'words'"),
@@ -384,7 +390,10 @@ def server(performer):
 
     said = []
     greeting = {"poses": performer.poses}
-    session = Session(greeting, lambda text: said.append(text) or 0, lambda _: performer.stream())
+    session = Session(
+        greeting, lambda text: said.append(text) or 0, lambda _: performer.stream(),
+        lambda rate, delay: FakeListener(rate, delay or 0.08), LiveVoice(FakeListener, 60, print),
+    )  # fmt: skip
     made = WebSocketOutlet(LiveAddress("ws", "127.0.0.1", 0), session)
     made.said = said
     yield made
