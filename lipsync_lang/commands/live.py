@@ -117,7 +117,15 @@ def live(options: Namespace) -> int:
         for address in addresses:
             subject = options.subject
             outlets.append(
-                outlet(address, performer, fps, session, subject=subject, renamed=renamed)
+                outlet(
+                    address,
+                    performer,
+                    fps,
+                    session,
+                    subject=subject,
+                    renamed=renamed,
+                    complain=_complain,
+                )  # fmt: skip
             )
         for one in outlets:
             one.tell(greeting)

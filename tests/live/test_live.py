@@ -114,7 +114,46 @@ def test_an_unknown_host_is_told(monkeypatch):
 
     monkeypatch.setattr(socket, "getaddrinfo", unknown)
     with pytest.raises(LipsyncError, match=r"no host 'nowhere.invalid'"):
-        PacketOutlet(LiveAddress("vmc", "nowhere.invalid", 39539), lambda _: b"")
+        PacketOutlet(LiveAddress("vmc", "nowhere.invalid", 39539), lambda _: b"", print)
+
+
+def test_an_engine_that_does_not_listen_is_told_once_and_sent_on():
+    told = []
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as engine:
+        engine.bind(("127.0.0.1", 0))
+        address = LiveAddress("vmc", "127.0.0.1", engine.getsockname()[1])
+        outlet = PacketOutlet(address, lambda frame: b"%.1f" % frame.seconds, told.append)
+        outlet.send(LiveFrame(0.0, np.zeros(1)))
+        assert engine.recv(9) == b"0.0"
+    for number in range(1, 20):
+        outlet.send(LiveFrame(number / 10, np.zeros(1)))
+    assert len(told) == 1
+    assert "does not listen; start the engine, frames are sent on" in told[0]
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as engine:
+        engine.bind(address[1:])
+        engine.settimeout(5)
+        for number in range(20, 40):
+            outlet.send(LiveFrame(number / 10, np.zeros(1)))
+        found = [engine.recv(9) for _ in range(20)]
+    outlet.close()
+    assert found == [b"%.1f" % (number / 10) for number in range(20, 40)]
+    assert told[1:] == [f"vmc: 127.0.0.1:{address.port} gets frames again"]
+
+
+def test_a_network_that_fails_is_told_and_the_session_goes_on(monkeypatch):
+    told = []
+    outlet = PacketOutlet(LiveAddress("vmc", "127.0.0.1", 39539), lambda _: b"x", told.append)
+
+    def fail(_):
+        raise OSError(101, "Network is unreachable")
+
+    monkeypatch.setattr(outlet, "_send", fail)
+    for number in range(5):
+        outlet.send(LiveFrame(number / 60, np.zeros(1)))
+    outlet.close()
+    assert told == [
+        "vmc: 127.0.0.1:39539 gets no frames (Network is unreachable); check the network"
+    ]
 
 
 # By the clock
