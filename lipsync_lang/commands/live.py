@@ -115,18 +115,11 @@ def live(options: Namespace) -> int:
     )  # fmt: skip
     try:
         for address in addresses:
-            subject = options.subject
-            outlets.append(
-                outlet(
-                    address,
-                    performer,
-                    fps,
-                    session,
-                    subject=subject,
-                    renamed=renamed,
-                    complain=_complain,
-                )  # fmt: skip
-            )
+            receiver = outlet(
+                address, performer, fps, session, subject=options.subject, renamed=renamed,
+                complain=_complain,
+            )  # fmt: skip
+            outlets.append(receiver)
         for one in outlets:
             one.tell(greeting)
         serving = any(address.kind == "ws" for address in addresses)
