@@ -20,11 +20,12 @@ from lipsync_lang.listening.ear import (
     phone_scores,
 )
 from lipsync_lang.listening.mouth import Mouth, heard_values, state_targets
+from lipsync_lang.listening.resampler import Resampler
 from lipsync_lang.pipeline.perform import FinalFrames
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
-from lipsync_lang.speech.sound import INT16_FULL_SCALE
+from lipsync_lang.speech.sound import FASTEST, INT16_FULL_SCALE, SLOWEST, SPEECH_RATE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -64,6 +65,10 @@ class Listener:
         delay: float,
         fps: float,
     ) -> None:
+        if not SLOWEST <= rate <= FASTEST:
+            raise LipsyncError(
+                f"{rate} samples per second; speech needs {SLOWEST} to {FASTEST}: resample it"
+            )
         if not LEAST_DELAY <= delay <= MOST_DELAY:
             raise LipsyncError(
                 f"a delay of {delay:g} s is out of range; sound needs {LEAST_DELAY:.3f} to "
@@ -79,6 +84,7 @@ class Listener:
             "motion": delay - LEAST_DELAY - lag * FRAME_SECONDS,
         }
         shares = np.full(len(self.phones), 1 / len(self.phones))
+        self._resampler = Resampler(rate) if rate != SPEECH_RATE else None
         self._ear = Ear(scores)
         self._smoother = Smoother(PhoneLoop(shares), lag)
         self._mouth = mouth
@@ -110,11 +116,16 @@ class Listener:
         if sound.dtype != np.int16:
             sound = sound * float(INT16_FULL_SCALE)
         self._samples += len(sound)
-        return self._moved(self._smoother.push(self._ear.hear(sound.astype(np.float64))))
+        sound = sound.astype(np.float64)
+        if self._resampler is not None:
+            sound = self._resampler.push(sound)
+        return self._moved(self._smoother.push(self._ear.hear(sound)))
 
     def finish(self) -> FinalFrames:
         """Return the last frames; the mouth comes to rest."""
-        last = self._smoother.push(self._ear.finish())
+        rest = np.zeros(0) if self._resampler is None else self._resampler.finish()
+        scores = np.concatenate([self._ear.hear(rest), self._ear.finish()])
+        last = self._smoother.push(scores)
         return self._moved(np.concatenate([last, self._smoother.finish()]))
 
     def _moved(self, belief: Floats) -> FinalFrames:
