@@ -36,7 +36,7 @@ MISSING_SECONDS = 0.3
 """Time without sound after which silence is heard."""
 
 STALLED_SECONDS = 2.0
-"""Time without sound that is told."""
+"""Time without sound after which a message says so."""
 
 SLOW_SECONDS = 5.0
 """Sound after which its rate is judged."""

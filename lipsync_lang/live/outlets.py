@@ -120,7 +120,7 @@ class LineOutlet:
 
 
 class PacketOutlet:
-    """Sends frames as packets over UDP; `complain` is told of an engine that does not listen.
+    """Sends frames as packets over UDP; `complain` takes messages about the receiver.
 
     An unknown host is a LipsyncError.
     """

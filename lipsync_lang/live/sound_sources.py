@@ -108,7 +108,7 @@ class Microphone:
         self._stream = self._open()
 
     def sound(self) -> Iterator[Pcm]:
-        """Yield sound forever; a microphone that stops is told, and opened again."""
+        """Yield sound forever; one that stops is named, and opened again."""
         lost = False
         while True:
             try:
