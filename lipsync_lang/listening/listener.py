@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.listening.belief import PhoneLoop, Smoother
+from lipsync_lang.listening.belief import Smoother, VoiceGate, thirds
 from lipsync_lang.listening.ear import (
     LOOK_AHEAD_SECONDS,
     MIDDLE_SECONDS,
@@ -30,18 +30,16 @@ from lipsync_lang.speech.sound import FASTEST, INT16_FULL_SCALE, SLOWEST, SPEECH
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from lipsync_lang.listening.ear import Heard
     from lipsync_lang.phonology.labels import Notation
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.tables import Tables
 
-LEAST_DELAY = LOOK_AHEAD_SECONDS + FRAME_SECONDS
-"""Seconds: the features of a frame, and the frame after it."""
-
 MOST_DELAY = 1.0
 """Seconds."""
 
-MOST_LAG_FRAMES = 3
-"""Frames that the belief looks ahead at most, with a long delay; more change little."""
+LEAD_SECONDS = 0.04
+"""Seconds by which lips are shown earlier, where the delay allows: they move before the sound."""
 
 
 class Listener:
@@ -69,28 +67,29 @@ class Listener:
             raise LipsyncError(
                 f"{rate} samples per second; speech needs {SLOWEST} to {FASTEST}: resample it"
             )
-        if not LEAST_DELAY <= delay <= MOST_DELAY:
+        self._resampler = Resampler(rate) if rate != SPEECH_RATE else None
+        # The ear's own frames are 10 ms apart, and a frame between two of them awaits the second.
+        self.delays = {"features": LOOK_AHEAD_SECONDS, "frames": FRAME_SECONDS}
+        if self._resampler is not None:
+            self.delays["rate"] = self._resampler.look_ahead
+        least = sum(self.delays.values())
+        if not least <= delay <= MOST_DELAY:
             raise LipsyncError(
-                f"a delay of {delay:g} s is out of range; sound needs {LEAST_DELAY:.3f} to "
+                f"a delay of {delay:g} s is out of range; sound needs {least:.3f} to "
                 f"{MOST_DELAY:g} s"
             )
+        lag = int(max(delay - least - LEAD_SECONDS, 0) / FRAME_SECONDS + 1e-9)
+        self.delays["belief"] = lag * FRAME_SECONDS
+        self.delays["lead"] = delay - sum(self.delays.values())
         self.poses, self.rate, self.fps = poses, rate, fps
         self.phones = scores.model.names
-        lag = min(int((delay - LEAST_DELAY) / FRAME_SECONDS + 1e-9), MOST_LAG_FRAMES)
-        self.delays = {
-            "features": LOOK_AHEAD_SECONDS,
-            "belief": lag * FRAME_SECONDS,
-            "frames": FRAME_SECONDS,
-            "motion": delay - LEAST_DELAY - lag * FRAME_SECONDS,
-        }
-        shares = np.full(len(self.phones), 1 / len(self.phones))
-        self._resampler = Resampler(rate) if rate != SPEECH_RATE else None
         self._ear = Ear(scores)
-        self._smoother = Smoother(PhoneLoop(shares), lag)
+        self._smoother = Smoother(scores.loop, lag)
         self._mouth = mouth
-        self._samples = self._given = self._frames = 0
+        self._gate, self._voiced = VoiceGate(), np.zeros(1)
+        self._given = self._frames = 0
         self._last = np.zeros((0, len(poses)))
-        self.belief = shares
+        self.belief = scores.loop.start().sum(axis=-1)
         """(N,) probability of each phone in the newest frame."""
 
     @property
@@ -115,28 +114,35 @@ class Listener:
             raise LipsyncError(f"samples of shape {sound.shape}: give one channel, shape (n,)")
         if sound.dtype != np.int16:
             sound = sound * float(INT16_FULL_SCALE)
-        self._samples += len(sound)
         sound = sound.astype(np.float64)
         if self._resampler is not None:
             sound = self._resampler.push(sound)
-        return self._moved(self._smoother.push(self._ear.hear(sound)))
+        return self._moved(self._calmed(self._ear.hear(sound)))
 
     def finish(self) -> FinalFrames:
         """Return the last frames; the mouth comes to rest."""
         rest = np.zeros(0) if self._resampler is None else self._resampler.finish()
-        scores = np.concatenate([self._ear.hear(rest), self._ear.finish()])
-        last = self._smoother.push(scores)
-        return self._moved(np.concatenate([last, self._smoother.finish()]))
+        parts = [self._calmed(self._ear.hear(rest)), self._calmed(self._ear.finish())]
+        last = self._smoother.finish()
+        parts.append(self._smoother.loop.calmed(last, np.repeat(self._voiced, len(last))))
+        return self._moved(np.concatenate(parts))
+
+    def _calmed(self, heard: "Heard") -> Floats:
+        """Return the belief of the frames that are final; it is quiet where nobody speaks."""
+        belief = self._smoother.push(heard.scores)
+        voiced = self._gate.push(heard.change)
+        self._voiced = voiced[-1:] if len(voiced) else self._voiced
+        # the newest frames tell most about those that the smoother returns
+        return self._smoother.loop.calmed(belief, voiced[len(voiced) - len(belief) :])
 
     def _moved(self, belief: Floats) -> FinalFrames:
         if len(belief):
             self.belief = belief[-1].sum(axis=-1)
-        curves = np.concatenate([self._last, self._mouth.push(belief)])
-        # Curves of the ear's frames, straight between them. The motion shows late what the kernel
-        # and the rest of the delay leave.
+        curves = np.concatenate([self._last, self._mouth.push(thirds(belief))])
+        # The curves are straight between the frames of the ear.
         first = self._frames - len(self._last)
         self._frames += len(belief)
-        late = MIDDLE_SECONDS - self.delays["motion"]
+        late = MIDDLE_SECONDS - self.delays["lead"]
         until = (self._frames - 1) * FRAME_SECONDS + late
         count = int(np.floor(until * self.fps + 1e-9)) + 1 - self._given if len(curves) else 0
         times = (self._given + np.arange(max(count, 0))) / self.fps
@@ -174,7 +180,7 @@ def open_listener(  # noqa: PLR0913 what moves, the language, and three settings
         raise LipsyncError("the pack of the IPA names no acoustic model (`hearing`)")
     if notation is None:
         raise LipsyncError("the language has no notation 'ipa', which listening needs")
-    scores = phone_scores(find_models(known.model).model)
+    scores = phone_scores(find_models(known.model).model, known.neighbours)
     values = heard_values(known, notation)
     heard = [values.get(name, ()) for name in scores.model.names]
     mouth = Mouth(tables, motion, *state_targets(tables, heard, numbers))

@@ -18,6 +18,7 @@ class Resampler:
     """Sound at `SPEECH_RATE`, from sound at another rate that arrives in parts."""
 
     def __init__(self, rate: int) -> None:
+        self._rate = rate
         common = gcd(rate, SPEECH_RATE)
         self._step, self._parts = rate // common, SPEECH_RATE // common
         share = PASSED_SHARE * min(1.0, SPEECH_RATE / rate)
@@ -30,6 +31,11 @@ class Resampler:
         self._first = 1 - self._half
         """Place in the input of the first sample that is kept."""
         self._heard = self._given = 0
+
+    @property
+    def look_ahead(self) -> float:
+        """Seconds of sound after a sample that it needs."""
+        return self._half / self._rate
 
     def push(self, samples: Floats) -> Floats:
         """Return the samples that are complete with these."""
