@@ -503,3 +503,53 @@ def test_ctrl_c_ends_with_the_mouth_at_rest():
     assert process.returncode == 0, words
     assert "Traceback" not in words
     assert not any(json.loads(rest.splitlines()[-1])["weights"])
+
+
+@full
+def test_a_voice_is_followed_without_a_text_or_a_language(tmp_path, capfd):
+    spoken = ll.speak("My map and a boat.", "english")
+    ll.resolve("english", "vrm").perform(spoken).save(tmp_path / "line.wav")
+    assert main(["live", "--audio", str(tmp_path / "line.wav"), "-c", "vrm"]) == 0
+    greeting, *rows = map(json.loads, capfd.readouterr().out.splitlines())
+    assert greeting["delay"] == 0.08
+    times = [row["time"] for row in rows]
+    assert times == sorted(times)
+    assert times[-1] - times[1] == pytest.approx(spoken.audio.seconds + 0.5, abs=0.4)
+    weights = np.array([row["weights"] for row in rows])
+    assert weights[:, 0].max() > 0.3
+    assert not weights[-1].any()
+
+
+@full
+def test_piped_sound_is_followed_and_its_faults_are_named():
+    command = [sys.executable, "-m", "lipsync_lang.cli", "live", "--audio", "-", "-c", "vrm"]
+    raw = np.zeros(16_000, "<i2").tobytes() + b"\0"
+    done = subprocess.run(command, input=raw, capture_output=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(rows) > 60
+    assert not any(any(row.get("weights", ())) for row in rows)
+    assert done.stderr.decode().splitlines() == [
+        "lipsync-lang: the sound ends within a sample: 1 of 2 bytes are left out"
+    ]
+    for raw, match in ((b"", "no sound came"), (b"fLaC" + bytes(9), "the sound is FLAC")):
+        done = subprocess.run(command, input=raw, capture_output=True, timeout=120, check=False)
+        assert done.returncode == 2
+        assert match in done.stderr.decode()
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        (["Hello", "--audio", "-"], "a TEXT is for speech of a text; leave it out with --audio"),
+        (["--audio", "-", "--style", "angry:1"], "--style is for speech"),
+        (["--rate", "8000"], "give a source with --audio"),
+        (["--audio", "none.wav"], "none.wav: cannot be read"),
+        (["--audio", "-", "--rate", "5"], "--rate 5: give the samples per second"),
+        (["--audio", "-", "--format", "wav"], "'wav' is not a format of samples"),
+    ],
+)
+def test_options_of_sound_that_cannot_be_are_refused(cli, options, match):
+    ended = cli("live", *options, *PAIR)
+    assert ended.code == 2
+    assert match in ended.err
