@@ -132,11 +132,11 @@ class Microphone:
             samples, overflowed = stream.read(rate // BLOCKS_PER_SECOND)
             if overflowed:
                 self.tell("some sound of the microphone was lost; this machine is busy")
-            yield rate, samples[:, 0].astype(np.float32)
+            yield rate, samples[:, 0] / np.float32(INT16_FULL_SCALE)
 
     def _open(self) -> Any:
         """Open the microphone at the rate asked for, or its own."""
-        how: dict[str, Any] = {"device": self.device, "channels": 1, "dtype": "float32"}
+        how: dict[str, Any] = {"device": self.device, "channels": 1, "dtype": "int16"}
         try:
             stream = self.library.InputStream(samplerate=self.rate, latency="low", **how)
             stream.start()
@@ -197,4 +197,7 @@ def _sounddevice() -> Any:
             "a microphone needs the library PortAudio; install it with your system's packages "
             "(Debian, Ubuntu: apt install libportaudio2)"
         ) from None
+    except Exception as error:  # noqa: BLE001 its own error, which cannot be imported then
+        why = str(error).partition(" [")[0]
+        raise LipsyncError(f"the sound of this machine does not start ({why})") from None
     return sounddevice

@@ -62,7 +62,7 @@ class Stream:
             self.library.left = 5
             raise PortAudioError("Unanticipated host error [PaErrorCode -9999]")
         self.library.left -= 1
-        return np.full((count, 1), 0.25, np.float32), self.library.left == 1
+        return np.full((count, 1), 8192, np.int16), self.library.left == 1
 
 
 @pytest.fixture
@@ -113,6 +113,15 @@ def test_odd_microphones_are_refused(library, monkeypatch):
     library.known.clear()
     with pytest.raises(LipsyncError, match="has no microphone; plug one in"):
         open_source("mic", FORM, None, print)
+
+    def broken(*_):
+        raise PortAudioError("Unanticipated host error [PaErrorCode -9999]")
+
+    with monkeypatch.context() as patch:
+        patch.delitem(sys.modules, "sounddevice")
+        patch.setattr("builtins.__import__", broken)
+        with pytest.raises(LipsyncError, match=r"does not start \(Unanticipated host error\)"):
+            sound_sources.devices()
     monkeypatch.setitem(sys.modules, "sounddevice", None)
     with pytest.raises(LipsyncError, match=r"needs the package sounddevice.*microphone"):
         open_source("mic", FORM, None, print)
