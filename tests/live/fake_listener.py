@@ -12,18 +12,20 @@ class FakeListener:
         self.rate, self.delay, self.fps, self.poses = rate, delay, fps, poses
         self.delays, self.phones = {"belief": delay}, ("A", "B")
         self.belief = np.array([0.25, 0.75])
-        self.sound, self.given = np.zeros(0), 0
+        self.sound, self.heard, self.given = np.zeros(0), 0, 0
 
     def push(self, samples):
-        self.sound = np.concatenate([self.sound, samples])
-        return self._until(len(self.sound) / self.rate - self.delay)
+        self.sound = np.concatenate([self.sound[-self.rate :], samples])  # a second is enough
+        self.heard += len(samples)
+        return self._until(self.heard / self.rate - self.delay)
 
     def finish(self):
-        return self._until(len(self.sound) / self.rate)
+        return self._until(self.heard / self.rate)
 
     def _until(self, seconds):
         count = max(int(seconds * self.fps + 1e-6) + 1, self.given) if seconds >= 0 else self.given
         times = np.arange(self.given, count) / self.fps
         self.given = count
-        at = np.minimum((times * self.rate).astype(int), len(self.sound) - 1)
+        first = self.heard - len(self.sound)
+        at = np.minimum((times * self.rate).astype(int) - first, len(self.sound) - 1)
         return FinalFrames(times, np.tile(np.abs(self.sound[at])[:, None], self.poses))

@@ -63,6 +63,14 @@ def test_live_sound_is_heard_without_a_delay_that_grows(seconds):
     assert gaps.max() < 0.04  # even for sound that comes in large parts
 
 
+@pytest.mark.parametrize("pace", [0.99, 1.01])
+def test_a_clock_of_another_speed_adds_no_delay(pace):
+    _, found, told = session(chunks(1.0, 1500, 0.02, pace=pace), 31)
+    assert told == []
+    behind = [now - 1.0 - number / 60 * pace for number, (now, _) in enumerate(found)]
+    assert max(behind) < 0.08 + 0.02 + 0.03
+
+
 def test_sound_that_waited_for_the_session_is_heard_at_once():
     early = [(0.0, RATE, tone(2.0))]
     _, found, _ = session(early + chunks(0.21, 100, 0.02), 2)
