@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.extras import install_line
+from lipsync_lang.extras import extras, install_line
 from lipsync_lang.live.sound_bytes import Pcm, SampleForm, sounds
 from lipsync_lang.speech.sound import INT16_FULL_SCALE, read_audio
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 STANDARD_INPUT = "-"
 
-MICROPHONE = "mic"
+MICROPHONE, MICROPHONE_EXTRA = "mic", "microphone"
 
 BLOCKS_PER_SECOND = 100
 """Blocks that a microphone returns in a second."""
@@ -190,13 +190,11 @@ def _sounddevice() -> Any:
         import sounddevice
     except ImportError:
         raise LipsyncError(
-            f"a microphone needs the package sounddevice: {install_line('microphone')}"
+            f"a microphone needs the package sounddevice: {install_line(MICROPHONE_EXTRA)}"
         ) from None
     except OSError:  # its wheels bring the library for Windows and macOS only
-        raise LipsyncError(
-            "a microphone needs the library PortAudio; install it with your system's packages "
-            "(Debian, Ubuntu: apt install libportaudio2)"
-        ) from None
+        system = next(one.system for one in extras() if one.name == MICROPHONE_EXTRA)
+        raise LipsyncError(f"a microphone needs {system}") from None
     except Exception as error:  # noqa: BLE001 its own error, which cannot be imported then
         why = str(error).partition(" [")[0]
         raise LipsyncError(f"the sound of this machine does not start ({why})") from None

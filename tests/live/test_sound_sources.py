@@ -105,7 +105,7 @@ def test_a_microphone_that_stops_is_told_and_opened_again(library):
     assert len(library.opened) == 2
 
 
-def test_odd_microphones_are_refused(library, monkeypatch):
+def test_odd_microphones_are_refused(library, monkeypatch, tmp_path):
     with pytest.raises(LipsyncError, match="no microphone is named 'webcan'; did you mean"):
         open_source("mic:webcan", FORM, None, print)
     with pytest.raises(LipsyncError, match=r"does not open at 11111 samples.*leave out --rate"):
@@ -122,6 +122,12 @@ def test_odd_microphones_are_refused(library, monkeypatch):
         patch.setattr("builtins.__import__", broken)
         with pytest.raises(LipsyncError, match=r"does not start \(Unanticipated host error\)"):
             sound_sources.devices()
+    lacking = "raise OSError('PortAudio library not found')"
+    monkeypatch.delitem(sys.modules, "sounddevice")
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "sounddevice.py").write_text(lacking, encoding="utf-8")
+    with pytest.raises(LipsyncError, match="apt install libportaudio2"):
+        open_source("mic", FORM, None, print)
     monkeypatch.setitem(sys.modules, "sounddevice", None)
     with pytest.raises(LipsyncError, match=r"needs the package sounddevice.*microphone"):
         open_source("mic", FORM, None, print)
