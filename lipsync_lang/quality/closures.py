@@ -36,9 +36,9 @@ def contacts(scene: MeasuredScene) -> Iterable[list[Figure]]:
     A sound gets its contact if two conditions hold at one frame, within half a frame of the sound.
     All poses with a floor reach 0.9 of it. All poses with a ceiling are at most 0.05 above it. On
     a rig, the same holds for each channel, because its gains transfer floors and ceilings. Sounds
-    of bigrams with `contact: free` demand nothing. A sound shorter than 0.06 s yields to a
-    neighbour whose contact excludes its own and wins, and a sound between two such neighbours
-    yields below 0.12 s; it is told, but not missed. Contacts for lips and teeth and the rules below
+    of bigrams with `contact: free` demand nothing. If the contact of a neighbour excludes that of
+    a sound and wins, the sound yields below 0.06 s, or 0.12 s between two such neighbours. A sound
+    that yields has a remark, and is not missed. Contacts for lips and teeth and the rules below
     are the features that every lip sync needs, according to Edwards, Landreth, Fiume and Singh,
     "JALI" (2016)::
 
