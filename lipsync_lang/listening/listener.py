@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 MOST_DELAY = 1.0
 """Seconds."""
 
+ROUNDED_FRAMES = 1e-6
+"""Tolerance of a frame's time, as a share of a frame."""
+
 LEAD_SECONDS = 0.04
 """Seconds by which lips are shown earlier, where the delay allows: they move before the sound."""
 
@@ -113,6 +116,11 @@ class Listener:
         if sound.ndim != 1:
             raise LipsyncError(f"samples of shape {sound.shape}: give one channel, shape (n,)")
         if sound.dtype != np.int16:
+            if sound.dtype.kind != "f" or not np.isfinite(sound).all():
+                raise LipsyncError(
+                    f"samples of type {sound.dtype} that are no sound: give int16, or finite "
+                    "floats from -1 to 1"
+                )
             sound = sound * float(INT16_FULL_SCALE)
         sound = sound.astype(np.float64)
         if self._resampler is not None:
@@ -136,25 +144,27 @@ class Listener:
         return self._smoother.loop.calmed(belief, voiced[len(voiced) - len(belief) :])
 
     def _moved(self, belief: Floats) -> FinalFrames:
+        """Return the frames that are final with the belief of the ear's next frames."""
         if len(belief):
             self.belief = belief[-1].sum(axis=-1)
-        curves = np.concatenate([self._last, self._mouth.push(thirds(belief))])
-        # The curves are straight between the frames of the ear.
         first = self._frames - len(self._last)
+        curves = np.concatenate([self._last, self._mouth.push(thirds(belief))])
         self._frames += len(belief)
-        late = MIDDLE_SECONDS - self.delays["lead"]
-        until = (self._frames - 1) * FRAME_SECONDS + late
-        count = int(np.floor(until * self.fps + 1e-9)) + 1 - self._given if len(curves) else 0
-        times = (self._given + np.arange(max(count, 0))) / self.fps
-        self._given += len(times)
-        at = np.clip((times - late) / FRAME_SECONDS - first, 0, max(len(curves) - 1, 0))
-        low = np.minimum(at.astype(int), max(len(curves) - 2, 0))
-        share = (at - low)[:, None]
         self._last = curves[-2:]
+        late = MIDDLE_SECONDS - self.delays["lead"]
+        newest = (self._frames - 1) * FRAME_SECONDS + late
+        count = int(np.floor(newest * self.fps + ROUNDED_FRAMES)) + 1 if self._frames else 0
+        times = np.arange(self._given, max(count, self._given)) / self.fps
+        self._given += len(times)
         if not len(times):
             return FinalFrames(times, np.zeros((0, len(self.poses))))
+        # straight between the frames of the ear; the first one stands in for those before it
+        at = np.clip((times - late) / FRAME_SECONDS - first, 0, len(curves) - 1)
+        low = np.minimum(at.astype(int), max(len(curves) - 2, 0))
+        share = (at - low)[:, None]
         high = np.minimum(low + 1, len(curves) - 1)
-        return FinalFrames(times, curves[low] * (1 - share) + curves[high] * share)
+        shown = curves[low] * (1 - share) + curves[high] * share
+        return FinalFrames(times, self._mouth.constrained(shown))
 
 
 def open_listener(  # noqa: PLR0913 what moves, the language, and three settings

@@ -6,8 +6,8 @@ it, together likelier than `CLOSES`, close it fully.
 
 Conventions: P poses, N phones of three states; frames are those of the ear. The stages are those
 of a whole line, turned to the past: half a kernel softens the targets, contacts are held, and a
-speed limit follows the result. The constraints come last: they lower a pose no faster than another
-rises, so the speed limit still holds.
+speed limit follows the result. The constraints come last, at the frames that are shown: they lower
+a pose no faster than another rises, so the speed limit still holds.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.resolver.nearest_phonemes import ModelPhones
 
-CLOSES = 0.7
+CLOSES = 0.75
 """Probability of the phones of a contact that closes it."""
 
 OPENS = 0.3
@@ -128,7 +128,7 @@ class Mouth:
         self._holds = [rise + HELD_FRAMES for rise in rises]
 
     def push(self, belief: Floats) -> Floats:
-        """Return the weights at each frame of a belief (k, N, 3): (k, P)."""
+        """Return the curves at each frame of a belief (k, N, 3), before the constraints: (k, P)."""
         flat = belief.reshape(len(belief), len(self._targets))
         sure = flat @ self._demands.T
         wanted = np.concatenate([self._wanted, flat @ self._targets])
@@ -141,7 +141,11 @@ class Mouth:
                     goal = np.maximum(np.minimum(goal, contact.ceiling), contact.floor)
             move = np.minimum(np.maximum(goal - self._now, -self._step), self._step)
             self._now = curves[frame] = self._now + move
-        return constrain(curves.T, self.tables.binding, self.tables.at_most).T
+        return curves
+
+    def constrained(self, weights: Floats) -> Floats:
+        """Return weights at any frames, (k, P), that keep the constraints."""
+        return constrain(weights.T, self.tables.binding, self.tables.at_most).T
 
     def _touches(self, number: int, sure: float) -> bool:
         """Return True while a contact is held, whose phones are so likely."""
