@@ -6,6 +6,7 @@
     keys        keys fitted by `--keys 0.02` over every frame
     languages   each sound of a German and a Mandarin line, before and now
     crab-motion each sound of two English lines on the crab, before and now
+    facefx-motion, arkit-motion   the same of three lines on these faces
     crab        bigrams of the crab as drafted and as edited, with frames
     sheet       a sheet of stills
     recording   a natural recording with its spectrogram and boundaries
@@ -63,7 +64,7 @@ BEFORE: dict[str, Any] = {
 }
 """Motion settings of version 0.1."""
 
-CAPTURES_HIGH = (1.0, 1.2)
+CAPTURES_HIGH = (0.3, 0.5)
 """Percent of the power of captured jaws above `HIGH_HERTZ`."""
 
 OLD, NOW, INK, PALE = "#c0392b", "#1f618d", "#222222", "#999999"
@@ -78,6 +79,8 @@ ENGLISH = [
     ("english", "Please buy five more maps before Bob's baby puppy bumps"),
     ("english", "School. Two. Boot."),
 ]
+SHOUT = ("english", "Fire! Get down! Everybody out, now!")
+
 SHOWN_VOWELS = {"ay", "eh", "aw", "ah"}
 """Vowels of the takes that open the mouth."""
 
@@ -108,7 +111,7 @@ def spectrum(path: Path) -> None:
     low, high = CAPTURES_HIGH
     axes.vlines(HIGH_HERTZ, low, high, color=INK, lw=10)
     axes.annotate(
-        "captures of real faces:\n1.0-1.2 % above 8 Hz", (HIGH_HERTZ, low), (3.2, 0.25),
+        "captures of real faces:\n0.3-0.5 % above 8 Hz", (HIGH_HERTZ, low), (3.2, 0.25),
         arrowprops={"arrowstyle": "-", "color": PALE}, color=INK,
     )  # fmt: skip
     axes.set(
@@ -182,6 +185,17 @@ def languages(path: Path) -> None:
 def crab_motion(path: Path) -> None:
     """Draw each sound of two English lines on the crab, before above now."""
     _save(_beside("crab", ENGLISH), path)
+
+
+def facefx_motion(path: Path) -> None:
+    """Draw each sound of three English lines on the FaceFX head, before above now."""
+    _save(_beside("facefx", [*ENGLISH, SHOUT]), path)
+
+
+def arkit_motion(path: Path) -> None:
+    """Draw each sound of three English lines on a head with ARKit's shapes, before above now."""
+    head = Path(os.environ["LIPSYNC_LANG_TEST_DATA"], "rigs", "head_arkit52_oculus15.glb")
+    _save(_beside(str(head), [*ENGLISH, SHOUT]), path)
 
 
 def _beside(character: str, lines: Sequence[tuple[str, str]]) -> Image.Image:
@@ -297,7 +311,8 @@ def recording(path: Path) -> None:
 def takes(path: Path) -> None:
     """Draw a sentence in three styles and levels: its jaw, and the mouth in each vowel."""
     performer = ll.resolve("english", "facefx")
-    plain = ll.speak("Fire! Get down! Everybody out, now!", "english")
+    language, text = SHOUT
+    plain = ll.speak(text, language)
     ids, times, _ = performer.common_phonemes(plain)
     vowels = [i for i, one in enumerate(ids) if performer.compiled.phonemes[one] in SHOWN_VOWELS]
     middles = (times[:-1] + times[1:])[vowels] / 2
@@ -330,6 +345,8 @@ PICTURES = {
     "keys": ("motion-keys.png", fitted),
     "languages": ("motion-languages.png", languages),
     "crab-motion": ("motion-crab.png", crab_motion),
+    "facefx-motion": ("motion-facefx.png", facefx_motion),
+    "arkit-motion": ("motion-arkit.png", arkit_motion),
     "crab": ("crab-edits.png", crab),
     "sheet": ("still-sheet.png", sheet),
     "recording": ("recording.png", recording),
