@@ -7,7 +7,7 @@ sentence, in the order of their arrival.
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from math import floor, inf
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
@@ -55,7 +55,7 @@ class LivePlayer:
         self,
         performer: Performer,
         fps: float,
-        outlets: Sequence[Outlet],
+        outlets: list[Outlet],
         how: Mapping[str, Any] | None = None,
         *,
         voice: "LiveVoice | None" = None,
