@@ -81,7 +81,7 @@ def _branch(inner: str, values: Mapping[str, str]) -> str | None:
     if found := LITERAL.fullmatch(inner):
         return found[1]
     if found := STRING_CHOICE.fullmatch(inner):
-        words = [quoted or word for quoted, word in re.findall(r"\"([^\"]*)\"|(\S+)", found[2])]
+        words = [one[1] or one[2] or "" for one in re.finditer(r"\"([^\"]*)\"|(\S+)", found[2])]
         return words[-1 if found[1] == "P" else 0]
     smart = SMART_CHOICE.match(inner) if "|" in inner else None
     found = smart or INK_CHOICE.match(inner)

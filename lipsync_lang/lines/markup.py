@@ -126,7 +126,7 @@ STRAY = re.compile(r"[{}\[\]]|</?(?!\s*\d)|>(?!\s*\d)")
 TAG_VALUES = re.compile(r"[ =].*", re.DOTALL)
 """Pattern of the values of a tag, after its name."""
 PLACEHOLDER_NAME = re.compile(r"[\w.-]+")
-ENDING = re.compile(r"['’]?[b-df-hj-np-tv-xz](?![^\W_]|[-…]|\.\.)")
+LEFT_LETTER = re.compile(r"['’]?[b-df-hj-np-tv-xz](?![^\W_]|[-…]|\.\.)")
 """A consonant of a placeholder's word, as in `{name}'s`, which alone would be spelled."""
 LOOSE_PUNCTUATION = re.compile(r" ([,.])(?!\S)")
 PAUSE_MARK = "\0"
@@ -222,7 +222,7 @@ class TextCleaner:
             silent = found["sign"] or found["face"] or found["soundless"] or SOUNDLESS.match(whole)
             if not (instead or silent or whole in DOUBLED or self._is_tag(whole)):
                 self._gaps.append(self._solid)
-                if ending := ENDING.match(self.text, at):
+                if ending := LEFT_LETTER.match(self.text, at):
                     done = at = ending.end()
                 # The words on both sides of a placeholder are not one word.
                 beside = self.text[max(start - 1, 0) : start], self.text[at : at + 1]

@@ -49,7 +49,7 @@ _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud
 
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _FIRST_CHARS = {"#": "0123456789", "~": "IVXLC"}
-_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
+_NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _NUMBER_PATTERN = r"([0-9]+(?:[.,][0-9]+)*)"
 
 
@@ -145,7 +145,7 @@ def _expanded(found: re.Match[str], read: str, numbers: Mapping[str, Sequence[st
             return words[value - 1]
         return written if not written.isalpha() else str(value)
 
-    read = _PLACE.sub(number, read)
+    read = _NUMBER_PLACE.sub(number, read)
     rest = _seen_after(found)
     after = rest.lstrip()
     if read.endswith(".") and after and not after[:1].isupper():
