@@ -41,7 +41,7 @@ MOST_DELAY = 1.0
 ROUNDED_FRAMES = 1e-6
 """Tolerance of a frame's time, as a share of a frame."""
 
-LEAD_SECONDS = 0.04
+EARLIER_SECONDS = 0.04
 """Seconds by which lips are shown earlier, where the delay allows: they move before the sound."""
 
 
@@ -81,7 +81,7 @@ class Listener:
                 f"a delay of {delay:g} s is out of range; sound needs {least:.3f} to "
                 f"{MOST_DELAY:g} s"
             )
-        lag = int(max(delay - least - LEAD_SECONDS, 0) / FRAME_SECONDS + 1e-9)
+        lag = int(max(delay - least - EARLIER_SECONDS, 0) / FRAME_SECONDS + 1e-9)
         self.delays["belief"] = lag * FRAME_SECONDS
         self.delays["lead"] = delay - sum(self.delays.values())
         self.poses, self.rate, self.fps = poses, rate, fps
