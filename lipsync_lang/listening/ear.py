@@ -117,7 +117,7 @@ def phone_scores(
 
 
 class Heard(NamedTuple):
-    """What is heard in some frames."""
+    """Scores of some frames, and how fast the sound changes in them."""
 
     scores: Singles
     """(k, N, S) of each state."""
