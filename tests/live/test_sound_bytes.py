@@ -36,7 +36,7 @@ def wav(samples=TONE, rate=16_000, format_="s16", channels=1, **stated):
 
 
 def heard(raw, form=None, parts=None):
-    """Return the rates and the sound of bytes, and what was told."""
+    """Return the rates and the sound of bytes, and the messages."""
     stream, told = io.BytesIO(raw), []
     sizes = iter(parts or ())
 
