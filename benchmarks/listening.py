@@ -6,12 +6,12 @@
 DATA is a folder as for `hearing.py`. A FOLDER holds recordings in one language, each beside its
 text (`NAME.wav`, `NAME.txt`). The reference is this project's own curves of the aligned text.
 
-Sections: `lips` compares aperture and width (protrusion, turned round) by Pearson r over speech. A
-closure of the text is found if the lips reach their floor within 50 ms of it; one of the listener
-is invented if none of the text is as near. `real` compares with coils on real lips. `rest` states
-the largest weight in sounds that nobody speaks. `speed` states the share of a core, the time of a push
-at the 99th percentile, and how many times faster than real time twenty voices are heard. `hour`
-states the growth of memory and the drift in an hour.
+Sections: `lips` compares aperture and width (protrusion, turned round) by Pearson r over speech.
+A closure of the text is found if the lips reach their floor within 50 ms of it; one of the
+listener is invented if none of the text is as near. `real` compares with coils on real lips.
+`rest` states the largest weight in sounds that nobody speaks. `speed` states the share of a core,
+the time of a push at the 99th percentile, and how many times faster than real time twenty voices
+are heard. `hour` states the growth of memory and the drift in an hour.
 """
 
 import argparse
