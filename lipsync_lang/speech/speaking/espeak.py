@@ -103,7 +103,7 @@ def _rate(words_per_minute: int | None) -> int:
 def _plain(text: str) -> str:
     """Replace control and invalid characters by spaces, one for one to keep text positions."""
     plain = blank(text)
-    if not plain.strip():
+    if not any(char.isprintable() and not char.isspace() for char in text):
         raise SpeechError("there is no text to speak; write at least one word")
     refuse_unspeakable(plain, quoted(text), "", MAX_ESPEAK_CHARS)
     return plain
