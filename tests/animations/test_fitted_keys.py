@@ -114,7 +114,7 @@ def test_a_spline_holds_its_ends():
 
 @pytest.mark.parametrize("error", [0.02, 0.1, 0.5])
 def test_contacts_keep_their_floor(animation, error):
-    assert animation.contacts == {"PBM": 0.7, "FV": 0.6}
+    assert animation.contacts == {"PBM": 0.7, "FV": 0.5}
     for curve in curves(
         animation.poses, animation.times, animation.weights, error, animation.contacts
     ):
