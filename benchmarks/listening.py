@@ -1,10 +1,12 @@
 """Lips from sound alone beside those of the text: correlation, closures, rest, speed.
 
     python benchmarks/listening.py DATA [--delay 0.08] [--only SECTION ...] [--json FILE]
-    python benchmarks/listening.py FOLDER -l german
+    python benchmarks/listening.py FOLDER -l german [--whole]
 
 DATA is a folder as for `hearing.py`. A FOLDER holds recordings in one language, each beside its
 text (`NAME.wav`, `NAME.txt`). The reference is this project's own curves of the aligned text.
+
+With `--whole`, `lips` compares what the recogniser `sound` hears in whole recordings.
 
 Sections: `lips` compares aperture and width (protrusion, turned round) by Pearson r over speech.
 A closure of the text is found if the lips reach their floor within 50 ms of it; one of the
@@ -136,14 +138,19 @@ def row(name: str, ones: list[Compared]) -> dict[str, float]:
     return figures
 
 
-def lips(recordings: list[hearing.Recording], delay: float) -> dict[str, Any]:
+def lips(recordings: list[hearing.Recording], delay: float, *, whole: bool) -> dict[str, Any]:
     """Print figures by language."""
     print(f"{'lips':24}{'':4}{'aperture':>10}{'width':>10}{'found':>10}{'invented':>10}")
     by_language: dict[str, list[Compared]] = defaultdict(list)
     for one in recordings:
         performer = _performer(one.language)
         schedule = ll.align(one.audio, one.text, one.language)
-        times, weights = listened(performer, sound_of(one.audio), delay)
+        if whole:
+            heard = ll.recognise(one.audio, one.language, recogniser="sound")
+            found = performer.perform(heard, fps=100)
+            times, weights = found.times, found.weights
+        else:
+            times, weights = listened(performer, sound_of(one.audio), delay)
         spoken = performer.perform(schedule, fps=100)
         by_language[one.language].append(compared(performer, spoken, times, weights))
     figures: dict[str, Any] = {}
@@ -263,6 +270,7 @@ def main() -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("-l", "--language", help="of a folder of recordings with texts")
     parser.add_argument("--delay", type=float, default=0.08)
+    parser.add_argument("--whole", action="store_true", help="whole recordings instead of live")
     parser.add_argument("--only", nargs="+", default=["lips", "real", "rest", "speed"])
     json_figures.add_option(parser)
     asked = parser.parse_args()
@@ -275,7 +283,7 @@ def main() -> int:
         return 1
     longest = max((sound_of(one.audio) for one in recordings[:12]), key=len)
     sections = {
-        "lips": lambda: lips(recordings, asked.delay),
+        "lips": lambda: lips(recordings, asked.delay, whole=asked.whole),
         "real": lambda: real(asked.folder, asked.delay),
         "rest": lambda: rest(asked.delay),
         "speed": lambda: speed(longest, asked.delay),

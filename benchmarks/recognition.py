@@ -248,7 +248,7 @@ def main() -> int:
     parser.add_argument("--texts", action="store_true", help="print what was heard")
     json_figures.add_option(parser)
     options = parser.parse_args()
-    names = options.recogniser or ["whisper", "pocketsphinx", "phones"]
+    names = options.recogniser or ["whisper", "pocketsphinx", "sound"]
     speakers = {name: Speaker.of(name) for name in ("english", "german")}
     for name in names:  # reads the models
         recognised(
@@ -261,7 +261,7 @@ def main() -> int:
     words = {
         name: report_words(name, options.data, speakers["english"], texts=options.texts)
         for name in names
-        if name != "phones"
+        if name != "sound"
     }
     print(
         f"\n{'':14} {'':8} {'closures':>9} {'lost':>9} {'invented':>9} {'phonemes':>9} "

@@ -80,6 +80,8 @@ class Explanation:
     poses: tuple[PoseAt, ...]
     shade_of: str | None = None
     """The parent of the common phoneme, if it is a shade."""
+    likely: tuple[tuple[str, float], ...] = ()
+    """The likeliest labels with their probability, where the sound alone was heard."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return a plain dictionary, for JSON."""
@@ -90,6 +92,9 @@ class Explanation:
         common = f"{self.common} (a shade of {self.shade_of})" if self.shade_of else self.common
         sound = f"{self.phoneme} as {common}, {self.start:.3f} to {self.end:.3f} s{where}"
         lines = [f"{self.seconds:.3f} s (frame {self.frame}): {sound}"]
+        if self.likely:
+            told = ", ".join(f"{label} {chance:.2f}" for label, chance in self.likely)
+            lines.append(f"  likeliest by sound: {told}")
         for bigram in self.bigrams:
             example = f", as in {bigram.word}" if bigram.word else ""
             drawn = f", drawn as {'-'.join(bigram.drawn_as)}" if bigram.drawn_as else ""

@@ -22,9 +22,9 @@ from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.speech.speaking.speaker import Speaker
 
-MARK = b"lipsync-lang timings, version 1\n"
+MARK = b"lipsync-lang timings, version 2\n"
 
-TIMERS = ("lines", "mfa", "phonology", "schedules", "speech")
+TIMERS = ("lines", "listening", "mfa", "phonology", "schedules", "speech")
 """Folders of the code that times lines. A change below them invalidates every file."""
 
 MAX_KEPT_TIMINGS_BYTES = 2**30
@@ -124,6 +124,7 @@ def _decoded(content: memoryview, recording: Audio | None) -> Schedule:
     sound = head.pop("audio")
     head |= {name: tuple(value) for name, value in head.items() if isinstance(value, list)}
     head["words"] = tuple(Word(*word) for word in head["words"])
+    head["likely"] = tuple(tuple(map(tuple, one)) for one in head["likely"])
     made = Schedule(**head)
     if sound is None:
         return replace(made, audio=recording)

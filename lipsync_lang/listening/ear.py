@@ -122,7 +122,7 @@ class Heard(NamedTuple):
     scores: Singles
     """(k, N, S) of each state."""
     change: Floats
-    """(k,) mean size of the first derivatives."""
+    """(k,) as `change_of` measures it."""
 
 
 class Ear:
@@ -164,7 +164,13 @@ class Ear:
         if len(wide) <= 2 * DELTA_FRAMES:
             wide = np.zeros((2 * DELTA_FRAMES, CEPSTRA))
         found = derived(wide)
-        return Heard(self.scores.of(found), np.abs(found[:, 1]).mean(axis=-1))
+        return Heard(self.scores.of(found), change_of(found))
+
+
+def change_of(features: Floats) -> Floats:
+    """Return how fast a sound changes in each frame of its features, (T, 3, 13): (T,)."""
+    change: Floats = np.abs(features[:, 1]).mean(axis=-1)
+    return change
 
 
 @cache

@@ -20,6 +20,7 @@ from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.phonology.nearest import NearestPhonemes
 from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+from lipsync_lang.schedules.schedule import SILENCE
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
 
 if TYPE_CHECKING:
@@ -40,8 +41,8 @@ SOFT_FRAMES = 8
 """Frames before a frame whose targets count in its own, less and less."""
 
 
-def heard_values(known: "ModelPhones", notation: "Notation") -> "dict[str, Value]":
-    """Return the common phonemes of each phone of a model, as a language has them.
+def heard_labels(known: "ModelPhones", notation: "Notation") -> dict[str, str]:
+    """Return for each phone of a model the label of a language that sounds most like it.
 
     Parameters
     ----------
@@ -49,13 +50,18 @@ def heard_values(known: "ModelPhones", notation: "Notation") -> "dict[str, Value
     """
     table = {label: (label,) for label in notation.table}
     by_ear = NearestPhonemes(known.nearest.features, table)
-    found: dict[str, Value] = {}
+    found: dict[str, str] = {}
     for phone, letters in known.nearest.candidates.items():
         own = next((label for label in letters if notation.find(label) is not None), None)
         near = None if own else by_ear.value(letters[0])
-        label = own or (near[0][0] if near else None)
-        found[phone] = (notation.find(label) if label else None) or ()
+        found[phone] = own or (near[0][0] if near else SILENCE)
     return found
+
+
+def heard_values(known: "ModelPhones", notation: "Notation") -> "dict[str, Value]":
+    """Return the common phonemes of each phone of a model, as a language has them."""
+    labels = heard_labels(known, notation).items()
+    return {phone: notation.find(label) or () for phone, label in labels}
 
 
 def state_targets(

@@ -99,6 +99,7 @@ def _explain_frame(
             for number in range(len(performer.poses))
         ),
         shade_of=performer.compiled.shades.get(common),
+        likely=schedule.likely[index] if schedule.likely and index >= 0 else (),
     )
 
 

@@ -24,6 +24,11 @@ BLOCK_LINES = 32
 Limits = Mapping[str, float]
 """Highest acceptable values by the name of the measure."""
 
+HEARD_REMARK = (
+    "the sounds were heard, not known: the figures compare the mouth with what was heard, and "
+    "cannot judge contacts that were missed or invented in hearing"
+)
+
 
 def check(
     animation: "Animation",
@@ -58,6 +63,8 @@ def check(
     if performer is None:
         raise LipsyncError("this animation has no performer; give a performer of its face")
     (quality,) = check_all([animation], performer, limits)
+    if animation.schedule is not None and animation.schedule.likely:
+        remarks = (*remarks, HEARD_REMARK)
     return replace(quality, remarks=remarks)
 
 

@@ -123,6 +123,8 @@ class ModelPhones(NamedTuple):
     nearest: NearestPhonemes
     neighbours: tuple[tuple[str, ...], ...]
     """Groups of phones that change the sound of those beside them alike."""
+    looks: NearestPhonemes
+    """The same phones, compared by what is seen of them."""
 
 
 @cache
@@ -137,9 +139,12 @@ def model_phones() -> ModelPhones | None:
     hearing = data["hearing"]
     if hearing is None:
         return None
-    plain = {"features": by_ear(data), "candidates": hearing["phones"]}
+    heard, seen = (
+        NearestPhonemes.from_plain({"features": one, "candidates": hearing["phones"]})
+        for one in (by_ear(data), data)
+    )
     neighbours = tuple(tuple(group.split()) for group in hearing["neighbours"])
-    return ModelPhones(hearing["model"], NearestPhonemes.from_plain(plain), neighbours)
+    return ModelPhones(hearing["model"], heard, neighbours, seen)
 
 
 def candidates(language: "models.Language", common: "models.Phonemes") -> dict[str, list[str]]:

@@ -88,6 +88,8 @@ class Schedule:
     source : name of this schedule in messages
     unread : characters of the original text that could not be read
     dropped : markup of the original text that is not spoken, in order
+    likely : the likeliest labels of each phoneme, best first, with their probability, where the
+        sound alone was heard; empty otherwise
     lines : line in the file of each label; empty if unknown
     remarks : doubts about the schedule
     recognised : True if speech recognition found the words, so that they may be wrong
@@ -111,6 +113,7 @@ class Schedule:
     confidence: float | None = None
     stress: tuple[int | None, ...] = ()
     dropped: tuple[str, ...] = ()
+    likely: tuple[tuple[tuple[str, float], ...], ...] = ()
 
     def __post_init__(self) -> None:
         """Raise an error for faulty times, labels and words."""

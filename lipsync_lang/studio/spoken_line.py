@@ -70,6 +70,7 @@ class SpokenLine:
                 part = replace(
                     line, labels=line.labels[first:stop], times=line.times[first : stop + 1],
                     words=words, stress=line.stress[first:stop], lines=line.lines[first:stop],
+                    likely=line.likely[first:stop],
                 )  # fmt: skip
             self._part = line, first, stop, part
         return self._part[3]

@@ -170,11 +170,12 @@ def test_a_decoder_is_loaded_once_in_a_thread_and_hears_the_same(recordings, mon
     pytest.importorskip("pocketsphinx")
     speaker = Speaker.of("english")
     sounds = [recordings[0][0], recordings[2][0], recordings[0][0]]
+    by = {"recogniser": "pocketsphinx"}
     alone = []
     for sound in sounds:
         monkeypatch.setattr(decoders, "threads", threading.local())
-        alone.append(plain(recognised(speaker, sound)))
-    together = [plain(one) for one in recognise_many(speaker, sounds)]
+        alone.append(plain(recognised(speaker, sound, **by)))
+    together = [plain(one) for one in recognise_many(speaker, sounds, **by)]
     assert together == alone
     kinds = [kind for _, kind in decoders.threads.loaded]
     assert len(kinds) == len(set(kinds)) > 0

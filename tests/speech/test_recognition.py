@@ -8,21 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import costly, full, swept
-from shipped import LIBRARY
 
 import lipsync_lang as ll
-from lipsync_lang.phonology.labels import Notation
-from lipsync_lang.phonology.manner import Manner
-from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
-from lipsync_lang.speech.hearing.recognise import phones_recogniser
-from lipsync_lang.speech.hearing.recognise.phones_recogniser import spellings
 from lipsync_lang.speech.hearing.recognise.pocketsphinx_recogniser import _remarks, chance
-from lipsync_lang.speech.hearing.recognition import recognised
-from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
+from lipsync_lang.speech.hearing.recognition import recognised as recognised_by
 from lipsync_lang.speech.hearing.sphinx.decoders import MAX_PART_SAMPLES, MIN_PART_SAMPLES, parts
 from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES
-from lipsync_lang.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.speech.hearing.sphinx.scheduling import Saying
 from lipsync_lang.speech.sound import SPEECH_RATE
@@ -30,6 +22,8 @@ from lipsync_lang.speech.speaking.speaker import Speaker
 
 pytest.importorskip("pocketsphinx")
 pytest.importorskip("soundfile")
+
+recognised = partial(recognised_by, recogniser="pocketsphinx")
 
 
 @pytest.fixture(scope="module")
@@ -142,56 +136,6 @@ def test_words_of_music_are_not_sure(english):
     assert found.confidence < 0.4
 
 
-# Sounds without words
-
-
-@pytest.mark.parametrize("name", swept([one.name for one in LIBRARY.names("language")], quick=6))
-def test_every_language_spells_the_phones_of_the_model(name):
-    spelled = spellings(model_phones(), Speaker.of(name))
-    notation = Speaker.of(name).notations["ipa"]
-    assert len(spelled) == len(find_models("en-us").numbers)
-    assert all(notation.find(label) is not None for label in spelled.values())
-
-
-def test_a_language_without_a_letter_takes_the_nearest():
-    few = Notation({"m": (("bmp", 1.0),), "f": (("f", 1.0),), "s": (("s", 1.0),)})
-    spelled = spellings(model_phones(), Speaker(Manner("toy"), {"ipa": few}))
-    assert (spelled["M"], spelled["F"], spelled["V"], spelled["Z"]) == ("m", "f", "f", "s")
-    with pytest.raises(ll.SpeechError, match="toy has no notation 'ipa'"):
-        spellings(model_phones(), Speaker(Manner("toy"), {}))
-
-
-def test_phones_are_heard_in_the_letters_of_the_language(monkeypatch):
-    numbers = find_models("en-us").numbers
-    told = [
-        HeardPhoneme(OUTSIDE, OUTSIDE, 0, 20, 0.0),
-        HeardPhoneme(OUTSIDE, numbers["M"], 20, 30, 0.0),
-        HeardPhoneme(OUTSIDE, numbers["AA"], 30, 100, 0.0),
-    ]
-    monkeypatch.setattr(phones_recogniser, "decoded_phones", lambda *_: told)
-    sound = ll.Audio(np.zeros(SPEECH_RATE, np.int16), SPEECH_RATE)
-    found = recognised(Speaker.of("finnish"), sound, recogniser="phones")
-    assert (found.labels, found.notation) == ((SILENCE, "m", "ɑ"), "ipa")
-    assert found.times[1:3] == pytest.approx([0.2, 0.3], abs=0.02)
-    assert (found.recognised, found.confidence, found.words) == (True, None, ())
-    assert "the mouth follows single sounds" in found.remarks[0]
-    monkeypatch.setattr(phones_recogniser, "decoded_phones", lambda *_: told[:1])
-    quiet = recognised(Speaker.of("finnish"), sound, recogniser="phones")
-    assert (quiet.labels, quiet.remarks) == ((SILENCE,), ("nothing was heard",))
-
-
-@full
-def test_a_mouth_moves_in_a_language_that_nobody_recognises(data):
-    found = ll.recognise(data / "articulography/dfg91_s1em_0666.wav", "german", recogniser="phones")
-    assert len(found) > 15
-    assert ll.resolve("german", "facefx").perform(found).weights.max() > 0.3
-
-
-def test_a_language_without_a_recogniser_says_what_can_be_done():
-    with pytest.raises(ll.SpeechError, match=r"finnish has no recogniser"):
-        ll.recognise(ll.Audio(np.zeros(SPEECH_RATE, np.int16), SPEECH_RATE), "finnish")
-
-
 def test_a_model_of_another_language_recognises_no_words():
     sound = ll.Audio(np.zeros(SPEECH_RATE, np.int16), SPEECH_RATE)
     with pytest.raises(ll.SpeechError, match=r"finnish.*'en-us'"):
@@ -200,7 +144,7 @@ def test_a_model_of_another_language_recognises_no_words():
 
 def test_a_recogniser_that_is_not_there_is_told(english):
     with pytest.raises(ll.SpeechError, match="'pocketsphinks'; did you mean"):
-        recognised(
+        recognised_by(
             english,
             ll.Audio(np.zeros(SPEECH_RATE, np.int16), SPEECH_RATE),
             recogniser="pocketsphinks",
@@ -230,7 +174,8 @@ def test_parts_are_cut_where_it_is_quietest():
 def test_the_command_line_recognises(data, cli, tmp_path):
     sound = data / "alignments" / "english_hts" / "arctic_a0009.wav"
     out = tmp_path / "line.csv"
-    ended = cli("run", "--audio", sound, "-l", "english", "-c", "facefx", "-o", out)
+    to = ("-l", "english", "-c", "facefx", "--recogniser", "pocketsphinx", "-o", out)
+    ended = cli("run", "--audio", sound, *to)
     assert ended.code == 0
     assert "heard: he turned sharply" in ended.err
     assert out.exists()

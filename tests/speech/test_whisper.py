@@ -300,7 +300,7 @@ def test_a_missing_library_is_told_with_its_cure(monkeypatch):
 
 
 def test_unknown_recognisers_list_the_known_ones(english):
-    with pytest.raises(SpeechError, match=r"known: .*pocketsphinx, whisper"):
+    with pytest.raises(SpeechError, match=r"known: .*pocketsphinx, sound, whisper"):
         recognised(english, sound(1), recogniser="zzz")
 
 

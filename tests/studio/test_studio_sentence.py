@@ -68,6 +68,15 @@ def test_a_line_with_sound_ends_no_later_than_its_sound(caller, workshop):
     assert spoken(caller.post("boundary/4", {"seconds": 3}))["times"][-1] == pytest.approx(0.7)
 
 
+def test_a_recording_is_heard_without_a_text(caller, monkeypatch):
+    from lipsync_lang.speech.hearing import recognition
+
+    monkeypatch.setattr(recognition, "recognised", lambda *_: LINE)
+    assert spoken(caller.post("sound", b"", {"hear": "", "name": "a.wav"}))[
+        "times"
+    ] == pytest.approx(TIMES)
+
+
 def test_moved_boundaries_are_heard_in_the_curves(caller):
     before = caller.api("line").content
     caller.post("boundary/2", {"seconds": 0.2})

@@ -1,4 +1,4 @@
-"""Recognition of recordings: their words and the times of these, by the pack's recogniser."""
+"""Recognition of recordings without a text: their words with times, or their sounds alone."""
 
 from collections.abc import Iterable, Iterator
 from functools import partial
@@ -38,7 +38,11 @@ def recognise(
     recogniser: str | None = None,
     paths: Paths = (),
 ) -> Schedule | Iterator[Schedule]:
-    """Find the words of a recording and their times.
+    """Find the words of a recording and their times, or what its sound alone tells.
+
+    A language whose pack names no recogniser is heard by Whisper, if that is installed and knows
+    it, by pocketsphinx, if the pack names a model of its own, or else by `sound`: as phonemes
+    without words.
 
     Parameters
     ----------
@@ -54,7 +58,7 @@ def recognise(
     Raises
     ------
     SpeechError
-        The recording cannot be read, or the language has no recogniser.
+        The recording cannot be read, or the recogniser is not installed.
 
     Examples
     --------
@@ -97,11 +101,20 @@ def recognise_many(
 def _recogniser(speaker: Speaker, name: str | None) -> tuple[Recogniser, str | None]:
     """Return the language's recogniser, or another by name, and its model."""
     stated = speaker.manner.audio
-    name, model = engine_and_model(name, stated.recognise, stated.model)
-    if name is None:
-        raise SpeechError(
-            f"{speaker.manner.language} has no recogniser: give the spoken text as well, or "
-            "name a recogniser in its pack (`audio: {recognise: ...}`), such as `whisper:FOLDER`, "
-            "or `phones`, which recognises single sounds"
-        )
-    return RECOGNISERS.find(name, SpeechError), model
+    if name is None and stated.recognise is None and _words_known(speaker):
+        return RECOGNISERS["whisper"], None
+    # a model with a notation is of the language itself
+    otherwise = "pocketsphinx" if stated.model and stated.notation else "sound"
+    found, model = engine_and_model(name, stated.recognise or otherwise, stated.model)
+    return RECOGNISERS.find(found or otherwise, SpeechError), model
+
+
+def _words_known(speaker: Speaker) -> bool:
+    """Return True if a Whisper model is installed that knows the language."""
+    from lipsync_lang.speech.hearing.recognise.whisper_models import language_code, whisper_model
+
+    manner = speaker.manner
+    try:
+        return bool(language_code(whisper_model(None), manner.audio.code, manner.language))
+    except SpeechError:
+        return False

@@ -70,17 +70,23 @@ def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 
 def sound(workshop: Workshop, request: StudioRequest) -> PackedResponse:
-    """Add the sound of the line; with a text, align its phonemes with the sound."""
+    """Add the sound of the line; align a text with it, or hear it without one."""
     from lipsync_lang.speech.hearing.alignment import aligned
+    from lipsync_lang.speech.hearing.recognition import recognised
 
     with TemporaryDirectory() as folder:
         path, text = sent_file(request, Path(folder)), request.query.get("text", "").strip()
         if text:
             workshop.take_up(aligned(workshop.performer.speaker, path, text), text)
+        elif "hear" in request.query:
+            workshop.take_up(recognised(workshop.performer.speaker, path), "")
         elif workshop.line is not None:
             workshop.line.hear(read_audio(path))
         else:
-            raise LipsyncError("type the text of the recording, or open its timed phonemes first")
+            raise LipsyncError(
+                "type the text of the recording, hear it without a text, or open its timed "
+                "phonemes first"
+            )
     return whole(workshop)
 
 

@@ -57,7 +57,7 @@ class PocketsphinxRecogniser:
             raise SpeechError(
                 f"{speaker.manner.language} is not the language of the model '{models.folder.name}'"
                 ", or its pack does not name the notation of the model's phones "
-                "(`audio: {notation: ...}`); `phones` hears single sounds in any language"
+                "(`audio: {notation: ...}`); `sound` hears any language"
             )
         sound = prepared(audio)
         heard: list[HeardPhoneme] = []

@@ -34,7 +34,7 @@ RECOGNISERS: Extensions[Recogniser] = Extensions(
     "recogniser",
     modules={
         "pocketsphinx": f"{__package__}.pocketsphinx_recogniser",
-        "phones": f"{__package__}.phones_recogniser",
+        "sound": "lipsync_lang.listening.recording",
         "whisper": f"{__package__}.whisper_recogniser",
     },
 )

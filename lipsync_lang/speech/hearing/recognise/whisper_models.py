@@ -92,7 +92,7 @@ def language_code(model: Any, stated: str, language: str) -> str:
     knows = f"only '{known[0]}'" if len(known) == 1 else f"{len(known)} others"
     raise SpeechError(
         f"this Whisper model does not know {language} ('{code}'), but {knows}; name the folder of "
-        "a model that does (`whisper:FOLDER`), or use `phones`, which needs no words"
+        "a model that does (`whisper:FOLDER`), or use `sound`, which needs no words"
     )
 
 

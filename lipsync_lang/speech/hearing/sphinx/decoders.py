@@ -10,6 +10,7 @@ from threading import local
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
@@ -52,13 +53,17 @@ class DecodedWord(NamedTuple):
 
 
 def parts(
-    sound: Floats, shortest: int = MIN_PART_SAMPLES, longest: int = MAX_PART_SAMPLES
+    sound: Floats | npt.NDArray[np.int16],
+    shortest: int = MIN_PART_SAMPLES,
+    longest: int = MAX_PART_SAMPLES,
 ) -> Iterator[tuple[int, int]]:
     """Yield start and stop samples of parts: whole frames, cut at the quietest frames."""
     start = 0
     while len(sound) - start > longest:
         # Energy of a window from the difference of running sums; every sum at a frame's start.
-        energy = np.cumsum(np.square(sound[start + shortest : start + longest]))[::HOP_SAMPLES]
+        energy = np.cumsum(np.square(sound[start + shortest : start + longest], dtype=np.float64))[
+            ::HOP_SAMPLES
+        ]
         quietest = int((energy[QUIET_FRAMES:] - energy[:-QUIET_FRAMES]).argmin())
         stop = start + shortest + (quietest + QUIET_FRAMES // 2) * HOP_SAMPLES
         yield start, stop

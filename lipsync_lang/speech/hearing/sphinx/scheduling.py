@@ -74,10 +74,16 @@ class Saying(NamedTuple):
     spelled: tuple[tuple[str, int], ...] = ()
 
 
-def prepared(audio: Audio) -> Floats:
-    """Prepare a sound for feature extraction: `SPEECH_RATE`, normalised peak, added noise."""
+def prepared(audio: Audio, peak: float | None = None) -> Floats:
+    """Prepare a sound for feature extraction: `SPEECH_RATE`, normalised peak, added noise.
+
+    Parameters
+    ----------
+    peak : of the sound that it is a part of; None for its own
+    """
     samples = resampled(audio, SPEECH_RATE).samples.astype(np.float64)
-    peak = np.abs(samples).max(initial=0.0)
+    if peak is None:
+        peak = float(np.abs(samples).max(initial=0.0))
     # A fixed seed: the same sound must always give the same schedule.
     noise = np.random.default_rng(0).normal(0.0, HISS_DEVIATION, len(samples))
     scaled: Floats = samples * (PEAK_AMPLITUDE / peak if peak > 0 else 1.0) + noise

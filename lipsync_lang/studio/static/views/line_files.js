@@ -55,14 +55,14 @@ export class LineFiles {
       await this.studio.openLine(`sound?${new URLSearchParams({ name })}`, recording);
       return;
     }
-    const text = await this.#asked(name);
-    if (text !== null)
-      await this.studio.openLine(`sound?${new URLSearchParams(text ? { name, text } : { name })}`, recording);
+    const asked = await this.#asked(name);
+    if (asked) await this.studio.openLine(`sound?${new URLSearchParams({ name, ...asked })}`, recording);
   }
 
   /**
    * @param {string} name of a recording
-   * @returns {Promise<string | null>} its text; "" if the times of the line hold for it
+   * @returns {Promise<Record<string, string> | null>} its text, or that it is heard without one; {} if the times of
+   *   the line hold for it
    */
   #asked(name) {
     const input = /** @type {HTMLInputElement} */ (
@@ -80,6 +80,7 @@ export class LineFiles {
         "p",
         { class: "row" },
         button("find", "Find its phonemes"),
+        button("hear", "Hear it without words"),
         ...(this.studio.take ? [button("keep", "Keep the times of the line")] : []),
         button("", "Cancel"),
       ),
@@ -94,7 +95,8 @@ export class LineFiles {
       const { returnValue } = dialog, text = input.value.trim();
       if (returnValue === "find" && !text)
         this.studio.tell("Type the words of the recording to find its phonemes", "fault");
-      done(returnValue === "find" && text ? text : returnValue === "keep" ? "" : null);
+      const choices = /** @type {Record<string, Record<string, string>>} */ ({ hear: { hear: "" }, keep: {} });
+      done(returnValue === "find" && text ? { text } : choices[returnValue] ?? null);
     }));
   }
 
