@@ -60,7 +60,7 @@ def fill(options: Namespace) -> None:
 def _only_sound(options: Namespace) -> bool:
     """Return True if the speech is a sound alone, whose language need not be known."""
     given = [getattr(options, name, None) is not None for name in ("text", "schedule", "audio")]
-    return given == [False, False, True]
+    return given == [False, False, True] or getattr(options, "page", False)
 
 
 def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:

@@ -8,12 +8,17 @@ from contextlib import suppress
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
+from lipsync_lang.commands.local_server import add_serving, serve
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_manner, add_pair, add_values
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from starlette.types import ASGIApp
+
     from lipsync_lang.listening.listener import Listener
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.outlets import LiveAddress
@@ -74,8 +79,13 @@ def add_live(add: Add) -> None:
         "--delay", metavar="SECONDS", type=float, default=0.08,
         help="delay of the lips after the sound; more is more exact [0.08]",
     )  # fmt: skip
+    heard.add_argument(
+        "--page", action="store_true",
+        help="open a page in the browser whose head moves as you talk to its microphone",
+    )  # fmt: skip
     heard.add_argument("--list", action="store_true", dest="choosing", help="list the microphones")
     add_manner(live_)
+    add_serving(live_.add_argument_group("page"))
 
 
 def live(options: Namespace) -> int:
@@ -100,7 +110,7 @@ def live(options: Namespace) -> int:
 
     source, live_source = _source(options)
     voice = LiveVoice(listen, fps, _complain, paced=not live_source)
-    if source is not None:  # a model that is missing is told here
+    if source is not None or options.page:  # a model that is missing is told here
         delay = listen(options.rate or SPEECH_RATE).delay
     player = LivePlayer(performer, fps, [], how, voice=voice, wait=voice.wait)
     speaker = TextSpeaker(
@@ -111,8 +121,29 @@ def live(options: Namespace) -> int:
         greeting, speaker.say, lambda notation: performer.stream(fps, notation=notation, **how),
         listen, voice,
     )  # fmt: skip
-    _send(options, addresses, player, speaker, session=session, source=source)
+    if options.page:
+        _serve_page(options, performer, session)
+    else:
+        _send(options, addresses, player, speaker, session=session, source=source)
     return SOUND
+
+
+def _serve_page(options: Namespace, performer: "Performer", session: "Session") -> None:
+    """Serve the page of a voice until it is interrupted."""
+    from lipsync_lang.live.web_socket import MAX_MESSAGE_BYTES
+
+    for option, given in (("a TEXT", options.text), ("--audio", options.audio),
+                          ("--to", options.to), ("--tts", options.tts)):  # fmt: skip
+        if given:
+            raise LipsyncError(f"{option} is not for the page; leave it out with --page")
+
+    def open_app(token: str, hosts: "Collection[str]") -> "ASGIApp":
+        from lipsync_lang.studio.voice_page import voice_app
+
+        return voice_app(performer, session, token, hosts)
+
+    end = "allow it the microphone, and talk; close it with Ctrl-C"
+    serve(options, "the page", end, open_app, ws_max_size=MAX_MESSAGE_BYTES)
 
 
 def _send(  # noqa: PLR0913 who speaks, and who receives it

@@ -77,7 +77,7 @@ def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
         method, _, where = path.replace("{name}", "{name:path}").partition(" ")
         endpoint = _endpoint(workshop, route, lock)
         routes.append(WebRoute(f"/api/{where}", endpoint, methods=[method]))
-    routes += [WebRoute("/", _static_file), WebRoute("/{name:path}", _static_file)]
+    routes += [WebRoute("/", static_file), WebRoute("/{name:path}", static_file)]
     return RequestCheck(Starlette(routes=routes), token, frozenset(hosts))
 
 
@@ -89,7 +89,7 @@ class RequestCheck:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request."""
-        if scope["type"] != "http":
+        if scope["type"] not in ("http", "websocket"):
             return
         headers = {key.decode("latin-1"): v.decode("latin-1") for key, v in scope["headers"]}
         refused = self._refusal(scope["path"], headers)
@@ -100,6 +100,9 @@ class RequestCheck:
                 message = {**message, "headers": [*message["headers"], *own]}
             await send(message)
 
+        if refused is not None and scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008})
+            return
         answer: ASGIApp
         if refused is not None:
             answer = refused
@@ -200,7 +203,7 @@ def _too_large() -> Response:
     return _error(413, f"the request is larger than {MAX_REQUEST_BYTES >> 20} MB")
 
 
-async def _static_file(request: Request) -> Response:
+async def static_file(request: Request) -> Response:
     """Serve a file of `static`, or the studio's script."""
     name = request.path_params.get("name", "studio.html")
     if name == STUDIO_SCRIPT:

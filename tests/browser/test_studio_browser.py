@@ -27,7 +27,9 @@ TOKEN = "a-token-for-the-tests"  # noqa: S105 of a server that nobody else reach
 
 
 class Studio:
-    """A studio in its own process and its own folder."""
+    """A studio, or another page of a command, in its own process and its own folder."""
+
+    command = ("studio",)
 
     def __init__(self, folder, *arguments):
         self.folder, self.arguments = folder, arguments
@@ -38,7 +40,7 @@ class Studio:
 
     def start(self):
         command = [
-            sys.executable, "-m", "lipsync_lang", "studio", "--no-browser", "--token", TOKEN,
+            sys.executable, "-m", "lipsync_lang", *self.command, "--no-browser", "--token", TOKEN,
             "--port", str(self.port), *self.arguments,
         ]  # fmt: skip
         state = os.environ | {"XDG_STATE_HOME": str(self.folder.parent / "state")}

@@ -1,0 +1,84 @@
+"""Page of a voice: the sound of the browser's microphone comes in, and frames of lips go back."""
+
+import asyncio
+import json
+import zlib
+from base64 import b64encode
+from collections.abc import Collection
+from contextlib import suppress
+
+import numpy as np
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.live.web_socket import Client, Session
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.studio.array_pack import ArrayPack
+from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.studio.module_bundle import bundle
+from lipsync_lang.studio.server import MEDIA_TYPES, AsciiResponse, RequestCheck, static_file
+from lipsync_lang.studio.take_data import take_data
+
+
+def voice_app(
+    performer: Performer, session: Session, token: str, hosts: Collection[str]
+) -> ASGIApp:
+    """Return the page of a voice as an ASGI application, with the checks of the studio.
+
+    A character that drives a rig is a `LipsyncError`: the page knows poses alone.
+    """
+    document, script = _face_document(performer), bundle("voice/voice").encode()
+
+    async def data(_: Request) -> Response:
+        return AsciiResponse(document)
+
+    async def code(_: Request) -> Response:
+        return Response(script, media_type=MEDIA_TYPES[".js"])
+
+    async def page(request: Request) -> Response:
+        request.path_params["name"] = "voice/voice.html"
+        return await static_file(request)
+
+    async def sound(socket: WebSocket) -> None:
+        await _hear(socket, session)
+
+    routes = [
+        Route("/", page), Route("/face.json", data), Route("/voice.bundle.js", code),
+        WebSocketRoute("/sound", sound), Route("/{name:path}", static_file),
+    ]  # fmt: skip
+    return RequestCheck(Starlette(routes=routes), token, frozenset(hosts))
+
+
+def _face_document(performer: Performer) -> dict[str, str]:
+    """Return the face of a performer at rest as the data of a page."""
+    rest = performer.perform(Schedule((SILENCE,), np.array([0.0, 0.1])))
+    if performer.rigged(rest) is not rest:
+        raise LipsyncError(
+            f"the page shows heads whose shapes are poses, and {performer.character} drives a rig; "
+            "name another character with -c"
+        )
+    pack = ArrayPack()
+    take = take_data(rest, performer, pack) | {"name": "", "face": 0}
+    document = {"takes": [take], "faces": [face_data(rest, pack)], "arrays": pack.layout()}
+    block = b64encode(zlib.compress(pack.block())).decode()
+    return {"document": json.dumps(document), "block": block}
+
+
+async def _hear(socket: WebSocket, session: Session) -> None:
+    """Answer each message of a page until it leaves."""
+    client = Client(session)
+    await socket.accept()
+    try:
+        with suppress(WebSocketDisconnect):  # before an answer was sent
+            await socket.send_text(json.dumps(session.greeting))
+            while (message := await socket.receive())["type"] == "websocket.receive":
+                content = message.get("bytes") or message.get("text") or ""
+                await socket.send_text(json.dumps(await asyncio.to_thread(client.answer, content)))
+    finally:
+        client.sound.finish()
