@@ -19,7 +19,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints, Singles
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.listening.belief import VoiceGate, smoothed
+from lipsync_lang.listening.belief import FAST_FRAMES, VoiceGate, smoothed
 from lipsync_lang.listening.ear import change_of, phone_scores
 from lipsync_lang.listening.mouth import heard_labels
 from lipsync_lang.packs.finding import IPA
@@ -54,7 +54,7 @@ LIKELIEST = 3
 
 SOUND_REMARK = (
     "the mouth follows the sound alone: no words were recognised, some lip closures are missed or "
-    "invented, and music may move it"
+    "invented, and music moves it too"
 )
 NOTHING_REMARK = "nothing was heard: no part of the recording sounds like a voice"
 
@@ -113,9 +113,10 @@ def recorded_belief(audio: Audio, known: ModelPhones, models: "Models") -> Singl
     for start, stop in parts(sound):
         progress.tell(start, len(sound))
         heard = features(prepared(Audio(sound[start:stop], SPEECH_RATE), peak))
-        # a voice that begins is heard from its end
-        change = change_of(heard)
-        voiced = np.maximum(VoiceGate().push(change), VoiceGate().push(change[::-1])[::-1])
+        # a voice is told by the frames around, not only by those before
+        ahead = FAST_FRAMES // 2
+        change = np.pad(change_of(heard), (0, ahead))
+        voiced = VoiceGate().push(change)[ahead:]
         belief = scores.loop.calmed(smoothed(scores.loop, scores.of(heard)), voiced)
         found.append(belief.sum(axis=-1).astype(np.float32))
     whole: Singles = np.concatenate(found)
