@@ -4,7 +4,6 @@ Conventions: times are seconds; boundary b is the start of phoneme b, and the la
 Numbers of boundaries and words count from the start of the shown part.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,17 +25,11 @@ class SpokenLine:
     """A schedule as read from a file or spoken, corrected by hand."""
 
     def __init__(self, schedule: Schedule) -> None:
-        self.whole = self._opened = schedule
-        self.original = schedule.times
+        self.whole = self.opened = schedule
         self.at = schedule.start
         """A time within the shown part, in seconds."""
         self._cut: tuple[Schedule, float, list[int]] | None = None
         self._part: tuple[Schedule, int, int, Schedule] | None = None
-
-    @property
-    def corrected(self) -> bool:
-        """True after a correction by hand."""
-        return self.whole is not self._opened
 
     def cuts(self, seconds: float) -> list[int]:
         """Return the boundaries of parts of at most some seconds."""
@@ -97,23 +90,17 @@ class SpokenLine:
         self._cut = self.whole, seconds, cuts  # an edit does not change the parts
         self.at = float(times[first])
 
-    def retime(self, times: Sequence[float], seconds: float) -> None:
-        """Set all boundaries of the shown part.
-
-        Raises ScheduleError if the times are not in order, or are not as many as the boundaries.
-        """
-        first, stop = self._span(seconds)
-        changed = np.concatenate((self.whole.times[:first], times, self.whole.times[stop + 1 :]))
-        cuts = self.cuts(seconds)
-        self.whole = replace(self.whole, times=changed)
-        self._cut = self.whole, seconds, cuts
-        self.at = float(changed[first])
-
     def restore(self) -> None:
-        """Restore the original times."""
+        """Restore the times as opened."""
+        self.replace(replace(self.whole, times=self.opened.times))
+
+    def replace(self, whole: Schedule) -> None:
+        """Take over other times or words of the same phonemes; the shown part stays."""
         number = int(self.whole.times.searchsorted(self.at, "right")) - 1
-        self.whole = replace(self.whole, times=self.original)
-        self.at = float(self.original[max(0, number)])
+        self.whole = whole
+        self.at = float(whole.times[max(0, number)])
+        if self._cut is not None:
+            self._cut = whole, *self._cut[1:]
 
     def emphasise(self, word: int, level: float, seconds: float) -> None:
         """Set the emphasis of a word; refuse an unknown word, and a level out of range."""
@@ -129,7 +116,7 @@ class SpokenLine:
 
     def hear(self, audio: Audio) -> None:
         """Add the sound."""
-        self.whole = replace(self.whole, audio=audio)
+        self.whole, self.opened = (replace(one, audio=audio) for one in (self.whole, self.opened))
 
 
 def _cuts(schedule: Schedule, seconds: float) -> list[int]:

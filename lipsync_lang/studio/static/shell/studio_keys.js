@@ -36,6 +36,7 @@ export function showHelp() {
   );
   if (help.open) help.close();
   else help.showModal();
+  help.scrollTop = 0; // the button at the end has the focus, and is scrolled to
 }
 
 /** @param {EventTarget | null} target @returns {boolean} true where letters are typed */
