@@ -53,18 +53,9 @@ class SpokenLine:
         """Return the shown part of at most some seconds, or a shorter line as a whole."""
         first, stop = self._span(seconds)
         if self._part is None or self._part[:3] != (self.whole, first, stop):
-            part = line = self.whole
-            if (first, stop) != (0, len(line)):
-                words = tuple(
-                    replace(w, first=max(w.first, first) - first, stop=min(w.stop, stop) - first)
-                    for w in line.words
-                    if first <= w.first < stop
-                )
-                part = replace(
-                    line, labels=line.labels[first:stop], times=line.times[first : stop + 1],
-                    words=words, stress=line.stress[first:stop], lines=line.lines[first:stop],
-                )  # fmt: skip
-            self._part = line, first, stop, part
+            line = self.whole
+            uncut = (first, stop) == (0, len(line))
+            self._part = line, first, stop, line if uncut else excerpt(line, first, stop)
         return self._part[3]
 
     def _span(self, seconds: float) -> tuple[int, int]:
@@ -117,6 +108,19 @@ class SpokenLine:
     def hear(self, audio: Audio) -> None:
         """Add the sound."""
         self.whole, self.opened = (replace(one, audio=audio) for one in (self.whole, self.opened))
+
+
+def excerpt(line: Schedule, first: int, stop: int) -> Schedule:
+    """Return the phonemes from `first` until `stop` of a line, with their words."""
+    words = tuple(
+        replace(w, first=max(w.first, first) - first, stop=min(w.stop, stop) - first)
+        for w in line.words
+        if first <= w.first < stop
+    )
+    return replace(
+        line, labels=line.labels[first:stop], times=line.times[first : stop + 1],
+        words=words, stress=line.stress[first:stop], lines=line.lines[first:stop],
+    )  # fmt: skip
 
 
 def _cuts(schedule: Schedule, seconds: float) -> list[int]:

@@ -347,6 +347,7 @@ class Workshop:
             self.name = next(
                 name for name in names
                 if self._stated.get(name, {}).get("text", self.text) == self.text
+                and not self.script.has(name)
             )  # fmt: skip
         self.follow()
 
@@ -395,6 +396,7 @@ class Workshop:
                 (path, (*at, key), one) for key, one in now.items() if old.get(key, ABSENT) != one
             ]
         create = {} if text is None else {path: text}
+        title = f"{title} ({self.name})"  # undo can revert it while another line is open
         self.edit(title, edits, tab=tab, merge=merge and f"{self.name} {merge}", create=create)
         self.follow()
 
@@ -425,14 +427,14 @@ class Workshop:
         ]
         found = {
             "language": language,
-            "text": self.text or None,
+            "text": self.text if self.script_line is None else None,
             "styles": _brief(levels[0]),
             "dials": _brief(levels[1]),
             "intensity": settings.intensity,
             "emphasis": emphasis,
             "times": times,
         }
-        return {key: ABSENT if one in (None, [], {}) else one for key, one in found.items()}
+        return {key: ABSENT if one in (None, "", [], {}) else one for key, one in found.items()}
 
     def open_script_line(self, name: str) -> None:
         """Time a line of the script in the open language; it becomes the line.
@@ -502,6 +504,11 @@ class Workshop:
             "regions": compiled.regions,
             "styles": list(dict.fromkeys((*compiled.style_names, *compiled.style_drafts))),
             "lines": list(compiled.line_edits),
+            "kept": [
+                line["text"]
+                for line in self._stated.values()
+                if "text" in line and line.get("language") == compiled.language
+            ],
             "warnings": list(compiled.report.warnings),
             "text": self.text,
             "settings": asdict(self.settings),

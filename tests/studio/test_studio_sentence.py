@@ -152,14 +152,16 @@ def test_another_line_has_nothing_of_the_line_before(caller, workshop):
 def test_each_change_of_a_line_is_a_step_of_undo(caller, workshop):
     caller.post("boundary/1", {"seconds": 0.2, "title": "Move a boundary"})
     caller.post("emphasis/0", {"level": 1, "passing": True})
-    assert workshop.desk.undo_title == "Move a boundary", "a change that goes on is no step yet"
+    assert workshop.desk.undo_title == "Move a boundary (ma-be)", (
+        "a change that goes on is no step yet"
+    )
     caller.post("emphasis/0", {"level": 2, "title": "Emphasis of ma"})
     found = unpacked(caller.post("take", {"settings": {"dials": {"jaw": 1.8}}, "title": "jaw"}))[0]
-    assert found["state"]["undo"] == "jaw"
+    assert found["state"]["undo"] == "jaw (ma-be)"
     assert {one["file"] for one in found["state"]["unsaved"]} == {"characters/crab.yaml"}
     titles = []
     while workshop.desk.undo_title:
-        titles.append(workshop.desk.undo_title)
+        titles.append(workshop.desk.undo_title.removesuffix(" (ma-be)"))
         assert caller.post("undo").status == 200
     assert titles == ["jaw", "Emphasis of ma", "Move a boundary"]
     assert workshop.settings.dials == {}
@@ -186,6 +188,7 @@ def test_a_saved_line_is_opened_and_run_as_it_was_left(tmp_path):
     assert caller.post("save").json["saved"] == ["characters/crab.yaml"]
     fresh = Workshop(tmp_path, engine="none")
     fresh.open("english", "crab")
+    assert fresh.state()["kept"] == ["Hello Bob"]
     fresh.speak("Hello Bob")
     assert fresh.name == "hello-bob"
     assert np.abs(fresh.perform().weights - shown.weights).max() < CLOSE

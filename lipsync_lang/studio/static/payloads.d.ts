@@ -261,6 +261,8 @@ export interface State {
   regions: Record<string, string[]>;
   styles: string[];
   lines: string[];
+  /** Texts of the lines that the character keeps, apart from those of the script. */
+  kept: string[];
   warnings: string[];
   text: string;
   settings: Settings;

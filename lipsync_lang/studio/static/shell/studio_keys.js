@@ -85,7 +85,6 @@ export function shellKeys(studio, event) {
     return;
   }
   if (control || event.altKey) return;
-  if (key === " " && event.target instanceof HTMLButtonElement) return;
   if (event.target instanceof HTMLInputElement && key.startsWith("Arrow")) return;
   const frames = event.shiftKey ? 10 : 1;
   /** @type {Record<string, () => void>} */

@@ -322,7 +322,7 @@ export class WordsView {
     const span = this.#span(), wanted = String(this.open);
     if (this.performed || !span) return;
     try {
-      const { curves } = await this.studio.api.get(`words/start?${span.query}`);
+      const { curves } = await this.studio.api.get(`words/start?${span.query}${this.open[0] === "word" ? "&alone=1" : ""}`);
       if (String(this.open) === wanted) this.performed = curves;
     } catch { this.performed = null; }
   }
@@ -374,7 +374,7 @@ export class WordsView {
       known = this.told.words.find((one) => one.word.toLocaleLowerCase() === word);
     if (!known) {
       await this.studio.attempt(async () => {
-        const { curves } = await this.studio.api.get(`words/start?word=${here.number}`);
+        const { curves } = await this.studio.api.get(`words/start?word=${here.number}&alone=1`);
         await this.studio.edit([{ file: "character", at: ["words", word], value: { curves } }], `Curves of ${word}`);
       });
     }
