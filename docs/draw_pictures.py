@@ -6,9 +6,11 @@
     keys        keys fitted by `--keys 0.02` over every frame
     languages   each sound of a German and a Mandarin line, before and now
     crab-motion each sound of two English lines on the crab, before and now
+    facefx-motion, arkit-motion   the same of three lines on these faces
     crab        bigrams of the crab as drafted and as edited, with frames
     sheet       a sheet of stills
     recording   a natural recording with its spectrogram and boundaries
+    takes       one sentence whispered, plain and shouted: the jaw, and the mouth in each vowel
 
 "Before" is today's targets with the motion settings of version 0.1: valleys filled, thresholds of
 0.5, no softening, no look-ahead, no stress, no loudness, and every shade as its parent. Lines are
@@ -24,6 +26,7 @@ import argparse
 import os
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -61,7 +64,7 @@ BEFORE: dict[str, Any] = {
 }
 """Motion settings of version 0.1."""
 
-CAPTURES_HIGH = (1.0, 1.2)
+CAPTURES_HIGH = (0.3, 0.5)
 """Percent of the power of captured jaws above `HIGH_HERTZ`."""
 
 OLD, NOW, INK, PALE = "#c0392b", "#1f618d", "#222222", "#999999"
@@ -76,8 +79,16 @@ ENGLISH = [
     ("english", "Please buy five more maps before Bob's baby puppy bumps"),
     ("english", "School. Two. Boot."),
 ]
+SHOUT = ("english", "Fire! Get down! Everybody out, now!")
+
+SHOWN_VOWELS = {"ay", "eh", "aw", "ah"}
+"""Vowels of the takes that open the mouth."""
+
 SEEN = 0.05
 """Difference of a pose between draft and edit that is drawn."""
+
+TAKES = {"whisper": -20, "neutral": 0, "shout": 14}
+"""Levels of the same sound in decibels, by the style of the take."""
 
 BIGRAMS = [("ow-_", "go"), ("s-w", "sweet"), ("aw-th", "mouth")]
 
@@ -100,7 +111,7 @@ def spectrum(path: Path) -> None:
     low, high = CAPTURES_HIGH
     axes.vlines(HIGH_HERTZ, low, high, color=INK, lw=10)
     axes.annotate(
-        "captures of real faces:\n1.0-1.2 % above 8 Hz", (HIGH_HERTZ, low), (3.2, 0.25),
+        "captures of real faces:\n0.3-0.5 % above 8 Hz", (HIGH_HERTZ, low), (3.2, 0.25),
         arrowprops={"arrowstyle": "-", "color": PALE}, color=INK,
     )  # fmt: skip
     axes.set(
@@ -174,6 +185,17 @@ def languages(path: Path) -> None:
 def crab_motion(path: Path) -> None:
     """Draw each sound of two English lines on the crab, before above now."""
     _save(_beside("crab", ENGLISH), path)
+
+
+def facefx_motion(path: Path) -> None:
+    """Draw each sound of three English lines on the FaceFX head, before above now."""
+    _save(_beside("facefx", [*ENGLISH, SHOUT]), path)
+
+
+def arkit_motion(path: Path) -> None:
+    """Draw each sound of three English lines on a head with ARKit's shapes, before above now."""
+    head = Path(os.environ["LIPSYNC_LANG_TEST_DATA"], "rigs", "head_arkit52_oculus15.glb")
+    _save(_beside(str(head), [*ENGLISH, SHOUT]), path)
 
 
 def _beside(character: str, lines: Sequence[tuple[str, str]]) -> Image.Image:
@@ -286,6 +308,33 @@ def recording(path: Path) -> None:
     )
 
 
+def takes(path: Path) -> None:
+    """Draw a sentence in three styles and levels: its jaw, and the mouth in each vowel."""
+    performer = ll.resolve("english", "facefx")
+    language, text = SHOUT
+    plain = ll.speak(text, language)
+    ids, times, _ = performer.common_phonemes(plain)
+    vowels = [i for i, one in enumerate(ids) if performer.compiled.phonemes[one] in SHOWN_VOWELS]
+    middles = (times[:-1] + times[1:])[vowels] / 2
+    figure = Figure((9.4, 4.4), layout="constrained")
+    left, right = figure.subfigures(1, 2, width_ratios=(1, 1.9))
+    curves, cells = left.subplots(len(TAKES), sharex=True), right.subplots(len(TAKES), len(vowels))
+    for axes, row, (style, decibels) in zip(curves, cells, TAKES.items(), strict=True):
+        samples = (plain.audio.samples * 10 ** (decibels / 20)).clip(-32768, 32767)
+        sound = replace(plain.audio, samples=samples.astype(np.int16))
+        styles = {} if style == "neutral" else {style: 1.0}
+        take = performer.perform(replace(plain, audio=sound), styles=styles)
+        axes.plot(take.times, take["open"], color=NOW)
+        axes.set(ylim=(0, 1.05), ylabel="open")
+        axes.set_title(f"{style}, {decibels} dB", loc="left", fontsize=9)
+        for cell, picture in zip(row, stills(take, middles, CELL), strict=True):
+            cell.imshow(picture)
+            cell.set(xticks=[], yticks=[])
+    curves[-1].set_xlabel("seconds")
+    figure.savefig(path, dpi=90)
+    _save(Image.open(path).convert("RGB"), path)
+
+
 def _save(page: Image.Image, path: Path) -> None:
     """Write a picture of 256 colours, for small files."""
     page.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
@@ -296,9 +345,12 @@ PICTURES = {
     "keys": ("motion-keys.png", fitted),
     "languages": ("motion-languages.png", languages),
     "crab-motion": ("motion-crab.png", crab_motion),
+    "facefx-motion": ("motion-facefx.png", facefx_motion),
+    "arkit-motion": ("motion-arkit.png", arkit_motion),
     "crab": ("crab-edits.png", crab),
     "sheet": ("still-sheet.png", sheet),
     "recording": ("recording.png", recording),
+    "takes": ("loudness-takes.png", takes),
 }
 
 

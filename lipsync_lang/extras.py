@@ -29,6 +29,8 @@ class Extra(NamedTuple):
     """Modules that it installs, by their import names."""
     provides: tuple[str, ...] = ()
     """Engines, formats and suffixes of files that need it."""
+    system: str = ""
+    """A part that the system must have where no package brings it."""
 
     def missing(self) -> list[str]:
         """List the modules that are not installed; none is imported."""
@@ -42,7 +44,7 @@ def extras() -> tuple[Extra, ...]:
 
     text = files(__package__ or "lipsync_lang").joinpath("extras.json").read_text("utf-8")
     return tuple(
-        Extra(name, one["purpose"], one["used_by"], tuple(one["modules"]), tuple(one["provides"]))
+        Extra(name, **one | {"modules": tuple(one["modules"]), "provides": tuple(one["provides"])})
         for name, one in json.loads(text).items()
     )
 

@@ -44,6 +44,10 @@ def fill(options: Namespace) -> None:
         options.fps = USUAL_FPS
     if getattr(options, "offset", "") is None:
         options.offset = "0"
+    if not getattr(options, "language", True) and _only_sound(options):
+        from lipsync_lang.packs.automatic import UNDETERMINED
+
+        options.language = UNDETERMINED
     for name, option in (("language", "-l"), ("character", "-c")):
         cast = name == "character" and getattr(options, "cast", None)
         if not (getattr(options, name, True) or cast or getattr(options, "choosing", False)):
@@ -51,6 +55,12 @@ def fill(options: Namespace) -> None:
                 f"a {name} is missing: give {option} {name.upper()}, or state `{name}: ...` in "
                 f"{FILE}"
             )
+
+
+def _only_sound(options: Namespace) -> bool:
+    """Return True if the speech is a sound alone, whose language need not be known."""
+    given = [getattr(options, name, None) is not None for name in ("text", "schedule", "audio")]
+    return given == [False, False, True]
 
 
 def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:

@@ -222,6 +222,8 @@ def _extra(extra: Extra) -> CheckedPart:
         told = f"{extra.purpose} (for {extra.used_by}): {line}"
         return CheckedPart(part, MISSING, told)
     fault = fault_of(f"import {', '.join(extra.modules)}")
+    if fault and extra.system:
+        return CheckedPart(part, MISSING, f"{extra.purpose}; your system lacks {extra.system}")
     if fault:
         return CheckedPart(part, BROKEN, f"{fault}; install it again: {line}")
     return CheckedPart(part, OK, extra.purpose)

@@ -4,6 +4,7 @@ import os
 import sys
 from argparse import Namespace
 from collections.abc import Iterator
+from contextlib import suppress
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -11,11 +12,14 @@ from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_manner, add_pair, add_values
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files.signals import Terminated
 
 if TYPE_CHECKING:
+    from lipsync_lang.listening.listener import Listener
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.outlets import Outlet
+    from lipsync_lang.live.sound_bytes import Pcm
+    from lipsync_lang.live.sound_sources import SoundFeed
+    from lipsync_lang.performing.performer import Performer
 
 MAX_LINE_BYTES = 64 * 1024
 """Maximum number of bytes of a line of standard input; a longer line is split."""
@@ -27,8 +31,9 @@ def add_live(add: Add) -> None:
     live_ = add(
         "live",
         live,
-        "speak typed sentences, and send their frames to an engine in real time",
-        'live "Hello, world" -l english -c facefx --to vmc:127.0.0.1:39539',
+        "speak typed sentences or follow a voice, and send frames to an engine in real time",
+        'live "Hello, world" -l english -c facefx --to vmc:127.0.0.1:39539\n'
+        "  lipsync-lang live --audio mic -c facefx --to vmc:127.0.0.1:39539",
     )
     live_.add_argument(
         "text", metavar="TEXT", nargs="?", help="the text to say [lines from standard input]"
@@ -48,71 +53,148 @@ def add_live(add: Add) -> None:
         "--rename", metavar="POSE=NAME", action="append", default=[],
         help="send a pose to vmc under another name; may be repeated",
     )  # fmt: skip
+    heard = live_.add_argument_group("sound")
+    heard.add_argument(
+        "--audio", metavar="SOURCE",
+        help="follow a voice in any language, without a text: mic, mic:DEVICE, a recording, or - "
+        "for samples or WAV on standard input",
+    )  # fmt: skip
+    heard.add_argument(
+        "--rate",
+        metavar="N",
+        type=int,
+        help="samples per second of samples without a header, or of a microphone [16000]",
+    )
+    heard.add_argument(
+        "--format", metavar="FORMAT",
+        help="samples without a header: s16 or f32, also u8, s24, s32 and f64 [s16]",
+    )  # fmt: skip
+    heard.add_argument(
+        "--delay", metavar="SECONDS", type=float, default=0.08,
+        help="delay of the lips after the sound; more is more exact [0.08]",
+    )  # fmt: skip
+    heard.add_argument("--list", action="store_true", dest="choosing", help="list the microphones")
     add_manner(live_)
 
 
 def live(options: Namespace) -> int:
-    """Speak texts when they arrive, and send their frames in real time, until the input ends."""
+    """Send frames of texts and voices in real time when they arrive, until the input ends."""
+    if options.choosing:
+        return _list_microphones()
     from lipsync_lang.commands.performing import levels, performer_for
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
-    from lipsync_lang.live.outlets import STANDARD_OUTPUT, outlet, parse_address, refuse_unknown
+    from lipsync_lang.live.live_voice import LiveVoice
+    from lipsync_lang.live.outlets import STANDARD_OUTPUT, outlet, parse_address
+    from lipsync_lang.live.sound_sources import SoundFeed
     from lipsync_lang.live.web_socket import Session
+    from lipsync_lang.speech.sound import SPEECH_RATE
 
     addresses = [parse_address(one) for one in dict.fromkeys(options.to or [STANDARD_OUTPUT])]
     performer, fps = performer_for(options), options.fps
-    renamed = dict(one.partition("=")[::2] for one in options.rename)
-    for name, other in renamed.items():
-        if not name or not other:
-            raise LipsyncError(f"--rename {name}: write POSE=NAME, such as --rename mouth_open=A")
-    refuse_unknown(renamed, performer.poses)
+    renamed = _renamed(options.rename, performer)
     styles = levels("--style", options.styles)
     how: dict[str, Any] = {"styles": styles, "dials": levels("--dial", options.dials)}
     delay = performer.stream(fps, **how).delay  # settings that cannot stream are refused here
+
+    def listen(rate: int, delay: float | None = None) -> "Listener":
+        return performer.listen(rate, options.delay if delay is None else delay, fps)
+
+    source, live_source = _source(options)
+    voice = LiveVoice(listen, fps, _complain, paced=not live_source)
+    if source is not None:  # a model that is missing is told here
+        delay = listen(options.rate or SPEECH_RATE).delay
     outlets: list[Outlet] = []
-    player = LivePlayer(performer, fps, outlets, how)
+    player = LivePlayer(performer, fps, outlets, how, voice=voice, wait=voice.wait)
     speaker = TextSpeaker(
         lambda text: performer.speaker.speak(text, engine=options.tts), player.say, _complain
     )
     greeting = {"poses": performer.poses, "fps": fps, "delay": round(delay, 4)}
     session = Session(
-        greeting, speaker.say, lambda notation: performer.stream(fps, notation=notation, **how)
-    )
+        greeting, speaker.say, lambda notation: performer.stream(fps, notation=notation, **how),
+        listen, voice,
+    )  # fmt: skip
     try:
         for address in addresses:
-            subject = options.subject
-            outlets.append(
-                outlet(address, performer, fps, session, subject=subject, renamed=renamed)
-            )
+            receiver = outlet(
+                address, performer, fps, session, subject=options.subject, renamed=renamed,
+                complain=_complain,
+            )  # fmt: skip
+            outlets.append(receiver)
         for one in outlets:
             one.tell(greeting)
         serving = any(address.kind == "ws" for address in addresses)
-        _play(options.text, player, speaker, serving=serving)
+        feed = None if source is None else SoundFeed(source, voice)
+        _play(options.text, player, speaker, feed, serving=serving)
     finally:
         for one in outlets:
             one.close()
     return SOUND
 
 
-def _play(text: str | None, player: "LivePlayer", speaker: "TextSpeaker", *, serving: bool) -> None:
+def _renamed(stated: list[str], performer: "Performer") -> dict[str, str]:
+    """Parse ``POSE=NAME``."""
+    from lipsync_lang.live.outlets import refuse_unknown
+
+    renamed = dict(one.partition("=")[::2] for one in stated)
+    for name, other in renamed.items():
+        if not name or not other:
+            raise LipsyncError(f"--rename {name}: write POSE=NAME, such as --rename mouth_open=A")
+    refuse_unknown(renamed, performer.poses)
+    return renamed
+
+
+def _source(options: Namespace) -> "tuple[Iterator[Pcm] | None, bool]":
+    """Open the source of sound; and tell whether it keeps its own time."""
+    from lipsync_lang.live.sound_bytes import checked_form
+    from lipsync_lang.live.sound_sources import is_microphone, open_source
+
+    form = checked_form(options.rate, options.format)
+    if options.audio is None:
+        if options.rate is not None or options.format is not None:
+            raise LipsyncError("--rate and --format are of sound; give a source with --audio")
+        return None, False
+    for option, given in (("a TEXT", options.text), ("--tts", options.tts),
+                          ("--style", options.styles), ("--dial", options.dials)):  # fmt: skip
+        if given:
+            raise LipsyncError(f"{option} is for speech of a text; leave it out with --audio")
+    source = open_source(options.audio, form, options.rate, _complain)
+    return source, is_microphone(options.audio)
+
+
+def _list_microphones() -> int:
+    from lipsync_lang.live.sound_sources import devices
+    from lipsync_lang.reports.text_table import columns
+
+    found = devices()
+    rows = [(str(one.number), one.name, f"{one.rate} Hz", "usual" * one.usual) for one in found]
+    print("\n".join(columns(rows)) if rows else "no microphone is plugged in")
+    return SOUND
+
+
+def _play(
+    text: str | None, player: "LivePlayer", speaker: "TextSpeaker", feed: "SoundFeed | None", *,
+    serving: bool,
+) -> None:  # fmt: skip
     """Perform all input until its end or the user's interrupt, and leave the mouth at rest."""
     reading: Thread | None = None
     if text is not None:
         speaker.say(text)
-    else:
+    elif feed is None:
         print("type what to say, line by line; end with Ctrl-C", file=sys.stderr)
         reading = Thread(target=_read, args=(speaker,), daemon=True)
         reading.start()
 
     def more() -> bool:
-        return serving or speaker.busy or (reading is not None and reading.is_alive())
+        if feed is not None and feed.error is not None:
+            raise feed.error
+        heard = feed is not None and (feed.alive or feed.voice.busy)
+        return serving or heard or speaker.busy or (reading is not None and reading.is_alive())
 
-    try:
-        player.run(more)
-    except KeyboardInterrupt:  # the usual end
-        player.rest()
-    except Terminated:
-        player.rest()
-        raise
+    with suppress(KeyboardInterrupt):  # the usual end
+        try:
+            player.run(more)
+        finally:
+            player.rest()
 
 
 def _read(speaker: "TextSpeaker") -> None:

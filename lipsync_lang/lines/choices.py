@@ -2,10 +2,13 @@ r"""Choices in braces: alternative texts, of which a game reads one.
 
 - ICU messages: ``{n, plural, one {# coin} other {# coins}}``, and ``select`` alike,
 - Fluent: ``{ $n -> [one] a coin *[other] coins }``,
-- Ink: ``{first time|second time}``, ``{met: Hello again|Hello}``.
+- Ink: ``{first time|second time}``, ``{met: Hello again|Hello}``,
+- Unity: ``{n:plural:coin|coins}``, ``{her:choose(f|m):she|he}``,
+- Unreal: ``{n}|plural(one=coin,other=coins)``, ``{who}|gender(le,la)``,
+- OpenTTD: ``coin{P "" s}``, ``{G le la}``.
 
-The branch of a known value is taken; else the general one (``other``, the starred one), or in Ink
-the first that has words.
+The branch of a known value is taken; else the general one (``other``, the starred one, the last
+plural), or in other choices the first that has words.
 """
 
 import re
@@ -17,6 +20,9 @@ MAX_DEPTH = 8
 ICU = re.compile(r"\s*\$?([\w.-]+)\s*,\s*(?:plural|select|selectordinal)\s*,")
 FLUENT = re.compile(r"\s*\$?-?([\w.-]+)(?:\([^()]*\))?\s*->")
 INK_CHOICE = re.compile(r"\s*[&!~]?\s*(?:\w[\w .()!=<>&]{0,80}:(?=\s))?")
+SMART_CHOICE = re.compile(r"\s*[\w.]*:(\w+)(?:\([^()]*\))?:")
+UNREAL_CHOICE = re.compile(r"\|(plural|ordinal|gender|hpp)\(([^()]*)\)")
+STRING_CHOICE = re.compile(r"([PG])(?:\s+\d+(?::\d+)?)?((?:\s+(?:\"[^\"]*\"|[^\s\"]+)){2,})\s*")
 BRANCH = re.compile(r"(?:^|(?<=[\s}]))(=\d+|\w+)\s*\{")
 FLUENT_VARIANT = re.compile(r"(\*?)\[\s*([\w.-]+)\s*\]")
 LITERAL = re.compile(r"\s*\"([^\"{}]*)\"\s*")
@@ -35,8 +41,15 @@ def chosen(text: str, values: Mapping[str, str], depth: int = 0) -> str:
     at = 0
     while (start := text.find("{", at)) >= 0:
         end = ends.get(start)
-        branch = None if end is None else _branch(text[start + 1 : end], values)
-        if end is None or branch is None:
+        inner = text[start + 1 : end]
+        branch = None if end is None else _branch(inner, values)
+        if end is not None and (given := UNREAL_CHOICE.match(text, end + 1)):
+            branch, end = _of_unreal(given[1], given[2], values.get(inner)), given.end() - 1
+        filtered = inner[:1] == "{" and inner[-1:] == "}" and "," not in inner
+        if end is not None and filtered:  # {{name|upper}}
+            out.append(text[at : end + 1])
+            at = end + 1
+        elif end is None or branch is None:
             out.append(text[at : start + 1])
             at = start + 1
         else:
@@ -67,19 +80,38 @@ def _branch(inner: str, values: Mapping[str, str]) -> str | None:
         return _of_fluent(inner[found.end() :], values.get(found[1]))
     if found := LITERAL.fullmatch(inner):
         return found[1]
-    found = INK_CHOICE.match(inner)
+    if found := STRING_CHOICE.fullmatch(inner):
+        words = [quoted or word for quoted, word in re.findall(r"\"([^\"]*)\"|(\S+)", found[2])]
+        return words[-1 if found[1] == "P" else 0]
+    smart = SMART_CHOICE.match(inner) if "|" in inner else None
+    found = smart or INK_CHOICE.match(inner)
     head = found.end() if found else 0
     if "|" not in inner and not (head and inner[:head].rstrip().endswith(":")):
         return None
-    ways, depth, start = inner[head:], 0, 0
+    ways = _ways(inner[head:]) or [""]
+    return ways[-1 if smart and smart[1].startswith("p") else 0]
+
+
+def _ways(ways: str) -> list[str]:
+    """Return the branches between bars that have words."""
+    found: list[str] = []
+    depth, start = 0, 0
     for mark in re.finditer(r"[{}|]|\Z", ways):
         depth += {"{": 1, "}": -1}.get(mark[0], 0)
         # A bar outside inner braces ends a branch, and so does the end, whatever is open.
         if not mark[0] or (mark[0] == "|" and depth == 0):
             if way := ways[start : mark.start()].strip():
-                return way
+                found.append(way)
             start = mark.end()
-    return ""
+    return found
+
+
+def _of_unreal(kind: str, listed: str, value: str | None) -> str:
+    ways = [way.strip() for way in listed.split(",")]
+    named = dict(way.split("=", 1) for way in ways if "=" in way)
+    if kind in {"plural", "ordinal"} and named:
+        return named.get("one" if value == "1" else "other", next(reversed(named.values())))
+    return ways[0]
 
 
 def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:

@@ -54,13 +54,22 @@ ALIAS_TAG = r"<sub\s[^<>]{0,200}?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<
 MARKUP_TAG = (
     r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|</>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
 )
-BRACES = r"\{\{\s*-?\$?[\w.]+\s*\}\}|\{\{|\}\}|\{[^{}]*\}"
+BRACES = r"\{\{(?:[#/^>!][^{}]*|\s*-?\$?[\w.]+\s*(?:[|:][^{}]*)?)\}\}|\{\{|\}\}|[%@#$\\]?\{[^{}]*\}"
 BRACKETS = r"\[\[|\]\]|\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]"
+NAME = r"[A-Za-z_][A-Za-z0-9_]*"
+"""The name of a variable; it ends where a word of another script begins."""
 PERCENT_PLACEHOLDER = (
-    r"%%|%[A-Za-z_]\w+%(?!%)|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]"
-    r"|%(?:\d+\$)?[-+#0]*\d*(?:\.\d+)?[sdifuxc@](?!\w)"
+    rf"%%|%{NAME[:-1]}+%(?!%|[sd](?![A-Za-z]))|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]|%<\w+>[a-z]?"
+    # glued to a word: `%sen`, `%d個`; a digit before it makes it a percentage, `5%des` or `5 %des`
+    r"|(?<!\d)(?<!\d )%(?!d[a-z]{4})[+,-]?(?:ll?d|[sd@])"
+    r"|%(?:\d+\$[-+#0,]*\d*(?:\.\d+)?|[-+#0,]*\d*\.\d+|0\d+)l{0,2}[sdifuxXoc@]"
+    r"|(?:%[-+#0,]*\d*(?:hh?|ll?|[zj])?[sdifuxXcog@]|(?<!\d)(?<!\d )%-?[A-Za-z])(?![A-Za-z_À-ɏ])"
+    rf"|(?<![\d%])(?<!\d )%[A-Za-z]{NAME}|%L?1(?![\d%'’.,])"
 )
-DOLLAR = r"[$#]\{[^{}]*\}|@\w+@|\$[A-Za-z_]\w*"
+DOLLAR = (
+    rf"@[\w.]+@|@\d+(?!\w)|#[\w.]+#|\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)"
+    rf"|\$(?:{NAME}|[^\W\d]\w*)(?:(?:->|\.)[a-z_][A-Za-z0-9_]*)*"
+)
 RPG_CODE = r"\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[A-Z](?![a-z])|\\[.|!^<>]"
 """Codes of RPG Maker: colours, names, waits."""
 TEXT_ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
@@ -85,8 +94,13 @@ EMOTICONS = (
     r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt>oO-][_.][Tt<oO-])"
     r"(?![^\s.,!?])"
 )
+FRACTION = r"(?:(?<=[}\]])|(?<=[%$][sdiu]))/(?=[%${\[\d])"
+"""The stroke of `%d/%d`."""
 BULLET = r"^(?:[-+*]+ )+(?=\D)"
-SYMBOLS = rf"{BULLET}|{SYMBOL}(?:\u200d?{SYMBOL})*|<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{{2,}}|<{{2,}}"
+SYMBOLS = (
+    rf"{BULLET}|{FRACTION}|{SYMBOL}(?:\u200d?{SYMBOL})*"
+    r"|<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}"
+)
 WAVES = r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"
 
 MARKUP_FORMS = (
@@ -112,6 +126,8 @@ STRAY = re.compile(r"[{}\[\]]|</?(?!\s*\d)|>(?!\s*\d)")
 TAG_VALUES = re.compile(r"[ =].*", re.DOTALL)
 """Pattern of the values of a tag, after its name."""
 PLACEHOLDER_NAME = re.compile(r"[\w.-]+")
+ENDING = re.compile(r"['’]?[b-df-hj-np-tv-xz](?![^\W_]|[-…]|\.\.)")
+"""A consonant of a placeholder's word, as in `{name}'s`, which alone would be spelled."""
 LOOSE_PUNCTUATION = re.compile(r" ([,.])(?!\S)")
 PAUSE_MARK = "\0"
 """Placeholder for a pause, until the text around it is known."""
@@ -202,10 +218,16 @@ class TextCleaner:
                 continue
             self._say(self._sound(done, start) + instead)
             whole = found[0]
+            done = at = found.end()
             silent = found["sign"] or found["face"] or found["soundless"] or SOUNDLESS.match(whole)
             if not (instead or silent or whole in DOUBLED or self._is_tag(whole)):
                 self._gaps.append(self._solid)
-            done = at = found.end()
+                if ending := ENDING.match(self.text, at):
+                    done = at = ending.end()
+                # The words on both sides of a placeholder are not one word.
+                beside = self.text[max(start - 1, 0) : start], self.text[at : at + 1]
+                glued = found["code"] is None and all(map(str.isalnum, beside))
+                self._left.append(" " if glued else "")
         self._say(self._sound(done, len(self.text)))
         tidy = " ".join(PAUSED.sub(_paused, " ".join("".join(self._left).split())).split())
         said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)

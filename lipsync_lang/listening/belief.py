@@ -1,23 +1,42 @@
 """Belief: the probability of each phone at each frame, from scores of a phone loop.
 
-Each phone passes through three states. From the last one the loop enters any phone, each as likely
-as its share. Scores are scaled down first: neighbouring frames are not independent, so that
-unscaled scores would be much too sure.
+A phone passes through a first, a middle and a last state, and then any phone begins. Its first
+state depends on the group of the phone before it, and its last one on the group of the phone after
+it (`neighbours` in the pack of the IPA). So a row of S = 2 G + 1 columns has the states of a phone:
+G first ones, the middle one, and G last ones.
 
-T frames, N phones, three states; S = 3 N.
+Scores are scaled down: neighbouring frames are not independent, so that unscaled scores would be
+much too sure.
+
+T frames, N phones, G groups.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Singles
+from lipsync_lang.arrays import Bools, Floats, Ints, Singles
 
-STAY = 0.75
-"""Probability of staying in a state for another frame: a phone lasts for 120 ms in the mean."""
+STAY = 0.6
+"""Probability of staying in a state for another frame."""
 
-SCORE_SHARE = 0.35
+SCORE_SHARE = 0.25
 """Factor of the log likelihoods."""
+
+
+FAST_FRAMES, SLOW_FRAMES = 12, 40
+"""Frames over which the change of a sound is averaged: a voice that begins, and one that lasts."""
+
+FAST_EXCESS = 1.5
+"""Change by which the fast average must exceed the slow one's limits, as it varies more."""
+
+STEADY_CHANGE, VOICED_CHANGE = 7.0, 8.0
+"""Change of sound up to which nobody speaks, and from which somebody surely does.
+
+Speech has 12 in the middle and rarely less than 8, hiss and hum less than 6.5, music about 7.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,48 +45,106 @@ class PhoneLoop:
 
     Parameters
     ----------
-    shares : (N,) probability of each phone after another
-    stay : probability of staying in a state for another frame
-    scale : factor of the scores
+    groups : (N,) group of each phone
+    quiet : (N,) True for silence and noises, which a sound begins with
     """
 
-    shares: Floats
+    groups: Ints
+    quiet: Bools
     stay: float = STAY
     scale: float = SCORE_SHARE
 
+    @cached_property
+    def _member(self) -> Floats:
+        """(N, G) 1 for the group of each phone."""
+        return np.eye(int(self.groups.max()) + 1)[self.groups]
+
+    @cached_property
+    def _entry(self) -> Floats:
+        """(N, 1) probability of each phone among those of its group."""
+        out: Floats = (1 / self._member.sum(axis=0))[self.groups, None]
+        return out
+
+    @cached_property
+    def _next(self) -> Floats:
+        """(G,) probability that the next phone is of each group."""
+        out: Floats = self._member.mean(axis=0)
+        return out
+
     def likelihoods(self, scores: Singles) -> Floats:
-        """Return scaled likelihoods of scores (T, N, 3), relative to each frame's best."""
+        """Return scaled likelihoods of scores (T, N, S), relative to each frame's best."""
         scaled = self.scale * scores.astype(np.float64)
         likely: Floats = np.exp(scaled - scaled.max(axis=(1, 2), keepdims=True))
         return likely
 
     def start(self) -> Floats:
-        """Return the belief before the first frame: (N, 3)."""
-        return np.repeat(self.shares[:, None] / 3, 3, axis=1)
+        """Return the belief before the first frame: (N, S)."""
+        states = 2 * self._member.shape[1] + 1
+        return np.repeat(self.quiet[:, None] / (self.quiet.sum() * states), states, axis=1)
+
+    def calmed(self, belief: Floats, voiced: Floats) -> Floats:
+        """Return a belief (T, N, S) that is quiet as far as a sound is no voice, (T,)."""
+        share = voiced[:, None, None]
+        return share * belief + (1 - share) * self.start()
 
     def forward(self, before: Floats, likely: Floats) -> Floats:
-        """Return the belief after one frame more, (N, 3), given that before and likelihoods."""
+        """Return the belief after one frame more, (N, S), given that before and likelihoods."""
+        count, leave = self._member.shape[1], 1 - self.stay
         now = self.stay * before
-        now[:, 1:] += (1 - self.stay) * before[:, :-1]
-        now[:, 0] += (1 - self.stay) * before[:, -1].sum() * self.shares
+        # (group of the phone that ends, group of the one that begins)
+        passed = self._member.T @ before[:, count + 1 :]
+        now[:, :count] += leave * self._entry * passed.T[self.groups]
+        now[:, count] += leave * before[:, :count].sum(axis=1)
+        now[:, count + 1 :] += leave * before[:, count, None] * self._next
         now *= likely
         now /= now.sum()
         return now
 
     def backward(self, after: Floats, likely: Floats) -> Floats:
-        """Return how well each state, (N, 3), explains what follows it.
+        """Return how well each state, (N, S), explains what follows it.
 
         Parameters
         ----------
         after : the same for the frame after, up to a factor
         likely : likelihoods of that frame
         """
+        count, leave = self._member.shape[1], 1 - self.stay
         seen = after * likely
         out = self.stay * seen
-        out[:, :-1] += (1 - self.stay) * seen[:, 1:]
-        out[:, -1] += (1 - self.stay) * (self.shares @ seen[:, 0])
+        out[:, :count] += leave * seen[:, count, None]
+        out[:, count] += leave * (seen[:, count + 1 :] @ self._next)
+        # (group of the phone that begins, group of the one that ended)
+        begun = self._member.T @ (self._entry * seen[:, :count])
+        out[:, count + 1 :] += leave * begun.T[self.groups]
         out /= out.sum()
         return out
+
+
+class VoiceGate:
+    """The share of a sound that is a voice: a voice changes, and hiss, hum and tones hardly do."""
+
+    def __init__(self) -> None:
+        self._kept = np.full(SLOW_FRAMES, STEADY_CHANGE - FAST_EXCESS)
+
+    def push(self, change: Floats) -> Floats:
+        """Return the share of each frame, from 0 to 1, from its `Heard.change`: (k,)."""
+        wide = np.concatenate([self._kept, change])
+        self._kept = wide[len(change) :]
+        sums = np.cumsum(wide)
+        slow, fast = (
+            (sums[SLOW_FRAMES:] - sums[SLOW_FRAMES - n : len(sums) - n]) / n
+            for n in (SLOW_FRAMES, FAST_FRAMES)
+        )
+        most = np.maximum(slow, fast - FAST_EXCESS)
+        share: Floats = (most - STEADY_CHANGE) / (VOICED_CHANGE - STEADY_CHANGE)
+        return share.clip(0, 1)
+
+
+def thirds(belief: Floats) -> Floats:
+    """Return the belief in the first, the middle and the last state of each phone: (T, N, 3)."""
+    count = belief.shape[-1] // 2
+    parts = (belief[..., :count], belief[..., count : count + 1], belief[..., count + 1 :])
+    return np.stack([part.sum(axis=-1) for part in parts], axis=-1)
 
 
 class Smoother:
@@ -85,7 +162,7 @@ class Smoother:
         self._likely: list[Floats] = []
 
     def push(self, scores: Singles) -> Floats:
-        """Return the belief of the frames that are `lag` before the newest: (k, N, 3)."""
+        """Return the belief of the frames that are `lag` before the newest: (k, N, S)."""
         found = []
         for likely in self.loop.likelihoods(scores):
             self._now = self.loop.forward(self._now, likely)
@@ -93,14 +170,11 @@ class Smoother:
             self._likely.append(likely)
             if len(self._beliefs) > self.lag:
                 found.append(self._oldest())
-        return np.stack(found) if found else np.zeros((0, *self._now.shape))
+        return self._stacked(found)
 
     def finish(self) -> Floats:
         """Return the belief of the last frames."""
-        found = []
-        while self._beliefs:
-            found.append(self._oldest())
-        return np.stack(found) if found else np.zeros((0, *self._now.shape))
+        return self._stacked([self._oldest() for _ in range(len(self._beliefs))])
 
     def _oldest(self) -> Floats:
         after = np.ones_like(self._now)
@@ -111,17 +185,20 @@ class Smoother:
         out: Floats = belief / belief.sum()
         return out
 
+    def _stacked(self, found: Sequence[Floats]) -> Floats:
+        return np.stack(found) if found else np.zeros((0, *self._now.shape))
+
 
 def smoothed(loop: PhoneLoop, scores: Singles) -> Floats:
     """Return the belief at each frame of a whole sound, by forward-backward.
 
     Parameters
     ----------
-    scores : (T, N, 3)
+    scores : (T, N, S)
 
     Returns
     -------
-    (T, N, 3); each frame adds up to 1
+    (T, N, S); each frame adds up to 1
     """
     likely = loop.likelihoods(scores)
     belief = np.empty_like(likely)

@@ -7,12 +7,14 @@ of ordinary recordings.
 Scores are natural logarithms of likelihoods; T frames, N phones.
 """
 
-from functools import cache, cached_property
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Singles
+from lipsync_lang.arrays import Floats, Ints, Singles
+from lipsync_lang.listening.belief import PhoneLoop
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG, STREAMS
 from lipsync_lang.speech.hearing.sphinx.features import (
     CEPSTRA,
@@ -48,32 +50,34 @@ LOOK_AHEAD_SECONDS = DELTA_FRAMES * FRAME_SECONDS + MIDDLE_SECONDS
 
 
 class PhoneScores:
-    """Scores of all phones of an acoustic model, each without its neighbours."""
+    """Scores of the phones of an acoustic model, by the groups of their neighbours.
 
-    def __init__(self, model: "AcousticModel") -> None:
+    Parameters
+    ----------
+    neighbours : groups of phones; all others are one more
+    """
+
+    def __init__(self, model: "AcousticModel", neighbours: Sequence[Sequence[str]]) -> None:
         self.model = model
-        books = [phone.book for phone in model.alone]
-        states = np.array([phone.states for phone in model.alone])
-        gaussians = model.gaussians[books]
-        self._mixtures = gaussians.shape[-1]
-        # one product for all phones: (streams, 27, phones x Gaussians)
+        number = {name: group for group, names in enumerate(neighbours) for name in names}
+        groups = np.array([number.get(name, len(neighbours)) for name in model.names])
+        self.loop = PhoneLoop(groups, np.isin(np.arange(len(groups)), sorted(model.fillers)))
+        gaussians = model.gaussians[[phone.book for phone in model.alone]]
+        # one product for all phones: (27, phones x Gaussians) of each stream
         self._factors = [
-            np.ascontiguousarray(gaussians[:, stream].transpose(1, 0, 2).reshape(27, -1))
+            np.ascontiguousarray(gaussians[:, stream].swapaxes(0, 1).reshape(27, -1))
             for stream in range(STREAMS)
         ]
-        self._weights = [
-            np.ascontiguousarray(model.weights[stream][:, states].transpose(1, 0, 2))
-            for stream in range(STREAMS)
-        ]
+        self._weights = _group_weights(model, groups)
 
     def of(self, features: Floats) -> Singles:
-        """Return the log likelihood of each frame, (T, 3, 13), in each state: (T, N, 3)."""
-        count, phones = len(features), len(self.model.names)
-        found = np.zeros((phones, count, 3), np.float32)
+        """Return the log likelihood of each frame, (T, 3, 13), in each state: (T, N, S)."""
+        count, (_, phones, mixtures, _) = len(features), self._weights.shape
+        found = np.zeros((phones, count, self._weights.shape[-1]), np.float32)
         for stream in range(STREAMS):
             here = features[:, stream]
             terms = np.hstack([here * here, here, np.ones((count, 1))]).astype(np.float32)
-            near = (terms @ self._factors[stream]).reshape(count, phones, self._mixtures)
+            near = (terms @ self._factors[stream]).reshape(count, phones, mixtures)
             most = near.max(axis=-1, keepdims=True)
             near -= most
             np.maximum(near, FAINTEST_LOG, out=near)
@@ -82,10 +86,43 @@ class PhoneScores:
         return found.swapaxes(0, 1)
 
 
+def _group_weights(model: "AcousticModel", groups: Ints) -> Singles:
+    """Return the mixture weights of each state: (streams, N, Gaussians, S).
+
+    They are the means over all contexts whose neighbour is of the group, of the phone without a
+    context if the model has none.
+    """
+    count = int(groups.max()) + 1
+    # as `_key` of the model has them
+    here, left, right = (model.keys >> shift & 255 for shift in (24, 16, 8))
+    states = model.states[model.rows]
+    found = np.empty((STREAMS, len(groups), model.weights.shape[1], 2 * count + 1), np.float32)
+    for phone, alone in enumerate(model.alone):
+        own = here == phone
+        columns = [(own & (groups[left] == group), 0) for group in range(count)]
+        columns += [(own, 1)]
+        columns += [(own & (groups[right] == group), 2) for group in range(count)]
+        for column, (chosen, state) in enumerate(columns):
+            used = states[chosen, state] if chosen.any() else [alone.states[state]]
+            found[:, phone, :, column] = model.weights[:, :, used].mean(axis=-1)
+    return found
+
+
 @cache
-def phone_scores(model: "AcousticModel") -> PhoneScores:
+def phone_scores(
+    model: "AcousticModel", neighbours: tuple[tuple[str, ...], ...] = ()
+) -> PhoneScores:
     """Return the scores of a model's phones, which all listeners share."""
-    return PhoneScores(model)
+    return PhoneScores(model, neighbours)
+
+
+class Heard(NamedTuple):
+    """What is heard in some frames."""
+
+    scores: Singles
+    """(k, N, S) of each state."""
+    change: Floats
+    """(k,) mean size of the first derivatives."""
 
 
 class Ear:
@@ -98,44 +135,38 @@ class Ear:
         self._wide = np.zeros((0, CEPSTRA))
         self._sum, self._count = MEAN_PRIOR * PRIOR_FRAMES, PRIOR_FRAMES
 
-    def hear(self, samples: Floats) -> Singles:
-        """Return the scores of the frames whose features are complete now: (k, N, 3)."""
-        return self._scored(self._frames.push(self._hissed(samples)))
-
-    def finish(self) -> Singles:
-        """Return the scores of the last frames."""
-        rest = self._scored(self._frames.last(np.zeros(0)))
-        if not len(self._wide):
-            return rest
-        last = self._derived(np.repeat(self._wide[-1:], DELTA_FRAMES, axis=0))
-        return np.concatenate([rest, last])
-
-    def _hissed(self, samples: Floats) -> Floats:
+    def hear(self, samples: Floats) -> Heard:
+        """Return what is heard in the frames whose features are complete now."""
         at = (self._heard + np.arange(len(samples))) % HISS_SAMPLES
         self._heard += len(samples)
-        noised: Floats = samples + self._hiss[at]
-        return noised
+        return self._scored(self._less_mean(self._frames.push(samples + _hiss()[at])))
 
-    @cached_property
-    def _hiss(self) -> Floats:
-        return np.random.default_rng(0).normal(0.0, HISS_DEVIATION, HISS_SAMPLES)
+    def finish(self) -> Heard:
+        """Return what is heard in the last frames."""
+        last = self._less_mean(self._frames.last(np.zeros(0)))
+        end = last if len(last) else self._wide
+        return self._scored(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
 
-    def _scored(self, cepstra: Floats) -> Singles:
-        if not len(cepstra):
-            return np.zeros((0, len(self.scores.model.names), 3), np.float32)
-        keep = 1 - 1 / MEMORY_FRAMES
+    def _less_mean(self, cepstra: Floats) -> Floats:
+        """Take the mean of the voice so far from cepstra."""
         less = np.empty_like(cepstra)
+        keep = 1 - 1 / MEMORY_FRAMES
         for number, here in enumerate(cepstra):
             self._sum, self._count = self._sum * keep + here, self._count * keep + 1
             less[number] = here - self._sum / self._count
-        if not len(self._wide):
-            less = np.concatenate([np.repeat(less[:1], DELTA_FRAMES, axis=0), less])
-        return self._derived(less)
+        return less
 
-    def _derived(self, more: Floats) -> Singles:
-        wide = np.concatenate([self._wide, more])
+    def _scored(self, less: Floats) -> Heard:
+        if not len(self._wide):  # the first frame stands in for those before it
+            less = np.concatenate([np.repeat(less[:1], DELTA_FRAMES, axis=0), less])
+        wide = np.concatenate([self._wide, less])
         self._wide = wide[-2 * DELTA_FRAMES :]
         if len(wide) <= 2 * DELTA_FRAMES:
-            self._wide = wide
-            return np.zeros((0, len(self.scores.model.names), 3), np.float32)
-        return self.scores.of(derived(wide))
+            wide = np.zeros((2 * DELTA_FRAMES, CEPSTRA))
+        found = derived(wide)
+        return Heard(self.scores.of(found), np.abs(found[:, 1]).mean(axis=-1))
+
+
+@cache
+def _hiss() -> Floats:
+    return np.random.default_rng(0).normal(0.0, HISS_DEVIATION, HISS_SAMPLES)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.listening.belief import PhoneLoop, Smoother
+from lipsync_lang.listening.belief import Smoother, VoiceGate, thirds
 from lipsync_lang.listening.ear import (
     LOOK_AHEAD_SECONDS,
     MIDDLE_SECONDS,
@@ -20,27 +20,29 @@ from lipsync_lang.listening.ear import (
     phone_scores,
 )
 from lipsync_lang.listening.mouth import Mouth, heard_values, state_targets
+from lipsync_lang.listening.resampler import Resampler
 from lipsync_lang.pipeline.perform import FinalFrames
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
-from lipsync_lang.speech.sound import INT16_FULL_SCALE
+from lipsync_lang.speech.sound import FASTEST, INT16_FULL_SCALE, SLOWEST, SPEECH_RATE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from lipsync_lang.listening.ear import Heard
     from lipsync_lang.phonology.labels import Notation
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.tables import Tables
 
-LEAST_DELAY = LOOK_AHEAD_SECONDS + FRAME_SECONDS
-"""Seconds: the features of a frame, and the frame after it."""
-
 MOST_DELAY = 1.0
 """Seconds."""
 
-MOST_LAG_FRAMES = 3
-"""Frames that the belief looks ahead at most, with a long delay; more change little."""
+ROUNDED_FRAMES = 1e-6
+"""Tolerance of a frame's time, as a share of a frame."""
+
+LEAD_SECONDS = 0.04
+"""Seconds by which lips are shown earlier, where the delay allows: they move before the sound."""
 
 
 class Listener:
@@ -64,27 +66,33 @@ class Listener:
         delay: float,
         fps: float,
     ) -> None:
-        if not LEAST_DELAY <= delay <= MOST_DELAY:
+        if not SLOWEST <= rate <= FASTEST:
             raise LipsyncError(
-                f"a delay of {delay:g} s is out of range; sound needs {LEAST_DELAY:.3f} to "
+                f"{rate} samples per second; speech needs {SLOWEST} to {FASTEST}: resample it"
+            )
+        self._resampler = Resampler(rate) if rate != SPEECH_RATE else None
+        # The ear's own frames are 10 ms apart, and a frame between two of them awaits the second.
+        self.delays = {"features": LOOK_AHEAD_SECONDS, "frames": FRAME_SECONDS}
+        if self._resampler is not None:
+            self.delays["rate"] = self._resampler.look_ahead
+        least = sum(self.delays.values())
+        if not least <= delay <= MOST_DELAY:
+            raise LipsyncError(
+                f"a delay of {delay:g} s is out of range; sound needs {least:.3f} to "
                 f"{MOST_DELAY:g} s"
             )
+        lag = int(max(delay - least - LEAD_SECONDS, 0) / FRAME_SECONDS + 1e-9)
+        self.delays["belief"] = lag * FRAME_SECONDS
+        self.delays["lead"] = delay - sum(self.delays.values())
         self.poses, self.rate, self.fps = poses, rate, fps
         self.phones = scores.model.names
-        lag = min(int((delay - LEAST_DELAY) / FRAME_SECONDS + 1e-9), MOST_LAG_FRAMES)
-        self.delays = {
-            "features": LOOK_AHEAD_SECONDS,
-            "belief": lag * FRAME_SECONDS,
-            "frames": FRAME_SECONDS,
-            "motion": delay - LEAST_DELAY - lag * FRAME_SECONDS,
-        }
-        shares = np.full(len(self.phones), 1 / len(self.phones))
         self._ear = Ear(scores)
-        self._smoother = Smoother(PhoneLoop(shares), lag)
+        self._smoother = Smoother(scores.loop, lag)
         self._mouth = mouth
-        self._samples = self._given = self._frames = 0
+        self._gate, self._voiced = VoiceGate(), np.zeros(1)
+        self._given = self._frames = 0
         self._last = np.zeros((0, len(poses)))
-        self.belief = shares
+        self.belief = scores.loop.start().sum(axis=-1)
         """(N,) probability of each phone in the newest frame."""
 
     @property
@@ -108,36 +116,55 @@ class Listener:
         if sound.ndim != 1:
             raise LipsyncError(f"samples of shape {sound.shape}: give one channel, shape (n,)")
         if sound.dtype != np.int16:
+            if sound.dtype.kind != "f" or not np.isfinite(sound).all():
+                raise LipsyncError(
+                    f"samples of type {sound.dtype} that are no sound: give int16, or finite "
+                    "floats from -1 to 1"
+                )
             sound = sound * float(INT16_FULL_SCALE)
-        self._samples += len(sound)
-        return self._moved(self._smoother.push(self._ear.hear(sound.astype(np.float64))))
+        sound = sound.astype(np.float64)
+        if self._resampler is not None:
+            sound = self._resampler.push(sound)
+        return self._moved(self._calmed(self._ear.hear(sound)))
 
     def finish(self) -> FinalFrames:
         """Return the last frames; the mouth comes to rest."""
-        last = self._smoother.push(self._ear.finish())
-        return self._moved(np.concatenate([last, self._smoother.finish()]))
+        rest = np.zeros(0) if self._resampler is None else self._resampler.finish()
+        parts = [self._calmed(self._ear.hear(rest)), self._calmed(self._ear.finish())]
+        last = self._smoother.finish()
+        parts.append(self._smoother.loop.calmed(last, np.repeat(self._voiced, len(last))))
+        return self._moved(np.concatenate(parts))
+
+    def _calmed(self, heard: "Heard") -> Floats:
+        """Return the belief of the frames that are final; it is quiet where nobody speaks."""
+        belief = self._smoother.push(heard.scores)
+        voiced = self._gate.push(heard.change)
+        self._voiced = voiced[-1:] if len(voiced) else self._voiced
+        # the newest frames tell most about those that the smoother returns
+        return self._smoother.loop.calmed(belief, voiced[len(voiced) - len(belief) :])
 
     def _moved(self, belief: Floats) -> FinalFrames:
+        """Return the frames that are final with the belief of the ear's next frames."""
         if len(belief):
             self.belief = belief[-1].sum(axis=-1)
-        curves = np.concatenate([self._last, self._mouth.push(belief)])
-        # Curves of the ear's frames, straight between them. The motion shows late what the kernel
-        # and the rest of the delay leave.
         first = self._frames - len(self._last)
+        curves = np.concatenate([self._last, self._mouth.push(thirds(belief))])
         self._frames += len(belief)
-        late = MIDDLE_SECONDS - self.delays["motion"]
-        until = (self._frames - 1) * FRAME_SECONDS + late
-        count = int(np.floor(until * self.fps + 1e-9)) + 1 - self._given if len(curves) else 0
-        times = (self._given + np.arange(max(count, 0))) / self.fps
-        self._given += len(times)
-        at = np.clip((times - late) / FRAME_SECONDS - first, 0, max(len(curves) - 1, 0))
-        low = np.minimum(at.astype(int), max(len(curves) - 2, 0))
-        share = (at - low)[:, None]
         self._last = curves[-2:]
+        late = MIDDLE_SECONDS - self.delays["lead"]
+        newest = (self._frames - 1) * FRAME_SECONDS + late
+        count = int(np.floor(newest * self.fps + ROUNDED_FRAMES)) + 1 if self._frames else 0
+        times = np.arange(self._given, max(count, self._given)) / self.fps
+        self._given += len(times)
         if not len(times):
             return FinalFrames(times, np.zeros((0, len(self.poses))))
+        # straight between the frames of the ear; the first one stands in for those before it
+        at = np.clip((times - late) / FRAME_SECONDS - first, 0, len(curves) - 1)
+        low = np.minimum(at.astype(int), max(len(curves) - 2, 0))
+        share = (at - low)[:, None]
         high = np.minimum(low + 1, len(curves) - 1)
-        return FinalFrames(times, curves[low] * (1 - share) + curves[high] * share)
+        shown = curves[low] * (1 - share) + curves[high] * share
+        return FinalFrames(times, self._mouth.constrained(shown))
 
 
 def open_listener(  # noqa: PLR0913 what moves, the language, and three settings
@@ -163,7 +190,7 @@ def open_listener(  # noqa: PLR0913 what moves, the language, and three settings
         raise LipsyncError("the pack of the IPA names no acoustic model (`hearing`)")
     if notation is None:
         raise LipsyncError("the language has no notation 'ipa', which listening needs")
-    scores = phone_scores(find_models(known.model).model)
+    scores = phone_scores(find_models(known.model).model, known.neighbours)
     values = heard_values(known, notation)
     heard = [values.get(name, ()) for name in scores.model.names]
     mouth = Mouth(tables, motion, *state_targets(tables, heard, numbers))

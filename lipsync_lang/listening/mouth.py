@@ -5,11 +5,13 @@ is. So doubt gives a half-open mouth that never flickers. Half a contact is none
 it, together likelier than `CLOSES`, close it fully.
 
 Conventions: P poses, N phones of three states; frames are those of the ear. The stages are those
-of a whole line, turned to the past: a speed limit that follows, the constraints, and a kernel over
-past frames alone. Each keeps what those before it promise, as `pipeline` explains.
+of a whole line, turned to the past: half a kernel softens the targets, contacts are held, and a
+speed limit follows the result. The constraints come last, at the frames that are shown: they lower
+a pose no faster than another rises, so the speed limit still holds.
 """
 
 from collections.abc import Mapping, Sequence
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +19,7 @@ import numpy as np
 from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.phonology.nearest import NearestPhonemes
 from lipsync_lang.pipeline.constrain import constrain
-from lipsync_lang.pipeline.soften import kernel
-from lipsync_lang.pipeline.tables import RESOLUTION, Contact, Tables
+from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
 
 if TYPE_CHECKING:
@@ -26,17 +27,17 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.resolver.nearest_phonemes import ModelPhones
 
-CLOSES = 0.5
+CLOSES = 0.75
 """Probability of the phones of a contact that closes it."""
 
-OPENS = 0.25
+OPENS = 0.3
 """Probability of these phones below which it opens again."""
 
 HELD_FRAMES = 3
-"""Frames for which a contact is held at least."""
+"""Frames for which a contact is held at least, once the lips are there."""
 
-SOFT_SECONDS = 0.02
-"""Half-width of the kernel."""
+SOFT_FRAMES = 8
+"""Frames before a frame whose targets count in its own, less and less."""
 
 
 def heard_values(known: "ModelPhones", notation: "Notation") -> "dict[str, Value]":
@@ -118,43 +119,40 @@ class Mouth:
         self._targets = targets.reshape(-1, poses)
         self._demands = np.array([one.ravel() for one in demands]).reshape(len(demands), -1)
         self._step = motion.speed_limit * FRAME_SECONDS
-        self._kernel = kernel(SOFT_SECONDS * bool(motion.softness), 1 / FRAME_SECONDS)
+        fading = 1 + np.cos(np.pi * np.arange(SOFT_FRAMES, -1, -1) / (SOFT_FRAMES + 1))
+        self._fading = fading / fading.sum()
+        self._wanted = np.zeros((SOFT_FRAMES, poses))
         self._now = np.zeros(poses)
-        self._past = np.zeros((poses, len(self._kernel) - 1))
         self._held = [0] * len(demands)
-
-    @property
-    def lag(self) -> float:
-        """Seconds by which the kernel shows a movement late."""
-        return len(self._kernel) // 2 * FRAME_SECONDS
+        rises = (ceil(float(one.floor.max()) / self._step) for one in tables.contacts)
+        self._holds = [rise + HELD_FRAMES for rise in rises]
 
     def push(self, belief: Floats) -> Floats:
-        """Return the weights at each frame of a belief (k, N, 3): (k, P)."""
+        """Return the curves at each frame of a belief (k, N, 3), before the constraints: (k, P)."""
         flat = belief.reshape(len(belief), len(self._targets))
-        wanted = flat @ self._targets
         sure = flat @ self._demands.T
-        curves = np.empty((wanted.shape[1], len(wanted)))
-        for frame, expected in enumerate(wanted):
-            goal = expected
+        wanted = np.concatenate([self._wanted, flat @ self._targets])
+        self._wanted = wanted[len(flat) :]
+        curves = np.empty((len(flat), wanted.shape[1]))
+        for frame in range(len(flat)):
+            goal = self._fading @ wanted[frame : frame + len(self._fading)]
             for number, contact in enumerate(self.tables.contacts):
-                goal = self._touched(number, contact, goal, sure[frame, number])
-            self._now = self._now + np.clip(goal - self._now, -self._step, self._step)
-            curves[:, frame] = self._now
-        kept = constrain(curves, self.tables.binding, self.tables.at_most)
-        wide = np.concatenate([self._past, kept], axis=1)
-        self._past = wide[:, wide.shape[1] - len(self._kernel) + 1 :]
-        if not len(wanted):
-            return wanted
-        windows = np.lib.stride_tricks.sliding_window_view(wide, len(self._kernel), axis=1)
-        out: Floats = (windows @ self._kernel).T
-        return out
+                if self._touches(number, sure[frame, number]):
+                    goal = np.maximum(np.minimum(goal, contact.ceiling), contact.floor)
+            move = np.minimum(np.maximum(goal - self._now, -self._step), self._step)
+            self._now = curves[frame] = self._now + move
+        return curves
 
-    def _touched(self, number: int, contact: Contact, target: Floats, sure: float) -> Floats:
-        """Return a target with the floor and the ceilings of a contact, while it is held."""
-        if sure >= CLOSES:
-            self._held[number] = HELD_FRAMES
-        elif self._held[number] and sure < OPENS:
-            self._held[number] -= 1
-        if not self._held[number]:
-            return target
-        return np.maximum(np.minimum(target, contact.ceiling), contact.floor)
+    def constrained(self, weights: Floats) -> Floats:
+        """Return weights at any frames, (k, P), that keep the constraints."""
+        return constrain(weights.T, self.tables.binding, self.tables.at_most).T
+
+    def _touches(self, number: int, sure: float) -> bool:
+        """Return True while a contact is held, whose phones are so likely."""
+        held = self._held[number]
+        if held:
+            held = max(held - 1, int(sure >= OPENS))
+        elif sure >= CLOSES:
+            held = self._holds[number]
+        self._held[number] = held
+        return held > 0

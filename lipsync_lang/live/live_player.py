@@ -8,6 +8,7 @@ sentence, in the order of their arrival.
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from math import floor, inf
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
 from time import monotonic, sleep
@@ -21,13 +22,17 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
+    from lipsync_lang.live.live_voice import LiveVoice
     from lipsync_lang.performing.stream import Stream
 
 IDLE_SECONDS = 0.5
 """Interval at which a mouth at rest is sent again, so that an engine keeps the connection."""
 
 EASE_SECONDS = 0.2
-"""Time in which an interrupted mouth comes to rest."""
+"""Time in which an interrupted mouth comes to rest, or passes from sound to a text."""
+
+ROUNDED_TICKS = 1e-6
+"""Tolerance of the time of a tick, as a share of a tick."""
 
 AHEAD_SECONDS = 1.0
 """Time known beyond the look-ahead of the stages; below it, the next utterance is taken."""
@@ -53,16 +58,20 @@ class LivePlayer:
         outlets: Sequence[Outlet],
         how: Mapping[str, Any] | None = None,
         *,
+        voice: "LiveVoice | None" = None,
         clock: Callable[[], float] = monotonic,
         wait: Callable[[float], None] = sleep,
     ) -> None:
         self.performer, self.fps, self.outlets = performer, fps, outlets
         self.how, self.clock, self.wait = dict(how or {}), clock, wait
+        self.voice = voice
         self.waiting: SimpleQueue[Schedule] = SimpleQueue()
         self.stream: Stream | None = None
         self.began = clock()
         self.zero = 0.0
         """Session time of second 0 of the stream."""
+        self.passing = LiveFrame(-inf, np.zeros(len(performer.poses)))
+        """Last frame before the mouth passed from sound to a text, or back."""
         self.last = LiveFrame(0.0, np.zeros(len(performer.poses)))
 
     @property
@@ -79,25 +88,37 @@ class LivePlayer:
     def run(self, more: Callable[[], bool]) -> None:
         """Perform until the queue is empty, and `more` denies that utterances can still come."""
         self._send(self.last._replace(seconds=self._now()))
-        tick = 0
         while more() or not self.resting:
             now = self._now()
             self._take_in(now)
-            stream = self.stream
-            if stream is not None:
-                at = now - self.zero
-                needed = at + AHEAD_FRAMES / self.fps
-                if not stream.finished and (stream.final_until or 0.0) < needed:
-                    stream.finish()
-                final = stream.frames(until=at)
-                for seconds, weights in zip(final.times.tolist(), final.weights, strict=True):
-                    self._send(LiveFrame(self.zero + seconds, weights))
-                if stream.finished and stream.given == stream.final:
-                    self.stream = None
-            elif now - self.last.seconds >= IDLE_SECONDS:
+            heard = self.voice.frames(now) if self.voice is not None else []
+            frames = heard if self.stream is None else self._spoken(self.stream, now)
+            for frame in frames:
+                self._send(self._passed(frame))
+            if now - self.last.seconds >= IDLE_SECONDS:
                 self._send(self.last._replace(seconds=now))
-            tick = max(tick + 1, int(self._now() * self.fps) + 1)
-            self.wait(max(tick / self.fps - self._now(), 0.0))
+            due = (floor(now * self.fps + ROUNDED_TICKS) + 1) / self.fps
+            due = due if self.voice is None else min(due, self.voice.due)
+            self.wait(max(due - self._now(), 0.0))
+
+    def _spoken(self, stream: "Stream", now: float) -> list[LiveFrame]:
+        """Return the frames of an utterance that are due, which go before those of a voice."""
+        at = now - self.zero
+        if not stream.finished and (stream.final_until or 0.0) < at + AHEAD_FRAMES / self.fps:
+            stream.finish()
+        final = stream.frames(until=at)
+        if stream.finished and stream.given == stream.final:
+            self.stream, self.passing = None, LiveFrame(now, np.zeros_like(self.last.weights))
+        times = (final.times + self.zero).tolist()
+        return [*map(LiveFrame, times, final.weights)]
+
+    def _passed(self, frame: LiveFrame) -> LiveFrame:
+        """Ease a frame soon after the mouth passed from sound to a text, or back."""
+        share = 1 - (frame.seconds - self.passing.seconds) / EASE_SECONDS
+        if share <= 0:
+            return frame
+        share = min(share, 1.0)
+        return frame._replace(weights=share * self.passing.weights + (1 - share) * frame.weights)
 
     def rest(self) -> None:
         """Bring the mouth to rest from its current pose."""
@@ -135,6 +156,8 @@ class LivePlayer:
             stream.finish()
         self.zero = now - (schedule.start if stream.start is None else stream.start)
         self.stream = stream
+        # A mouth at rest needs no easing.
+        self.passing = self.last if self.last.weights.any() else LiveFrame(-inf, self.last.weights)
         self._tell(schedule, self.zero)
 
     def _tell(self, schedule: Schedule, start: float) -> None:
@@ -143,9 +166,10 @@ class LivePlayer:
             outlet.tell({"said": text, "start": round(start + schedule.start, 4)})
 
     def _send(self, frame: LiveFrame) -> None:
-        self.last = frame
+        # Times of sound and of texts differ by less than a frame where one follows the other.
+        self.last = frame._replace(seconds=max(frame.seconds, self.last.seconds))
         for outlet in self.outlets:
-            outlet.send(frame)
+            outlet.send(self.last)
 
 
 class TextSpeaker:

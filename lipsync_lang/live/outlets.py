@@ -1,9 +1,11 @@
 """Outlets: send the frames of a live session to its receivers, each at its time and address."""
 
+import errno
 import json
 import socket
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from time import localtime
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TextIO
 
@@ -13,6 +15,12 @@ from lipsync_lang.errors import LipsyncError, did_you_mean
 if TYPE_CHECKING:
     from lipsync_lang.live.web_socket import Session
     from lipsync_lang.performing.performer import Performer
+
+NOT_CONNECTED = (errno.ENOTCONN, errno.EDESTADDRREQ)
+"""Errors of a socket that had no way to its receiver when it was opened."""
+
+RECOVERED_SECONDS = 1.0
+"""Time without an error after which a receiver is there again."""
 
 FRAME_DECIMALS = 5
 """Decimal places of times and weights in text."""
@@ -112,10 +120,20 @@ class LineOutlet:
 
 
 class PacketOutlet:
-    """Sends frames as packets over UDP; an unknown host is a LipsyncError."""
+    """Sends frames as packets over UDP; `complain` takes messages about the receiver.
 
-    def __init__(self, address: LiveAddress, pack: Callable[[LiveFrame], bytes]) -> None:
-        self.address, self.pack = address, pack
+    An unknown host is a LipsyncError.
+    """
+
+    def __init__(
+        self,
+        address: LiveAddress,
+        pack: Callable[[LiveFrame], bytes],
+        complain: Callable[[str], None],
+    ) -> None:
+        self.address, self.pack, self.complain = address, pack, complain
+        self.failed: float | None = None
+        """Time of the last frame that was not received; None while all are."""
         try:
             found = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_DGRAM)
         except OSError as error:
@@ -126,15 +144,39 @@ class PacketOutlet:
         family, kind, protocol, _, target = found[0]
         self.target: Any = target
         self.socket = socket.socket(family, kind, protocol)
+        with suppress(OSError):  # then the system tells which packets no program received
+            self.socket.connect(target)
 
     def send(self, frame: LiveFrame) -> None:
         """Send a packet, even if no program receives it."""
+        packet, kind = self.pack(frame), self.address.kind
+        where = f"{kind}: {self.address.host}:{self.address.port}"
         try:
-            self.socket.sendto(self.pack(frame), self.target)
+            self._send(packet)
         except OSError as error:
-            kind, host, port = self.address
-            what = f"cannot send to {host}:{port} ({error.strerror or error})"
-            raise LipsyncError(f"{kind}: {what}; check the network") from None
+            refused = isinstance(error, ConnectionRefusedError)
+            if self.failed is None and refused:
+                self.complain(f"{where} does not listen; start the engine, frames are sent on")
+            elif self.failed is None:
+                why = error.strerror or error
+                self.complain(f"{where} gets no frames ({why}); check the network")
+            self.failed = frame.seconds
+            if refused:  # the error is of an earlier packet, and this one was not sent
+                with suppress(OSError):
+                    self._send(packet)
+        else:
+            if self.failed is not None and frame.seconds - self.failed > RECOVERED_SECONDS:
+                self.complain(f"{where} gets frames again")
+                self.failed = None
+
+    def _send(self, packet: bytes) -> None:
+        try:
+            self.socket.send(packet)
+        except OSError as error:
+            if error.errno not in NOT_CONNECTED:
+                raise
+            self.socket.connect(self.target)
+            self.socket.send(packet)
 
     def tell(self, event: Mapping[str, Any]) -> None:
         """Do nothing: an engine reads only frames."""
@@ -144,7 +186,7 @@ class PacketOutlet:
         self.socket.close()
 
 
-def outlet(  # noqa: PLR0913 the frames, and the names that a receiver knows
+def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and the user
     address: LiveAddress,
     performer: "Performer",
     fps: float,
@@ -152,6 +194,7 @@ def outlet(  # noqa: PLR0913 the frames, and the names that a receiver knows
     *,
     subject: str,
     renamed: Mapping[str, str],
+    complain: Callable[[str], None],
 ) -> Outlet:
     """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session."""
     if address.kind == STANDARD_OUTPUT:
@@ -165,10 +208,11 @@ def outlet(  # noqa: PLR0913 the frames, and the names that a receiver knows
 
         now = localtime()
         start = round(((now.tm_hour * 60 + now.tm_min) * 60 + now.tm_sec) * fps)
-        return PacketOutlet(address, LiveLinkPacket(performer.channels, fps, subject, start))
+        pack = LiveLinkPacket(performer.channels, fps, subject, start)
+        return PacketOutlet(address, pack, complain)
     from lipsync_lang.live.packets import vmc_messages
 
-    return PacketOutlet(address, vmc_messages(performer.poses, renamed))
+    return PacketOutlet(address, vmc_messages(performer.poses, renamed), complain)
 
 
 def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:

@@ -3,12 +3,14 @@
 It listens at the user's address, by default only for this machine. Pages of other sites are
 refused by their `Origin`, since a page on the web could otherwise make the character speak.
 
-A message of a client is a JSON object with one of these:
+A binary message has samples of a voice: `client_sound` makes their frames. Any other message of a
+client is a JSON object with one of these:
 
 - `text`: a text to speak for all receivers, after the texts before it;
+- `sound`: the rate and format of the samples that follow;
 - `phonemes`: rows of label, start and end in seconds (null while it lasts), `known_until`, `revise`
   and `finish: true`, for a stream of this client. The answer contains its new final frames;
-  the next message after `finish` opens a new stream.
+  the next message after `finish` opens a new stream. `finish` also ends a voice.
 
 The answer to a message that cannot be read is `error`, and the message has no other effect.
 """
@@ -25,11 +27,14 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
+from lipsync_lang.live.client_sound import ClientSound, OpenListener
 from lipsync_lang.live.outlets import LOCAL, LiveAddress, LiveFrame, as_row
 from lipsync_lang.performing.stream import Stream
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
+
+    from lipsync_lang.live.live_voice import LiveVoice
 
 _log = logging.getLogger(__name__)
 
@@ -41,7 +46,7 @@ MAX_PHONEME_ROWS = 2000
 MAX_OWN_SECONDS = 600.0
 """Longest phoneme or pause from a client: a message cannot request an hour of frames."""
 
-FIELDS = ("text", "phonemes", "known_until", "revise", "finish", "notation")
+FIELDS = ("text", "sound", "phonemes", "known_until", "revise", "finish", "notation")
 ROW = len(("label", "start", "end"))
 
 OWN_ORIGIN = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
@@ -60,14 +65,20 @@ BUSY, SLOW = 1013, 1008
 
 
 class Client:
-    """A client of a live session, who queues texts for all receivers or opens a stream."""
+    """A client of a live session, who queues texts for all receivers, or has its own frames."""
 
     def __init__(self, session: "Session") -> None:
         self.session = session
         self.stream: Stream | None = None
+        self.sound = ClientSound(session.open_listener, session.voice)
 
     def answer(self, message: str | bytes) -> dict[str, Any]:
         """Carry out the request of a message, and return the answer."""
+        if isinstance(message, bytes):
+            try:
+                return self.sound.hear(message)
+            except LipsyncError as error:
+                return {"error": str(error)}
         try:
             asked = json.loads(message)
         except (ValueError, RecursionError):
@@ -93,6 +104,12 @@ class Client:
                     '`text` must be a string, and the only field of its message: {"text": "Hello"}'
                 )
             return {"waiting": self.session.say(text)}
+        if "sound" in asked:
+            if len(asked) > 1:
+                raise LipsyncError("`sound` must be the only field of its message")
+            return self.sound.begin(asked["sound"])
+        if asked == {"finish": True} and self.stream is None and self.sound.heard:
+            return self.sound.finish()
         if self.stream is None:
             notation = asked.get("notation")
             if notation is not None and not isinstance(notation, str):
@@ -147,6 +164,9 @@ class Session:
     """Queue a text; return the number of texts before it."""
     open_stream: Callable[[str | None], Stream]
     """Open a stream in a notation."""
+    open_listener: OpenListener
+    voice: "LiveVoice"
+    """The voice that all receivers follow."""
 
 
 class WebSocketOutlet:
@@ -242,3 +262,4 @@ class WebSocketOutlet:
             _log.exception("the connection of a client failed")
         finally:
             self.clients.discard(connection)
+            client.sound.finish()

@@ -32,6 +32,9 @@ IPA_ENGINES: dict[str, IpaEngine] = {
 }
 """Sources of IPA by name; an entry makes the languages of another engine available."""
 
+UNDETERMINED = f"{IPA}:und"
+"""Any language; `und` is the tag of an undetermined one."""
+
 LANGUAGE_CODE = re.compile(r"(?P<tag>[A-Za-z0-9]+([-_][A-Za-z0-9]+)*)(\+[A-Za-z0-9_-]+)?")
 """An engine's code of a language; eSpeak adds a voice variant after `+`."""
 

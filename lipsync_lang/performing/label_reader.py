@@ -24,10 +24,20 @@ from lipsync_lang.performing.stress import (
 )
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.ipa import is_one_sound
-from lipsync_lang.phonology.labels import MAX_TONE_SIGNS, TONE, Notation, Value, ready, recognise
+from lipsync_lang.phonology.labels import (
+    MAX_TONE_SIGNS,
+    TONE,
+    Notation,
+    Value,
+    normalise,
+    ready,
+    recognise,
+    toneless,
+)
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
+    from lipsync_lang.phonology.g2p.g2p_engines import Correction
     from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
     from lipsync_lang.resolver.compiled import CompiledPair
 
@@ -100,13 +110,13 @@ class LabelReader:
         notations = [self.notation(one) for one in schedules]
         simple = not any(one.stress or self._has_own_words(one) for one in schedules)
         if simple and all(notation is notations[0] for notation in notations):
-            labels = list(chain.from_iterable(one.labels for one in schedules))
+            labels = list(chain.from_iterable(self._labels(one, notations[0]) for one in schedules))
             values, marks = self._table(notations[0]).read(labels)
             if values.min() >= 0:
                 return values, marks
         each = []
         for schedule, notation in zip(schedules, notations, strict=True):
-            values, marks = self._table(notation).read(schedule.labels)
+            values, marks = self._table(notation).read(self._labels(schedule, notation))
             if values.min() < 0 or self._has_own_words(schedule):
                 values = np.array([self._sounds.number(value) for value in self.values(schedule)])
             if schedule.stress:
@@ -114,6 +124,27 @@ class LabelReader:
             each.append((values, marks))
         values, marks = (np.concatenate(column) for column in zip(*each, strict=True))
         return values, marks
+
+    def _labels(self, schedule: Schedule, notation: Notation) -> Sequence[str]:
+        """Return the labels of a schedule as the language reads them beside each other."""
+        written = self.notations.get(self.compiled.manner["notation"])
+        if not self._corrections or notation is not written:
+            return schedule.labels
+        from lipsync_lang.phonology.g2p.corrections import corrector
+        from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
+
+        bare = tuple(toneless(normalise(label)) for label in schedule.labels)
+        said = corrector(self._corrections)(SpokenWord("", bare)).labels
+        pairs = zip(schedule.labels, bare, said, strict=True)
+        return [label if one == other else other for label, one, other in pairs]
+
+    @cached_property
+    def _corrections(self) -> "tuple[Correction, ...]":
+        """Corrections that hold for labels of timings."""
+        from lipsync_lang.phonology.manner import Manner
+
+        settings = Manner.from_plain(self.compiled.manner).settings
+        return tuple(one for one in settings.corrections if one.timings)
 
     def _table(self, notation: Notation) -> LabelTable:
         table = self._tables.get(id(notation))
@@ -163,7 +194,7 @@ class LabelReader:
     def values(self, schedule: Schedule) -> list[Value]:
         """Return the value of each label; whole-word entries of the language take precedence."""
         notation = self.notation(schedule)
-        values = [notation.find(label) for label in schedule.labels]
+        values = [notation.find(label) for label in self._labels(schedule, notation)]
         if None in values:
             unlisted = self.by_features(schedule)
             both = zip(schedule.labels, values, strict=True)

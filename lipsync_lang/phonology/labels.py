@@ -55,7 +55,8 @@ def normalise(label: str) -> str:
     return normalize("NFC", normalize("NFC", label).translate(SAME).strip())
 
 
-def _toneless(label: str) -> str:
+def toneless(label: str) -> str:
+    """Return a normalised label without its tone."""
     bare = label[:1] + label[1:].rstrip(TONE)
     return bare if len(label) - len(bare) <= MAX_TONE_SIGNS else label
 
@@ -63,10 +64,10 @@ def _toneless(label: str) -> str:
 def looser(label: str) -> Iterator[str]:
     """Yield a normalised label, then without stress, tone, length, and tone and length."""
     plain = label.lstrip(STRESS) or label
-    toneless = _toneless(plain)
-    yield from (label, plain, toneless)
+    even = toneless(plain)
+    yield from (label, plain, even)
     yield plain.rstrip(LENGTH_MARKS) or plain
-    yield _toneless(toneless.rstrip(LENGTH_MARKS) or toneless)
+    yield toneless(even.rstrip(LENGTH_MARKS) or even)
 
 
 def bare(label: str, unseen: Mapping[str, str]) -> tuple[str, Counter[str]]:

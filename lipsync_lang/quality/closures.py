@@ -17,6 +17,12 @@ SEARCH_SECONDS = 0.25
 RULE_TOLERANCE = 1e-4
 """Maximum shortfall from a rule by rounding in files."""
 
+YIELD_SECONDS = 0.06
+"""Duration below which a sound may yield its contact, for each neighbour that excludes it."""
+
+HALF_SHARE = 0.5
+"""Share of a floor above which a contact is half made."""
+
 MAX_CLOSURES = 8
 """Maximum number of closures in findings."""
 
@@ -30,23 +36,31 @@ def contacts(scene: MeasuredScene) -> Iterable[list[Figure]]:
     A sound gets its contact if two conditions hold at one frame, within half a frame of the sound.
     All poses with a floor reach 0.9 of it. All poses with a ceiling are at most 0.05 above it. On
     a rig, the same holds for each channel, because its gains transfer floors and ceilings. Sounds
-    of bigrams with `contact: free` demand nothing. Contacts for lips and teeth and the rules below
+    of bigrams with `contact: free` demand nothing. If the contact of a neighbour excludes that of
+    a sound and wins, the sound yields below 0.06 s, or 0.12 s between two such neighbours. A sound
+    that yields has a remark, and is not missed. Contacts for lips and teeth and the rules below
     are the features that every lip sync needs, according to Edwards, Landreth, Fiume and Singh,
     "JALI" (2016)::
 
         value = missed / demanded
     """
     unmade = scene.demanded & ~(scene.highest(scene.margin) >= 0)
-    wanted, missed = (scene.counts(marks).tolist() for marks in (scene.demanded, unmade))
-    for line, (asked, lacking) in enumerate(zip(wanted, missed, strict=True)):
+    excused = unmade & (scene.lengths < YIELD_SECONDS * _stronger_neighbours(scene) - 1e-9)
+    counted = (scene.demanded, unmade & ~excused, excused)
+    columns = zip(*(scene.counts(marks).tolist() for marks in counted), strict=True)
+    for line, (asked, lacking, yielding) in enumerate(columns):
         out = [] if scene.face.touches else unjudged(NO_CONTACT)
         for number, touch in enumerate(scene.face.touches):
-            count, short = asked[number], lacking[number]
+            count, short, yielded = asked[number], lacking[number], yielding[number]
             if not count:
                 out += unjudged("no sound of the line demands this contact", of=touch.name)
                 continue
-            findings = _missed(scene, number, _within(scene, line, unmade[number])) if short else ()
-            parts = {"made": count - short, "missed": short}
+            findings: Iterable[Finding] = ()
+            if short or yielded:
+                found = _within(scene, line, unmade[number])
+                findings = _missed(scene, number, found, excused[number])
+            parts = {"made": count - short - yielded, "missed": short}
+            parts |= {"yielded": yielded} if yielded else {}
             out.append(Figure(touch.name, short / count, parts=parts, findings=tuple(findings)))
         yield out
 
@@ -58,7 +72,16 @@ def _within(scene: MeasuredScene, line: int, marked: Bools) -> Ints:
     return own
 
 
-def _missed(scene: MeasuredScene, contact: int, missed: Ints) -> Iterator[Finding]:
+def _stronger_neighbours(scene: MeasuredScene) -> Ints:
+    """Return the number of neighbours to which each phoneme yields a contact: (contacts, n)."""
+    stronger = (scene.face.yields.astype(int) @ scene.demanded.astype(int)) > 0
+    # a line begins and ends with silence, which demands nothing, so lines do not meet
+    beside = np.pad(stronger.astype(np.intp), ((0, 0), (1, 1)))
+    neighbours: Ints = beside[:, 2:] + beside[:, :-2]
+    return neighbours
+
+
+def _missed(scene: MeasuredScene, contact: int, missed: Ints, excused: Bools) -> Iterator[Finding]:
     """Yield a finding for each sound without its contact: the pose that prevents it."""
     touch, least, names = scene.face.touches[contact], scene.margin[contact], scene.face.names
     part = scene.face.bounded.part(contact)
@@ -74,6 +97,7 @@ def _missed(scene: MeasuredScene, contact: int, missed: Ints) -> Iterator[Findin
         asked = f"{low:g} or more" if value < low else f"{high:g} or less"
         descriptions[number] = (
             f"brings {names[pose]} to {value:.2f}, but '{touch.name}' requires {asked}"
+            f"{'; it yields to its neighbour' if excused[number] else ''}"
         )
     return places(scene, descriptions)
 
@@ -108,6 +132,40 @@ def false_contacts(scene: MeasuredScene) -> Iterable[list[Figure]]:
             value = count / max(1, sounds[line][number])
             out.append(Figure(touch.name, value, parts=parts, findings=findings))
         yield out
+
+
+@measure("clashes", "s", limit=0.05)
+def clashes(scene: MeasuredScene) -> Iterable[list[Figure]]:
+    """Longest time in which two contacts that exclude each other are both half made.
+
+    Two contacts exclude each other if their floors add up to more than the threshold of their
+    poses: a lip cannot press the other lip and meet the teeth. A contact is half made if all its
+    poses with a floor are above half of it. Lips that do both are pressed and bared. A mouth
+    passes from one contact to the other in 0.02 s, and in up to 0.046 s around a short sound; the
+    limit is just above::
+
+        value = max over such times of (last frame - first frame)
+    """
+    face = scene.face
+    if face.roles is None or not face.yields.any():
+        why = "no contacts of the pose set exclude each other"
+        why = "channels of a rig share the poses of contacts" if face.roles is None else why
+        yield from (unjudged(why) for _ in scene.spans)
+        return
+    half = [(HALF_SHARE * touch.low < scene.curves.T).all(axis=1) for touch in face.touches]
+    found: list[list[tuple[float, Finding]]] = [[] for _ in scene.spans]
+    for number, other in np.argwhere(face.yields).tolist():
+        names = " and ".join(f"'{face.touches[at].name}'" for at in (number, other))
+        first, stop = runs(np.asarray(half[number] & half[other]), scene.frames)
+        for start, last in zip(first.tolist(), (stop - 1).tolist(), strict=True):
+            seconds = float(scene.times[last] - scene.times[start])
+            said = " ".join(scene.labels[scene.owner[start] : scene.owner[last] + 1])
+            what = f"{said} half makes both {names} for {seconds:.3f} s"
+            finding = Finding(round(float(scene.times[start]), 4), what)
+            found[scene.frame_line[start]].append((seconds, finding))
+    for own in found:
+        worst = sorted(own, reverse=True)[:MAX_CLOSURES]
+        yield one(max(worst)[0] if worst else 0.0, {}, [told for seconds, told in worst if seconds])
 
 
 class Offset(NamedTuple):

@@ -4,7 +4,7 @@ Conventions: a column is a pose or a channel of a rig, C in all; N common phonem
 columns are the same for all its animations, so they are derived once.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -15,6 +15,7 @@ from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.stress import VOWEL
 from lipsync_lang.pipeline.constrain import Cap
+from lipsync_lang.pipeline.tables import Tables
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -110,6 +111,8 @@ class Face:
     """(C,) gains of the opening of the mouth; None if nothing states them."""
     vowels: Floats | None = None
     """(N,) least aperture of each vowel that opens the mouth; NaN for other phonemes."""
+    yields: Bools = field(default_factory=lambda: np.zeros((0, 0), bool))
+    """(contacts, contacts) True if the first excludes the second, and yields to it."""
 
     @cached_property
     def raised(self) -> tuple[bool, ...]:
@@ -192,7 +195,18 @@ def _posed(performer: "Performer") -> Face:
     limits = tables.caps, tables.at_most, np.zeros(count), unit, unit
     judged = measures, _meant(compiled), roles, aperture if aperture.any() else None
     vowels = _vowels(compiled, alone @ aperture)
-    return Face(performer.poses, tuple(touches), *limits, *judged, vowels)
+    return Face(performer.poses, tuple(touches), *limits, *judged, vowels, _yields(tables))
+
+
+def _yields(tables: Tables) -> Bools:
+    """Return True for contacts that yield to others: floors pass the threshold of their poses."""
+    low, high, threshold = np.array(tables.caps, float).reshape(-1, 3).T
+    floors = np.array([one.floor for one in tables.contacts]).reshape(-1, len(tables.priority))
+    one, other = (floors[:, poses.astype(np.intp)] for poses in (low, high))
+    sums = one[:, None] + other[None]
+    passed = (sums > threshold + 1e-9) & (one[:, None] > 0) & (other[None] > 0)
+    found: Bools = passed.any(axis=2)
+    return found
 
 
 def _meant(compiled: "CompiledPair") -> dict[str, Bools]:
@@ -276,8 +290,9 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
     ranges = rig.at_most, rig.low, rig.high, span
     vowels = None if aperture is None else _vowels(compiled, alone @ aperture)
     return Face(
-        names, tuple(touches), (), *ranges, {}, _meant(compiled), aperture=aperture, vowels=vowels
-    )
+        names, tuple(touches), (), *ranges, {}, _meant(compiled),
+        aperture=aperture, vowels=vowels, yields=posed.yields,
+    )  # fmt: skip
 
 
 def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:

@@ -32,7 +32,7 @@ class Figure(NamedTuple):
     unit : of value and limit
     limit : the highest acceptable value; None for no limit
     parts : components of the value, by pose, pair or count
-    findings : places that increase the figure, in order of time
+    findings : places that increase the figure, in order of time; remarks if the figure is 0
     why : reason why it could not be judged; otherwise empty
     """
 
@@ -111,7 +111,7 @@ class Quality:
         for figure in self.figures:
             told = f"  {figure.verdict:<6}{figure.name:<{width}}  {describe(figure)}"
             lines.append(told.rstrip())
-            shown = () if figure.passed else figure.findings[:MAX_FINDINGS]
+            shown = () if figure.passed and figure.value else figure.findings[:MAX_FINDINGS]
             lines += [f"{' ' * 10}{one.at:.3f} s: {one.what}" for one in shown]
             if shown and len(figure.findings) > MAX_FINDINGS:
                 lines.append(f"{' ' * 10}and {len(figure.findings) - MAX_FINDINGS} more")

@@ -72,7 +72,7 @@ def speed(scene: MeasuredScene) -> Iterable[list[Figure]]:
         pose = fastest.index(top)
         at = round(float(scene.times[span][scene.speeds[pose, span].argmax()]), 4)
         found = Finding(at, f"{names[pose]} moves at {top:.1f} per second")
-        yield one(top, named(names, fastest), [found])
+        yield one(top, named(names, fastest), [found] if top else [])
 
 
 @measure("jitter", "per second", limit=2)

@@ -83,7 +83,8 @@ def _settings(language: "Pack[models.Language]") -> Settings:
         rules=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules),
         readings=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.readings),
         corrections=tuple(
-            Correction(c.labels, c.to, c.before, c.after, c.spelled) for c in g2p.corrections
+            Correction(c.labels, c.to, c.before, c.after, c.spelled, c.timings)
+            for c in g2p.corrections
         ),
         labels=tuple(model.notations.get(model.g2p_notation, ())),
         respell=g2p.respell,

@@ -121,6 +121,8 @@ class ModelPhones(NamedTuple):
 
     model: str
     nearest: NearestPhonemes
+    neighbours: tuple[tuple[str, ...], ...]
+    """Groups of phones that change the sound of those beside them alike."""
 
 
 @cache
@@ -136,7 +138,8 @@ def model_phones() -> ModelPhones | None:
     if hearing is None:
         return None
     plain = {"features": by_ear(data), "candidates": hearing["phones"]}
-    return ModelPhones(hearing["model"], NearestPhonemes.from_plain(plain))
+    neighbours = tuple(tuple(group.split()) for group in hearing["neighbours"])
+    return ModelPhones(hearing["model"], NearestPhonemes.from_plain(plain), neighbours)
 
 
 def candidates(language: "models.Language", common: "models.Phonemes") -> dict[str, list[str]]:

@@ -72,7 +72,7 @@ def surplus_seconds(stream: RawIOBase) -> float:
     for _ in range(MAX_CHUNKS):
         name, length = _chunk(stream, at)
         inside = at + 8 + length <= size
-        if sounding and not (inside and _is_name(name)):
+        if sounding and not (inside and is_name(name)):
             rest = (size - at) / bytes_per_second if bytes_per_second else 0.0
             return rest if at < size and rest > SURPLUS_SECONDS else 0.0
         if not inside or (name == b"data" and length >= PLACEHOLDER_BYTES):
@@ -81,7 +81,7 @@ def surplus_seconds(stream: RawIOBase) -> float:
             bytes_per_second = struct.unpack("<I", _bytes(stream, at + 16, 4))[0]
         sounding = sounding or name == b"data"
         at += 8 + length
-        if length % 2 and not _is_name(_chunk(stream, at)[0]):
+        if length % 2 and not is_name(_chunk(stream, at)[0]):
             at += 1  # some programs leave the padding out
     return 0.0
 
@@ -96,5 +96,6 @@ def _chunk(stream: RawIOBase, at: int) -> tuple[bytes, int]:
     return name, length
 
 
-def _is_name(name: bytes) -> bool:
+def is_name(name: bytes) -> bool:
+    """Return True if bytes can be the name of a chunk."""
     return all(0x20 <= code < 0x7F for code in name)  # noqa: PLR2004 printable ASCII

@@ -401,6 +401,13 @@ def test_an_extra_is_imported_in_a_process_of_its_own(tmp_path, monkeypatch, mod
     assert (found.state, told in found.told) == (state, True)
 
 
+def test_a_part_that_the_system_lacks_is_no_fault_of_the_installation(monkeypatch):
+    monkeypatch.setattr(doctor_checks, "fault_of", lambda _: "OSError: no library")
+    extra = extras.Extra("tables", "reads", "build", ("json",), system="the library Z")
+    found = doctor_checks._extra(extra)  # noqa: SLF001
+    assert (found.state, found.told) == ("missing", "reads; your system lacks the library Z")
+
+
 def test_an_import_that_hangs_is_given_up(tmp_path, monkeypatch):
     (tmp_path / "hanging_module.py").write_text("import time\ntime.sleep(60)\n")
     monkeypatch.syspath_prepend(tmp_path)

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from lanes import full
+from shipped import LIBRARY
 
 import lipsync_lang as ll
 
@@ -65,3 +67,61 @@ def test_a_wrong_delay_or_form_is_told(performer):
         performer.listen(delay=0.01)
     with pytest.raises(ll.LipsyncError, match="one channel"):
         performer.listen().push(np.zeros((10, 2)))
+    for wrong in (np.zeros(10, np.uint8), np.array([0.0, np.nan])):
+        with pytest.raises(ll.LipsyncError, match="floats from -1 to 1"):
+            performer.listen().push(wrong)
+
+
+def test_floats_and_integers_are_one_sound(performer, sound):
+    _, whole = heard(performer.listen(), sound)
+    _, parts = heard(performer.listen(), sound / 2**15)
+    np.testing.assert_allclose(whole, parts, atol=1e-5)
+
+
+def unspoken():
+    chance = np.random.default_rng(1)
+    seconds = np.arange(3 * 16_000) / 16_000
+    return {
+        "hiss": 3000 * chance.normal(size=len(seconds)),
+        "a tone": 8000 * np.sin(2 * np.pi * 440 * seconds),
+        "hum": 3000 * np.sign(np.sin(2 * np.pi * 50 * seconds)),
+    }
+
+
+@pytest.mark.parametrize("name", unspoken())
+def test_the_mouth_rests_while_nobody_speaks(performer, name):
+    _, weights = heard(performer.listen(), unspoken()[name].astype(np.int16))
+    assert weights.max() < 0.1
+
+
+@full
+@pytest.mark.parametrize("one", LIBRARY.names("poseset"), ids=lambda one: one.name)
+@pytest.mark.parametrize("fps", [24, 60, 120])
+def test_every_pose_set_keeps_its_promises(one, fps, sound):
+    performer = ll.resolve("german", one.name)
+    _, weights = heard(performer.listen(fps=fps), sound)
+    assert weights.min() >= 0
+    assert weights.max() <= 1
+    assert np.abs(np.diff(weights, axis=0)).max() <= performer.motion.speed_limit / fps + 1e-9
+    for low, high, threshold in performer.compiled.tables.caps:
+        both = np.minimum(weights[:, low], weights[:, high]) > 1e-9
+        assert (weights[both][:, [low, high]].sum(axis=1) <= threshold + 1e-9).all()
+
+
+@full
+@pytest.mark.parametrize("name", [one.name for one in LIBRARY.names("language")])
+def test_every_language_has_a_mouth_for_most_phones(name):
+    from lipsync_lang.listening.mouth import heard_values
+    from lipsync_lang.resolver.nearest_phonemes import model_phones
+
+    known = model_phones()
+    values = heard_values(known, ll.resolve(name, "facefx").labels.notations["ipa"])
+    assert set(values) == set(known.nearest.candidates)
+    assert sum(map(bool, values.values())) >= 0.9 * len(values)
+
+
+def test_belief_names_each_phone(performer, sound):
+    listener = performer.listen()
+    listener.push(sound)
+    assert listener.belief.shape == (len(listener.phones),)
+    assert listener.belief.sum() == pytest.approx(1)

@@ -12,6 +12,7 @@ from contextlib import closing, suppress
 
 import numpy as np
 import pytest
+from fake_listener import FakeListener
 from lanes import full
 
 import lipsync_lang as ll
@@ -25,6 +26,7 @@ from lipsync_lang.live.live_player import (
     LivePlayer,
     TextSpeaker,
 )
+from lipsync_lang.live.live_voice import LiveVoice
 from lipsync_lang.live.outlets import LiveAddress, LiveFrame, PacketOutlet, parse_address
 from lipsync_lang.live.packets import LiveLinkPacket, vmc_messages
 from lipsync_lang.live.web_socket import MAX_PHONEME_ROWS, Client, Session
@@ -112,7 +114,46 @@ def test_an_unknown_host_is_told(monkeypatch):
 
     monkeypatch.setattr(socket, "getaddrinfo", unknown)
     with pytest.raises(LipsyncError, match=r"no host 'nowhere.invalid'"):
-        PacketOutlet(LiveAddress("vmc", "nowhere.invalid", 39539), lambda _: b"")
+        PacketOutlet(LiveAddress("vmc", "nowhere.invalid", 39539), lambda _: b"", print)
+
+
+def test_an_engine_that_does_not_listen_is_told_once_and_sent_on():
+    told = []
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as engine:
+        engine.bind(("127.0.0.1", 0))
+        address = LiveAddress("vmc", "127.0.0.1", engine.getsockname()[1])
+        outlet = PacketOutlet(address, lambda frame: b"%.1f" % frame.seconds, told.append)
+        outlet.send(LiveFrame(0.0, np.zeros(1)))
+        assert engine.recv(9) == b"0.0"
+    for number in range(1, 20):
+        outlet.send(LiveFrame(number / 10, np.zeros(1)))
+    assert len(told) == 1
+    assert "does not listen; start the engine, frames are sent on" in told[0]
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as engine:
+        engine.bind(address[1:])
+        engine.settimeout(5)
+        for number in range(20, 40):
+            outlet.send(LiveFrame(number / 10, np.zeros(1)))
+        found = [engine.recv(9) for _ in range(20)]
+    outlet.close()
+    assert found == [b"%.1f" % (number / 10) for number in range(20, 40)]
+    assert told[1:] == [f"vmc: 127.0.0.1:{address.port} gets frames again"]
+
+
+def test_a_network_that_fails_is_told_and_the_session_goes_on(monkeypatch):
+    told = []
+    outlet = PacketOutlet(LiveAddress("vmc", "127.0.0.1", 39539), lambda _: b"x", told.append)
+
+    def fail(_):
+        raise OSError(101, "Network is unreachable")
+
+    monkeypatch.setattr(outlet, "_send", fail)
+    for number in range(5):
+        outlet.send(LiveFrame(number / 60, np.zeros(1)))
+    outlet.close()
+    assert told == [
+        "vmc: 127.0.0.1:39539 gets no frames (Network is unreachable); check the network"
+    ]
 
 
 # By the clock
@@ -270,9 +311,13 @@ def client(performer):
         said.append(text)
         return len(said) - 1
 
+    voice = LiveVoice(performer.listen, 60, print)
     made = Client(
-        Session({}, say, lambda notation: performer.stream(60, notation=notation or "arpabet"))
-    )
+        Session(
+            {}, say, lambda notation: performer.stream(60, notation=notation or "arpabet"),
+            lambda rate, delay: FakeListener(rate, delay or 0.08), voice,
+        )
+    )  # fmt: skip
     made.said = said
     return made
 
@@ -299,7 +344,7 @@ def test_a_client_sends_phonemes_and_gets_the_frames_of_the_file(client, perform
     [
         ("", "not JSON"),
         ("[" * 100_000, "not JSON"),
-        (b"\xff\xfe", "not JSON"),
+        (b"\xff\xfe\0", "ends within a sample"),
         ("[1]", "not a JSON object"),
         ("{}", "the message is empty; the fields of a message are"),
         ('{"words": 1}', "unknown field 'words'"),
@@ -384,7 +429,10 @@ def server(performer):
 
     said = []
     greeting = {"poses": performer.poses}
-    session = Session(greeting, lambda text: said.append(text) or 0, lambda _: performer.stream())
+    session = Session(
+        greeting, lambda text: said.append(text) or 0, lambda _: performer.stream(),
+        lambda rate, delay: FakeListener(rate, delay or 0.08), LiveVoice(FakeListener, 60, print),
+    )  # fmt: skip
     made = WebSocketOutlet(LiveAddress("ws", "127.0.0.1", 0), session)
     made.said = said
     yield made
@@ -455,3 +503,53 @@ def test_ctrl_c_ends_with_the_mouth_at_rest():
     assert process.returncode == 0, words
     assert "Traceback" not in words
     assert not any(json.loads(rest.splitlines()[-1])["weights"])
+
+
+@full
+def test_a_voice_is_followed_without_a_text_or_a_language(tmp_path, capfd):
+    spoken = ll.speak("My map and a boat.", "english")
+    ll.resolve("english", "vrm").perform(spoken).save(tmp_path / "line.wav")
+    assert main(["live", "--audio", str(tmp_path / "line.wav"), "-c", "vrm"]) == 0
+    greeting, *rows = map(json.loads, capfd.readouterr().out.splitlines())
+    assert greeting["delay"] == 0.08
+    times = [row["time"] for row in rows]
+    assert times == sorted(times)
+    assert times[-1] - times[1] == pytest.approx(spoken.audio.seconds + 0.5, abs=0.4)
+    weights = np.array([row["weights"] for row in rows])
+    assert weights[:, 0].max() > 0.3
+    assert not weights[-1].any()
+
+
+@full
+def test_piped_sound_is_followed_and_its_faults_are_named():
+    command = [sys.executable, "-m", "lipsync_lang.cli", "live", "--audio", "-", "-c", "vrm"]
+    raw = np.zeros(16_000, "<i2").tobytes() + b"\0"
+    done = subprocess.run(command, input=raw, capture_output=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(rows) > 60
+    assert not any(any(row.get("weights", ())) for row in rows)
+    assert done.stderr.decode().splitlines() == [
+        "lipsync-lang: the sound ends within a sample: 1 of 2 bytes are left out"
+    ]
+    for raw, match in ((b"", "no sound came"), (b"fLaC" + bytes(9), "the sound is FLAC")):
+        done = subprocess.run(command, input=raw, capture_output=True, timeout=120, check=False)
+        assert done.returncode == 2
+        assert match in done.stderr.decode()
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        (["Hello", "--audio", "-"], "a TEXT is for speech of a text; leave it out with --audio"),
+        (["--audio", "-", "--style", "angry:1"], "--style is for speech"),
+        (["--rate", "8000"], "give a source with --audio"),
+        (["--audio", "none.wav"], "none.wav: cannot be read"),
+        (["--audio", "-", "--rate", "5"], "--rate 5: give the samples per second"),
+        (["--audio", "-", "--format", "wav"], "'wav' is not a format of samples"),
+    ],
+)
+def test_options_of_sound_that_cannot_be_are_refused(cli, options, match):
+    ended = cli("live", *options, *PAIR)
+    assert ended.code == 2
+    assert match in ended.err

@@ -122,7 +122,7 @@ def test_two_contacts_at_once(seconds, fps):
     tables = with_contacts(own, lambda contact: replace(contact, phonemes=either))
     made = performance(performer, [seconds] * 11, fps, tables)
     keeps_its_promises(made, performer.motion.speed_limit, fps)
-    assert made.weights()[:, [lips, teeth]].min(axis=1).max() >= 0.6 - GIVEN
+    assert made.weights()[:, [lips, teeth]].min(axis=1).max() >= 0.5 - GIVEN
 
 
 @pytest.mark.parametrize("face", ["facefx", "arkit"])

@@ -180,7 +180,7 @@ def test_contacts_are_the_parents_unless_a_shade_is_free(packs):
     face(packs, TARGETS.replace("  bw", "  ch: {ShCh: 0.5}\n  bw"))
     made = performer(packs)
     track = made.performance(LINE, 60).track
-    lips = made.compiled.tables.contacts[0]
+    lips = made.compiled.tables.contacts[1]
     assert not demands(lips, track).any()
     assert demands(lips, performer(packs, shades=False).performance(LINE, 60).track).sum() == 1
     face(packs, "")

@@ -51,6 +51,8 @@ class Checks(Strict):
     """Share of the phonemes with a contact that may miss it."""
     false_contacts: Unit | None = None
     """Share of the other phonemes that may make a contact."""
+    clashes: NotNegative | None = None
+    """Seconds for which two contacts that exclude each other may both be half made."""
     closure_late: NotNegative | None = None
     """Seconds by which a contact may come late."""
     closure_early: NotNegative | None = None

@@ -125,6 +125,8 @@ class HearingFields(Strict):
     """The cost of each further phone in a label."""
     later: Unit = 1.0
     """The weight of letters after the first, if several letters map to one phone."""
+    neighbours: tuple[Text, ...] = ()
+    """Groups of phones, separated by spaces, that change the sound of those beside them alike."""
     phones: dict[Label, Annotated[tuple[Label, ...], OrOne]]
     """The letters that each phone of the model sounds like."""
 

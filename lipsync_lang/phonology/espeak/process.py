@@ -41,6 +41,10 @@ _BLANKED = frozenset("«»‹›„“”‟\u00ad\u200b\u200e\u200f\u2060\ufeff
 _BLANKED |= {chr(code) for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A))}
 """Quotation marks, and characters that are hidden or turn the direction of writing."""
 
+_NAMED_MARKS = re.compile("[!?:;।॥؟؛۔။。！？：；]")
+_LONE_MARKS = re.compile(r"(?:^|(?<=[.…,!?:;—।॥؟،؛۔။。、，！？：；]\s))[^\w\s]*(?:\s+[^\w\s]+)*")
+"""Marks without a word before them, which some voices read out by name."""
+
 _UNREAD_CATEGORIES = frozenset({"Cc", "Cs", "Co", "Cn"})
 """Control characters, lone surrogates, and characters without a meaning in Unicode."""
 
@@ -167,6 +171,7 @@ def blank(text: str) -> str:
     """Replace characters that control the library, or that some voices read out by name."""
     for marks, order in _ORDER:
         text = marks.sub(order, text)
+    text = _LONE_MARKS.sub(lambda found: _NAMED_MARKS.sub(" ", found[0]), text)
     dotted = _DOTS.sub(lambda dots: "," + " " * (len(dots.group()) - 1), text)
     return "".join(
         " " if c in _BLANKED or (unicodedata.category(c) in _UNREAD_CATEGORIES and c != "\n") else c

@@ -55,6 +55,8 @@ class Correction(NamedTuple):
     """A regular expression that must match the labels that precede."""
     spelled: str = ""
     """A regular expression that must be found in the word as it is written."""
+    timings: bool = False
+    """True to correct labels of timings too, which no engine wrote."""
 
 
 class MissingReaderError(SpeechError):

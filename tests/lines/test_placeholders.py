@@ -1,0 +1,134 @@
+"""Placeholders of games in twenty languages: none is spoken, and no word beside one is lost."""
+
+import pytest
+
+from lipsync_lang.lines.markup import Cleaning, spoken
+from lipsync_lang.phonology.espeak.process import blank
+
+SPACED = {
+    "english": "I will give @ to you",
+    "german": "Ich gebe @ dem Wirt",
+    "french": "Je donne @ à ce vieux marchand",
+    "spanish": "Voy a darle @ al rey",
+    "polish": "Dam @ temu kupcowi",
+    "czech": "Dám @ tomu kupci",
+    "russian": "Я отдам @ этому купцу",
+    "ukrainian": "Я віддам @ цьому купцеві",
+    "greek": "Θα δώσω @ στον έμπορο",
+    "turkish": "Sana @ vereceğim",
+    "hungarian": "Adok @ annak az embernek",
+    "finnish": "Annan @ kauppiaalle",
+    "arabic": "سأعطي @ للتاجر",
+    "hebrew": "אתן את @ לסוחר",
+    "hindi": "मैं @ व्यापारी को दूँगा",
+    "vietnamese": "Tôi sẽ đưa @ cho người bán",
+    "korean": "상인에게 @ 주겠다",
+}
+GLUED = {
+    "mandarin": "你有@个金币了",
+    "cantonese": "你有@個金幣喇",
+    "japanese": "村で@を手に入れた",
+    "korean": "너는 @에게 간다",
+    "thai": "คุณมี@เหรียญ",
+    "german": "Da sind @en Schaden",
+    "turkish": "Şimdi @den geldim",
+    "finnish": "Menen @ssa kotiin",
+    "russian": "Это @ами сделано",
+}
+FORMS = (
+    "%s %d %1$s %2$d %03d %.2f %@ %1$@ %ld %lld %+d %(name)s %(count)d %PLAYER% %{name} %<name>s"
+    " {name} {0} {0:N2} {name!t} {} {{name}} {{name|upper}} ${name} #{name} {$name} @me@ #name#"
+    " [name] [name!t] [player.name] <name> $t(common.name) $[name]"
+)
+ENDED_BY_A_SPACE = (
+    "%i %u %c %x %item %1 $name $player.name $player->name @1 %zu %n %m _%s_ «%s» (%s)"
+)
+
+
+def letters(text):
+    return "".join(filter(str.isalpha, text))
+
+
+@pytest.mark.parametrize("language", SPACED)
+def test_a_placeholder_between_words_is_not_spoken(language):
+    for form in f"{FORMS} {ENDED_BY_A_SPACE}".split():
+        found = spoken(SPACED[language].replace("@", form))
+        assert letters(found.text) == letters(SPACED[language]), form
+        assert not set("%${}@_") & set(found.text), form
+
+
+@pytest.mark.parametrize("language", GLUED)
+def test_a_placeholder_glued_to_letters_leaves_them(language):
+    before, after = GLUED[language].split("@")
+    for form in FORMS.split():
+        found = spoken(GLUED[language].replace("@", form))
+        assert letters(found.text) == letters(before + after), form
+        assert letters(before[-2:]) + letters(after[:2]) not in found.text.split(), form
+
+
+@pytest.mark.parametrize("language", ["mandarin", "cantonese", "japanese", "thai", "korean"])
+def test_the_name_of_a_variable_ends_where_another_script_begins(language):
+    for form in ("$name", "$player.name", "%name", "%i", "%u"):
+        found = spoken(GLUED[language].replace("@", form))
+        assert letters(found.text) == letters(GLUED[language]), form
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("%1$d個の石", "個の石"),
+        ("_%s_ в её руках", "в её руках"),
+        ("%sen Schaden", "en Schaden"),
+        ("%s个%d金", "个 金"),
+        ("给{0}的{1}", "给 的"),
+        ("%d/%d HP", "HP"),
+        ("Take {name}'s sword", "Take sword"),
+        ("%ds left", "left"),
+        ("%dkm weit", "km weit"),
+        ("pre[player]s B-but", "pre B-but"),
+        # a percentage is none
+        ("100%sicher", "100%sicher"),
+        ("100 %sicher", "100 %sicher"),
+        ("%50 indirim, %50'si, %50den", "%50 indirim, %50'si, %50den"),
+        ("20%de rabais", "20%de rabais"),
+        ("5% discount", "5% discount"),
+        ("I pay $5", "I pay $5"),
+        # choices
+        ("{n, plural, one {# coin} other {# coins}}", "coins"),
+        ("{sex, select, male {他} female {她} other {他们}}来了", "他们来了"),
+        ("{n:plural:coin|{} coins} found", "coins found"),
+        ("{0:choose(m|f):he|she} left", "he left"),
+        ("{n} {n}|plural(one=cat,other=cats)", "cats"),
+        ("{who}|gender(le,la) chat", "le chat"),
+        ('{NUM} coin{P "" s} in {TOWN}', "coins in"),
+        ("{P 0 wagon wagons} gone", "wagons gone"),
+        ("{{#if met}}Hello{{/if}} again", "Hello again"),
+        # rich text
+        ('<RichText.Bold>Go</> <img id="x"/>now', "Go now"),
+        ("<color=#fff>G</color>o <sprite=3>on", "Go on"),
+    ],
+)
+def test_what_is_left_of_a_line_with_placeholders(written, said):
+    assert spoken(written).text == said
+
+
+def test_values_of_placeholders_and_branches_are_spoken():
+    known = Cleaning({"name": "Ada", "n": "1"})
+    assert spoken("{name}'s {n}|plural(one=cat,other=cats)", known).text == "Ada's cat"
+    assert spoken("{{name}}さん %(name)sさん", known).text == "Adaさん Adaさん"
+
+
+@pytest.mark.parametrize(
+    ("text", "sent"),
+    [
+        ("Hi, !", "Hi,  "),
+        ("!?", "  "),
+        ("...! Hi", ",    Hi"),
+        ("नमस्ते। ।", "नमस्ते।  "),
+        ("Well: : yes", "Well:   yes"),
+        ("Really?! Wow!! No", "Really?! Wow!! No"),
+        ("No: yes! (What?) Salut !", "No: yes! (What?) Salut !"),
+    ],
+)
+def test_a_voice_gets_no_mark_alone_to_name(text, sent):
+    assert blank(text) == sent
