@@ -112,8 +112,9 @@ export class Studio {
     this.state = this.project.state;
     fillNames(the("of-language"), this.project.languages, this.state.language);
     fillNames(the("of-character"), this.project.characters, this.state.character);
-    if (this.state.restored) this.tell(`Restored ${this.state.restored} unsaved edits of the last session`);
-    for (const one of this.state.notes ?? []) this.tell(one, "fault");
+    const { restored, notes = [] } = this.state;
+    const told = [...(restored ? [`Restored ${restored} unsaved edits of the last session`] : []), ...notes];
+    if (told.length) this.tell(told.join("\n"), notes.length ? "fault" : "");
     if (this.state.language) await this.#opened(await face);
     await this.script.start();
     if (!this.state.language) this.#choose();
@@ -245,8 +246,8 @@ export class Studio {
     this.player.setRate(rate);
     this.strip.shown = null;
     this.#drawStrip();
-    for (const one of told.remarks) this.tell(one);
-    if (told.unread) this.tell(`Not read: ${told.unread}`, "fault");
+    const remarks = [...told.remarks, ...(told.unread ? [`Not read: ${told.unread}`] : [])];
+    if (remarks.length) this.tell(remarks.join("\n"), told.unread ? "fault" : "");
     this.notify("take");
     this.wake();
   }
