@@ -103,7 +103,7 @@ class SpokenLine:
             raise LipsyncError(f"emphasis must be a number from 0 to {MAX_EMPHASIS:g}")
         changed = list(self.whole.words)
         changed[words[word]] = replace(changed[words[word]], emphasis=level)
-        self.whole = replace(self.whole, words=tuple(changed))
+        self.replace(replace(self.whole, words=tuple(changed)))
 
     def hear(self, audio: Audio) -> None:
         """Add the sound."""

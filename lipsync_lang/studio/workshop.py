@@ -406,10 +406,9 @@ class Workshop:
         whole, opened = line.whole, line.opened
         levels = [
             {
-                name: [
-                    [in_words(at, whole), value]
-                    for at, value in (level if isinstance(level, list) else [(whole.start, level)])
-                ]
+                name: [[in_words(at, whole), value] for at, value in level]
+                if isinstance(level, list)
+                else level
                 for name, level in table.items()
             }
             for table in (settings.styles, settings.dials)
@@ -539,7 +538,8 @@ def _brief(value: Any) -> Any:
     """Return levels with a number for a single point; other values stay."""
     if not isinstance(value, dict):
         return value
-    return {name: points[0][1] if len(points) == 1 else points for name, points in value.items()}
+    single = {name: level for name, level in value.items() if np.shape(level) == (1, 2)}
+    return value | {name: level[0][1] for name, level in single.items()}
 
 
 def _without_lines(performer: Performer) -> Performer:

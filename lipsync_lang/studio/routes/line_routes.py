@@ -98,24 +98,24 @@ def take(workshop: Workshop, request: StudioRequest) -> PackedResponse:
         return takes(workshop, request.body.get("against"))
     workshop.settings = _settings(stated)
     try:
-        takes(workshop, None)
+        name = workshop.settings.line
+        if name in workshop.performer.compiled.line_edits and name != workshop.name:
+            workshop.name = str(name)
+            workshop.follow()
+        return changed(workshop, request, "Delivery of the line")
     except LipsyncError:
         workshop.settings = before
         raise
-    if workshop.settings.line not in {None, workshop.name}:
-        workshop.name = str(workshop.settings.line)
-        workshop.follow()
-    return changed(workshop, request, "Delivery of the line")
 
 
 def changed(workshop: Workshop, request: StudioRequest, title: str) -> PackedResponse:
     """Return the takes of a changed line, which is kept unless the change goes on."""
     body = request.body
+    answer = takes(workshop, body.get("against"))  # refuses what cannot be performed
     if body.get("passing"):
-        return takes(workshop, body.get("against"))
+        return answer
     title = str(body.get("title", title))[:MAX_TITLE_CHARS]
     workshop.keep(title, tab_of(request), str(body.get("merge", "")))
-    answer = takes(workshop, body.get("against"))
     return PackedResponse(answer.document | {"state": workshop.state()}, answer.arrays)
 
 
