@@ -3,7 +3,7 @@
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
@@ -16,9 +16,10 @@ from lipsync_lang.errors import LipsyncError
 if TYPE_CHECKING:
     from lipsync_lang.listening.listener import Listener
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
-    from lipsync_lang.live.outlets import Outlet
+    from lipsync_lang.live.outlets import LiveAddress
     from lipsync_lang.live.sound_bytes import Pcm
     from lipsync_lang.live.sound_sources import SoundFeed
+    from lipsync_lang.live.web_socket import Session
     from lipsync_lang.performing.performer import Performer
 
 MAX_LINE_BYTES = 64 * 1024
@@ -84,14 +85,12 @@ def live(options: Namespace) -> int:
     from lipsync_lang.commands.performing import levels, performer_for
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.live_voice import LiveVoice
-    from lipsync_lang.live.outlets import STANDARD_OUTPUT, outlet, parse_address
-    from lipsync_lang.live.sound_sources import SoundFeed
+    from lipsync_lang.live.outlets import STANDARD_OUTPUT, parse_address
     from lipsync_lang.live.web_socket import Session
     from lipsync_lang.speech.sound import SPEECH_RATE
 
     addresses = [parse_address(one) for one in dict.fromkeys(options.to or [STANDARD_OUTPUT])]
     performer, fps = performer_for(options), options.fps
-    renamed = _renamed(options.rename, performer)
     styles = levels("--style", options.styles)
     how: dict[str, Any] = {"styles": styles, "dials": levels("--dial", options.dials)}
     delay = performer.stream(fps, **how).delay  # settings that cannot stream are refused here
@@ -103,8 +102,7 @@ def live(options: Namespace) -> int:
     voice = LiveVoice(listen, fps, _complain, paced=not live_source)
     if source is not None:  # a model that is missing is told here
         delay = listen(options.rate or SPEECH_RATE).delay
-    outlets: list[Outlet] = []
-    player = LivePlayer(performer, fps, outlets, how, voice=voice, wait=voice.wait)
+    player = LivePlayer(performer, fps, [], how, voice=voice, wait=voice.wait)
     speaker = TextSpeaker(
         lambda text: performer.speaker.speak(text, engine=options.tts), player.say, _complain
     )
@@ -113,22 +111,39 @@ def live(options: Namespace) -> int:
         greeting, speaker.say, lambda notation: performer.stream(fps, notation=notation, **how),
         listen, voice,
     )  # fmt: skip
+    _send(options, addresses, player, speaker, session=session, source=source)
+    return SOUND
+
+
+def _send(  # noqa: PLR0913 who speaks, and who receives it
+    options: Namespace,
+    addresses: "Sequence[LiveAddress]",
+    player: "LivePlayer",
+    speaker: "TextSpeaker",
+    *,
+    session: "Session",
+    source: "Iterator[Pcm] | None",
+) -> None:
+    """Open the receivers, and perform all input for them."""
+    from lipsync_lang.live.outlets import outlet
+    from lipsync_lang.live.sound_sources import SoundFeed
+
+    renamed = _renamed(options.rename, player.performer)
     try:
         for address in addresses:
             receiver = outlet(
-                address, performer, fps, session, subject=options.subject, renamed=renamed,
-                complain=_complain,
+                address, player.performer, player.fps, session, subject=options.subject,
+                renamed=renamed, complain=_complain,
             )  # fmt: skip
-            outlets.append(receiver)
-        for one in outlets:
-            one.tell(greeting)
+            player.outlets.append(receiver)
+        for one in player.outlets:
+            one.tell(session.greeting)
         serving = any(address.kind == "ws" for address in addresses)
-        feed = None if source is None else SoundFeed(source, voice)
+        feed = None if source is None else SoundFeed(source, session.voice)
         _play(options.text, player, speaker, feed, serving=serving)
     finally:
-        for one in outlets:
+        for one in player.outlets:
             one.close()
-    return SOUND
 
 
 def _renamed(stated: list[str], performer: "Performer") -> dict[str, str]:

@@ -7,7 +7,7 @@ sentence, in the order of their arrival.
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from math import floor, inf
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
@@ -55,7 +55,7 @@ class LivePlayer:
         self,
         performer: Performer,
         fps: float,
-        outlets: Sequence[Outlet],
+        outlets: list[Outlet],
         how: Mapping[str, Any] | None = None,
         *,
         voice: "LiveVoice | None" = None,
@@ -95,6 +95,8 @@ class LivePlayer:
             frames = heard if self.stream is None else self._spoken(self.stream, now)
             for frame in frames:
                 self._send(self._passed(frame))
+            if self.stream is None and (self.voice is None or not self.voice.busy):
+                self.rest()
             if now - self.last.seconds >= IDLE_SECONDS:
                 self._send(self.last._replace(seconds=now))
             due = (floor(now * self.fps + ROUNDED_TICKS) + 1) / self.fps

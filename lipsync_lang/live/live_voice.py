@@ -44,7 +44,7 @@ SLOW_SECONDS = 5.0
 SLOW_SHARE = 0.1
 """Share of the time in which sound is missing, from which its rate is told to be wrong."""
 
-MOST_FRAMES = 60
+BURST_FRAMES = 60
 """Most frames that are made before they are sent."""
 
 TAIL_SECONDS = 0.3
@@ -150,7 +150,7 @@ class LiveVoice:
         if self._due is None and not self._begin(now):
             return []
         found: list[LiveFrame] = []
-        while self._due is not None and self._due <= now + self.early and len(found) < MOST_FRAMES:
+        while self._due is not None and self._due <= now + self.early and len(found) < BURST_FRAMES:
             part = self._next()
             if part is not None:
                 self._resume(now)

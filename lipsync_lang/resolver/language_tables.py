@@ -154,6 +154,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
     return SpokenForms(
         interjections=known,
         abbreviations=dict(stated.abbreviations),
+        numbers=dict(stated.numbers),
         counted=numerals.counted if numerals else (),
         named=numerals.named if numerals else (),
         ordinals=numerals.ordinals if numerals else (),

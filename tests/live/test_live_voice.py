@@ -164,3 +164,29 @@ def test_a_text_goes_before_the_voice_and_no_pose_jumps():
     assert np.abs(np.diff(shown[begun:], axis=0)).max() <= limit
     heard = {round(f.seconds, 1): bool(np.allclose(f.weights, 0.5)) for f in taken.frames}
     assert [heard[at] for at in (0.9, 1.4, 2.9)] == [True, False, True]
+
+
+class Restless(FakeListener):
+    """A listener that hears a voice in silence."""
+
+    def push(self, samples):
+        final = super().push(samples)
+        return final._replace(weights=final.weights * 0 + 0.1)
+
+    def finish(self):
+        return self.push(np.zeros(0))
+
+
+def test_the_mouth_rests_after_a_voice_whatever_was_heard():
+    time = Time()
+    taken = Taken(time)
+    voice = LiveVoice(Restless, 60, print)
+    performer = ll.resolve("english", "facefx")
+    player = LivePlayer(performer, 60, [taken], voice=voice, clock=time.clock, wait=time.wait)
+    voice.offer(RATE, tone(1.0))
+    voice.end()
+    player.run(lambda: time.now < 3)
+    shown = [float(frame.weights.max()) for frame in taken.frames]
+    assert max(shown) == pytest.approx(0.1)
+    assert shown[-1] == 0
+    assert np.abs(np.diff(shown[2:])).max() < 0.02

@@ -54,9 +54,13 @@ class LanguageText(Strict):
     and a spelling that is one part twice, such as `haha`, as a whole. Null removes a shared one."""
     abbreviations: dict[Text, str] = Field(default={})
     """The words for abbreviations and signs. `#` in a spelling is a number, `##` a number of two
-    digits, and `{1}` in the words is the first of them. Words with a full stop at their end end a
-    sentence where a capital follows. Other spellings with a capital and a full stop are titles,
-    and stand before a name."""
+    digits, `~` a Roman numeral, and `{1}` in the words is the first of them; `{1:ordinal}` is its
+    word in a list of `numbers`. A number and a full stop, `#.`, stand before a small letter. Words
+    with a full stop at their end end a sentence where a capital follows. Other spellings with a
+    capital and a full stop are titles, and stand before a name."""
+    numbers: dict[Text, tuple[str, ...]] = Field(default={})
+    """Lists of words for the numbers from 1, by name: ordinals, months, numbers of another kind. A
+    number beyond its list is read as the engine reads it."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     doubled: tuple[Text, ...] = ()

@@ -1,13 +1,14 @@
 """Abbreviations, signs, Roman numerals and ruby, replaced by spoken words.
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
-and so on; `{1}` in its expansion is the first of them. A space of a key may be missing in the
+and so on, `~` for a Roman numeral; `{1}` in its expansion is the first of them, and `{1:ordinal}`
+its word in the list `ordinal`. A space of a key may be missing in the
 text. An expansion with a full stop at its end ends a sentence where a capital follows; others with
 a capital and a full stop are titles, which stand before a name.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from typing import NamedTuple
 
@@ -47,6 +48,8 @@ _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud
 """First and last character of scripts that put no spaces between words, or are treated so."""
 
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
+_FIRST_CHARS = {"#": "0123456789", "~": "IVXLC"}
+_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _NUMBER_PATTERN = r"([0-9]+(?:[.,][0-9]+)*)"
 
 
@@ -64,12 +67,12 @@ class _Keys:
     An expression is compiled when a text has the beginning of its key: most texts have none.
     """
 
-    def __init__(self, expansions: Mapping[str, str]) -> None:
-        self._expansions = expansions
+    def __init__(self, expansions: Mapping[str, str], numbers: Mapping[str, Sequence[str]]) -> None:
+        self._expansions, self._numbers = expansions, numbers
         self._beginnings: dict[str, list[tuple[str, str]]] = {}
-        for key in sorted(expansions, key=lambda key: (-len(key), key)):
-            literal = "" if key[0] == "#" else re.split("[# ]", key[1:])[0]
-            for first in dict.fromkeys("0123456789" if key[0] == "#" else _either(key[0])):
+        for key in sorted(expansions, key=lambda key: (-len(key), key.count("#"), key)):
+            literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~]", key[1:])[0]
+            for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
                 self._beginnings.setdefault(first, []).append((literal, key))
         letters = "".join(first for first in self._beginnings if first.isalpha())
         signs = "".join(re.escape(first) for first in self._beginnings if not first.isalnum())
@@ -89,12 +92,14 @@ class _Keys:
             found, read = self._match(text, start.start())
             if found and _fits(found, read):
                 at = found.end()
-                yield Replacement(*found.span(), _expanded(found, read))
+                yield Replacement(*found.span(), _expanded(found, read, self._numbers))
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
         for literal, key in self._beginnings.get(text[at], ()):
             found = _expression(key).match(text, at) if text.startswith(literal, at + 1) else None
+            if found and key[0] == "~" and not roman(found[1]):
+                continue
             in_word = key[-1].isalpha() or key[-1] == "."
             if found and not (in_word and _is_spaced(text[found.end() : found.end() + 1])):
                 return found, self._expansions[key]
@@ -117,9 +122,11 @@ def _fits(found: re.Match[str], read: str) -> bool:
     if not key.endswith(".") or read.endswith("."):
         return True
     after = _seen_after(found).lstrip(" \u00a0\u202f")
+    if key[:-1].isdigit():
+        return not _seen_after(found)[:1].strip() and after[:1].islower()
     if len(key) == len("D."):
         before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
-        return after[:1].isupper() and not before[-1:].isdigit()
+        return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
     return not key[0].isupper() or any(map(str.isalnum, after[:3]))
 
 
@@ -128,10 +135,17 @@ def _seen_after(found: re.Match[str]) -> str:
     return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
 
 
-def _expanded(found: re.Match[str], read: str) -> str:
+def _expanded(found: re.Match[str], read: str, numbers: Mapping[str, Sequence[str]]) -> str:
     """Return the expansion of a key with its numbers, and spaces before and after words."""
-    for place, number in enumerate(found.groups(), start=1):
-        read = read.replace(f"{{{place}}}", number)
+
+    def number(place: re.Match[str]) -> str:
+        written, words = found[int(place[1])], numbers.get(place[2] or "", ())
+        value = int(written) if written.isdigit() else roman(written)
+        if 0 < value <= len(words):
+            return words[value - 1]
+        return written if not written.isalpha() else str(value)
+
+    read = _PLACE.sub(number, read)
     rest = _seen_after(found)
     after = rest.lstrip()
     if read.endswith(".") and after and not after[:1].isupper():
@@ -163,7 +177,11 @@ class Expansions:
 
     @cached_property
     def _keys(self) -> _Keys | None:
-        return _Keys(self._forms.abbreviations) if self._forms.abbreviations else None
+        return (
+            _Keys(self._forms.abbreviations, self._forms.numbers)
+            if self._forms.abbreviations
+            else None
+        )
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
@@ -230,6 +248,8 @@ def _expression(key: str) -> re.Pattern[str]:
         if part.startswith("#")
         else _OPTIONAL_SPACE
         if part == " "
+        else "([IVXLC]{1,7})(?![A-Za-z])"
+        if part == "~"
         else re.escape(part)
         for part in re.findall("#+|[^#]", key)
     ]

@@ -3,7 +3,7 @@
 Interjections, abbreviations, Roman numerals, and the words that only look drawn out or stuttered.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
 
@@ -25,6 +25,7 @@ class SpokenForms:
 
     interjections: Mapping[str, Interjection] = field(default_factory=dict)
     abbreviations: Mapping[str, str] = field(default_factory=dict)
+    numbers: Mapping[str, Sequence[str]] = field(default_factory=dict)
     counted: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
     ordinals: tuple[str, ...] = ()
