@@ -98,7 +98,7 @@ class Workshop:
         self.opened = 0
         """Number of lines opened so far."""
         self._stated: dict[str, dict[str, Any]] = {}
-        """What the character states for each line."""
+        """Statements of the character for each line."""
         self._followed = -1
         self._library: tuple[int, Library] | None = None
         self._pair: EditedPair | None = None

@@ -432,7 +432,7 @@ class Delivery(Strict):
 
 
 class LineEdits(Delivery):
-    """One line: its words, times, delivery and edits, as a person changed them."""
+    """Words, times, delivery and edits of one line, as a person changed them."""
 
     language: Name | None = None
     """The language of the times and the emphasis, which other languages do not use."""
