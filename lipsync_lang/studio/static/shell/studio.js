@@ -326,7 +326,8 @@ export class Studio {
     await this.attempt(async () => {
       const state = await this.api.get("state");
       const moved = state.revision !== this.state.revision || state.unsaved.length !== this.state.unsaved?.length;
-      const other = /** @type {const} */ (["language", "character", "opened"]).some((one) => state[one] !== this.state[one]);
+      const known = /** @type {const} */ (["language", "character", "opened"]);
+      const other = known.some((one) => state[one] !== this.state[one]);
       if (other) {
         this.state = state;
         await this.#opened();

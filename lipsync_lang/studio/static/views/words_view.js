@@ -322,7 +322,8 @@ export class WordsView {
     const span = this.#span(), wanted = String(this.open);
     if (this.performed || !span) return;
     try {
-      const { curves } = await this.studio.api.get(`words/start?${span.query}${this.open[0] === "word" ? "&alone=1" : ""}`);
+      const alone = this.open[0] === "word" ? "&alone=1" : "";
+      const { curves } = await this.studio.api.get(`words/start?${span.query}${alone}`);
       if (String(this.open) === wanted) this.performed = curves;
     } catch { this.performed = null; }
   }
