@@ -27,8 +27,10 @@ TYPICAL_WORD_SECONDS = 0.3
 LONG_WORD_SECONDS = 30.0
 """Longest plausible median duration in seconds, of words and cues; longer is another unit."""
 
-SILENT_WORD = re.compile(r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|#", re.IGNORECASE)
-"""Marks of silence and noise among words."""
+SILENT_WORD = re.compile(
+    r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|ipu_\d+|[^\w<\[{]+", re.IGNORECASE
+)
+"""Marks of silence and noise among words, punctuation alone, and the names of SPPAS's units."""
 
 MAX_PHONE_LETTERS = 3
 """Maximum letters of a usual label of a phone; words have more."""

@@ -165,6 +165,8 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
     if count == 0:
         raise SpeechError(f"{path}: has no sound; record it again")
     slack = MP3_SLACK if sound.format == MP3 else 0
+    if sound.format == MP3 and not _states_length(Path(path)):
+        stated = 0  # estimated from the rate of its first frame
     # libsndfile corrects the length silently and reports the mismatch in its log only. Placeholders
     # in place of a size are not an error.
     corrected = _CORRECTED_SIZE.search(sound.extra_info)
@@ -175,6 +177,17 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
             "copy or save it again"
         )
     return Audio(np.concatenate(blocks), rate)
+
+
+def _states_length(path: Path) -> bool:
+    """Return True for an MP3 whose first frame states its length."""
+    with path.open("rb") as file:
+        head = file.read(10)
+        # The size of a tag has seven bits in a byte.
+        tag = sum(byte << shift for byte, shift in zip(head[6:], (21, 14, 7, 0), strict=False))
+        file.seek(tag + 10 if head.startswith(b"ID3") else 0)
+        frame = file.read(2048)
+    return any(mark in frame for mark in (b"Xing", b"Info", b"VBRI"))
 
 
 def _blocks(path: str | Path, sound: Any) -> "Iterator[npt.NDArray[np.float32]]":

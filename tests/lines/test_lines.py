@@ -250,6 +250,29 @@ Bye. #line:0a1e
             (19, "0a1e", "", "Bye."),
         ],
     ),
+    ".ink": (
+        """\
+VAR met = false
+=== start ===
+Anna: Hello there. #happy
+// a comment
+* (yes) {met} [Go on.] You go on. -> END
++ Stay -> start
+- {met: We met|We did not meet} before. <>
+~ met = true
+-> END
+""",
+        [
+            (3, "", "Anna", "Hello there."),
+            (5, "yes", "", "Go on. You go on."),
+            (6, "", "", "Stay"),
+            (7, "", "", "We met before."),
+        ],
+    ),
+    ".properties": (
+        "# Greetings\ngreeting = Hello, {0}!\nlong: One \\\n   two\nüm=\\u00fcber\n",
+        [(2, "greeting", "", "Hello, !"), (3, "long", "", "One two"), (5, "üm", "", "über")],
+    ),
 }
 """Example files by suffix, with their lines: place, name, speaker, text."""
 

@@ -25,7 +25,8 @@ TABLE_COLUMNS = {
     "label": ("phoneme", "phone", "label"),
     "start": ("start", "begin", "xmin"),
     "end": ("end", "stop", "xmax"),
-    **{name: (name,) for name in ("duration", "word", "type", "speaker", "confidence")},
+    "word": ("word", "text"),  # text: Whisper's .tsv, in milliseconds
+    **{name: (name,) for name in ("duration", "type", "speaker", "confidence")},
 }
 """Roles of columns, with their possible names, most likely first."""
 

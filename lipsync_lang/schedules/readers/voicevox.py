@@ -1,4 +1,4 @@
-"""VOICEVOX and engines like it: the JSON of an `audio_query`.
+"""VOICEVOX and engines like it: the JSON of an `audio_query`, or its list of `accent_phrases`.
 
 Accent phrases have moras, each a vowel and maybe a consonant, with lengths in seconds. The voice is
 the sum of those lengths, as the engine computes it: silence before and after, pauses scaled, all
@@ -7,7 +7,7 @@ divided by the speed, and each sound rounded to a whole frame. A question length
 
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimingFile, reader, schedule_of
-from lipsync_lang.schedules.timing_file import plain_fields
+from lipsync_lang.schedules.timing_file import first_item, plain_fields
 
 VOICEVOX_FPS = 24_000 / 256
 
@@ -25,13 +25,16 @@ TimedSound = tuple[str, float]
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the JSON has accent phrases."""
-    return source.holds("accent_phrases") or source.holds("accentPhrases")
+    first = first_item(source.document)
+    listed = isinstance(first, dict) and "moras" in first
+    return listed or source.holds("accent_phrases") or source.holds("accentPhrases")
 
 
 @reader("voicevox", ".json", sniff=sniff)
 def read_voicevox(source: TimingFile) -> Schedule:
     """The audio_query of VOICEVOX: consonants and vowels with their lengths, and kana."""
-    query = plain_fields(source.json)
+    phrases = {"accent_phrases": source.json} if isinstance(source.json, list) else source.json
+    query = plain_fields(phrases)
     speed = _number(source, query, "speedscale", 1.0)
     if speed <= 0:
         raise source.fault("speedScale must be above 0")

@@ -1,0 +1,87 @@
+"""Timings as tools write them: sounds without length, lists of phrases, milliseconds, marks."""
+
+import json
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from lipsync_lang.schedules import read_timings
+from lipsync_lang.speech.sound import _states_length
+
+KALDI = """\
+u 1 0.00 0.00 38
+u 1 0.00 0.10 4_B
+u 1 0.10 0.10 5_I
+u 1 0.20 0.00 6_I
+u 1 0.20 0.20 7_E
+u 1 0.40 0.00 8_S
+"""
+PHRASES = [
+    {"moras": [{"text": "マ", "consonant": "m", "consonant_length": 0.08, "vowel": "a",
+                "vowel_length": 0.12, "pitch": 5.0}], "accent": 1, "pause_mora": None}
+]  # fmt: skip
+
+
+def read(folder, name, text):
+    (folder / name).write_text(text, "utf-8")
+    return read_timings(folder / name)
+
+
+def test_sounds_without_length_share_the_time_of_a_neighbour(tmp_path):
+    found = read(tmp_path, "kaldi.ctm", KALDI)
+    assert found.labels == ("38", "4", "5", "6", "7", "8")
+    assert_allclose(found.times, [0, 0.05, 0.1, 0.2, 0.2667, 0.3333, 0.4], atol=1e-3)
+
+
+def test_the_phrases_of_voicevox_are_read_without_their_query(tmp_path):
+    found = read(tmp_path, "phrases.json", json.dumps(PHRASES))
+    assert found.labels == ("m", "a")
+    assert [word.text for word in found.words] == ["マ"]
+
+
+def test_whispers_table_is_in_milliseconds(tmp_path):
+    text = "start\tend\ttext\n0\t1200\tHello there.\n1500\t2600\tHow are you?\n"
+    found = read(tmp_path, "whisper.tsv", text)
+    assert [(word.text, word.start, word.end) for word in found.words] == [
+        ("Hello there.", 0.0, 1.2),
+        ("How are you?", 1.5, 2.6),
+    ]
+
+
+@pytest.mark.parametrize("mark", ["...", "ipu_1", "—"])
+def test_a_mark_among_words_is_no_word(tmp_path, mark):
+    found = read(
+        tmp_path, "words.ctm", f"u 1 0 0.3 Hello\nu 1 0.3 0.3 {mark}\nu 1 0.6 0.3 friends\n"
+    )
+    assert [word.text for word in found.words] == ["Hello", "friends"]
+
+
+def test_an_mp3_states_its_length_in_its_first_frame(tmp_path):
+    tag = b"ID3\x04\x00\x00" + bytes([0, 0, 1, 0]) + bytes(128)
+    for content, states in (
+        (b"\xff\xfb\x90\x00" + bytes(32) + b"Xing", True),
+        (tag + b"\xff\xfb\x90\x00" + bytes(32) + b"Info", True),
+        (tag + b"\xff\xfb\x90\x00" + bytes(400), False),
+    ):
+        (tmp_path / "a.mp3").write_bytes(content)
+        assert _states_length(tmp_path / "a.mp3") is states
+
+
+def test_an_mp3_of_variable_rate_is_read_without_a_header(tmp_path):
+    sf = pytest.importorskip("soundfile")
+    from lipsync_lang.speech.sound import read_audio
+
+    rate = 16000
+    t = np.arange(2 * rate) / rate
+    voice = np.where(t < 1, 0.0, 0.4 * np.sin(900 * t * t))
+    try:
+        sf.write(tmp_path / "a.mp3", voice, rate, bitrate_mode="VARIABLE", compression_level=0.0)
+    except (TypeError, sf.LibsndfileError):
+        pytest.skip("this libsndfile does not write MP3")
+    content = (tmp_path / "a.mp3").read_bytes()
+    at = max(content.find(b"Xing"), content.find(b"Info"))
+    assert at > 0
+    frame = content.find(b"\xff\xf3", at)
+    (tmp_path / "b.mp3").write_bytes(content[frame:])
+    assert abs(read_audio(tmp_path / "b.mp3").seconds - 2) < 0.2
