@@ -13,7 +13,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.delivery import delivery
-from lipsync_lang.performing.edits import overlays
+from lipsync_lang.performing.edits import corrected, overlays
 from lipsync_lang.performing.loudness import loudness_dial
 from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.performing.stress import emphasis_dial, stress_dial
@@ -56,7 +56,10 @@ class LineDelivery(NamedTuple):
         """Find the delivery of a schedule; `asked` holds the options of `perform`."""
         compiled = performer.compiled
         blends, dials = delivery(compiled, schedule, line, asked["styles"], asked["dials"])
-        dials += _effort(performer, schedule, sounds, asked["intensity"])
+        intensity = asked["intensity"]
+        if intensity is None and schedule.audio is not None:
+            intensity = compiled.line_deliveries.get(line or "", {}).get("intensity")
+        dials += _effort(performer, schedule, sounds, intensity)
         own: tuple[Overlay, ...] = ()
         if line is not None or compiled.word_edits:
             silent = np.ones(len(schedule), bool)
@@ -105,6 +108,11 @@ def animate(
         raise LipsyncError(
             f"{len(names)} lines for {len(schedules)} schedules; give one line per schedule"
         )
+    compiled, lined = performer.compiled, zip(schedules, names, strict=True)
+    schedules = [
+        corrected(compiled.line_deliveries.get(line or "", {}), compiled, schedule, line)
+        for schedule, line in lined
+    ]
     read = performer.labels.read(schedules) if schedules else []
     kept = _neutral_copy(performer, fps)
     out = []

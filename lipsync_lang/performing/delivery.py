@@ -23,6 +23,9 @@ Points = Sequence[Sequence[float]]
 DialLevels = Mapping[str, "float | Points"]
 """A constant level, or points of time in seconds and level, by name."""
 
+LAST_SHARE = 0.9999
+"""Share of a word at its end: a position of 1 more is the start of the next word."""
+
 MOST = {"style": 1.0, "dial": 2.0, "expression": 1.0}
 """Maximum share of a style, level of a dial, and weight of a shape of an expression."""
 
@@ -79,7 +82,7 @@ def _levels(
             if name in known:  # unknown names already caused a warning while reading the packs
                 # a single point is a constant, at whatever word of whatever line
                 single = len(points) == 1
-                at = [0.0] if single else [_second(name, at, schedule) for at, _ in points]
+                at = [0.0] if single else [second(name, at, schedule) for at, _ in points]
                 values = np.array([value for _, value in points], np.float64)
                 found[name] = Level(np.array(at), values)
     for stated_name, level in asked.items():
@@ -110,9 +113,26 @@ def timed(what: str, name: str, level: "float | Points") -> Level:
     return Level(np.array(times), np.array([value for _, value in points], np.float64))
 
 
-def _second(name: str, at: float, schedule: "Schedule") -> float:
+def in_words(seconds: float, schedule: "Schedule") -> float:
+    """Convert seconds to a position in words, with a fraction; the reverse of `second`.
+
+    A time in a pause becomes the end of the word before. A line without words counts as one.
+    """
+    words = schedule.words
+    spans = [(word.start, word.end) for word in words] or [(schedule.start, schedule.end)]
+    number = max(0, sum(start <= seconds for start, _ in spans) - 1)
+    start, end = spans[number]
+    share = min(max((seconds - start) / (end - start), 0.0), 1.0)
+    if number + 1 < len(spans):
+        share = min(share, LAST_SHARE)
+    return round(number + share, 4)
+
+
+def second(name: str, at: float, schedule: "Schedule") -> float:
     """Convert a position in words, with a fraction, to seconds."""
     words, times = schedule.words, schedule.times
+    if not words:
+        return float(times[0] + min(at, 1.0) * (times[-1] - times[0]))
     if at > len(words):
         raise LipsyncError(
             f"{name} has a point at word {at:g}, but {schedule.source} has {len(words)} words; "

@@ -1,10 +1,11 @@
-"""Curve edits of words and lines, addressed by word and phoneme.
+"""Edits of words and lines: times, emphasis, and curves, addressed by word and phoneme.
 
-The addresses do not depend on time, so edits apply to any recording: word 2 is the third word, and
-its phoneme 0 is its first sound. Pauses are not counted.
+The addresses of curves do not depend on time, so edits apply to any recording: word 2 is the third
+word, and its phoneme 0 is its first sound. Pauses are not counted.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +19,43 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import CompiledPair
     from lipsync_lang.schedules.schedule import Schedule
 
+SAME_SECONDS = 1e-3
+"""Maximum difference between two times of one boundary."""
+
 EditedCurves = Mapping[str, Sequence[Sequence[float]]]
 """Control points of a curve, by pose."""
+
+
+def corrected(
+    stated: Mapping[str, Any], compiled: "CompiledPair", schedule: "Schedule", line: str | None
+) -> "Schedule":
+    """Return a schedule with the times and the emphasis that the character states for a line.
+
+    If the voice or the recording has changed since, times are not used, and a remark says so.
+    """
+    if stated.get("language", compiled.language) != compiled.language:
+        return schedule
+    levels = dict(stated.get("emphasis", ()))
+    if levels:
+        words = tuple(
+            replace(word, emphasis=levels.get(number, word.emphasis))
+            for number, word in enumerate(schedule.words)
+        )
+        schedule = replace(schedule, words=words)
+    if not stated.get("times"):
+        return schedule
+    times = schedule.times.copy()
+    known = [row for row in stated["times"] if row[0] < len(times)]
+    for boundary, _, now in known:
+        times[boundary] = now
+    same = all(abs(schedule.times[boundary] - was) < SAME_SECONDS for boundary, was, _ in known)
+    if same and len(known) == len(stated["times"]) and (np.diff(times) > 0).all():
+        return replace(schedule, times=times)
+    remark = (
+        f"the boundaries of line '{line}' in {compiled.character} were moved in another recording "
+        "or voice, and are not used; move them again, or delete its `times`"
+    )
+    return replace(schedule, remarks=(*schedule.remarks, remark))
 
 
 def overlays(

@@ -132,7 +132,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         regions=_regions(poseset.model),
         intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
         delivery=_delivery(who.model),
-        line_deliveries={name: _delivery(line) for name, line in who.model.lines.items()},
+        line_deliveries={name: _line(line) for name, line in who.model.lines.items()},
         tables=tables,
         motion=motion,
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
@@ -297,6 +297,12 @@ def _delivery(manner: "models.Delivery") -> dict[str, Any]:
     """Return a delivery as plain data."""
     plain: dict[str, Any] = _plain({"styles": manner.styles, "dials": manner.dials})
     return plain
+
+
+def _line(line: "models.LineEdits") -> dict[str, Any]:
+    """Return what a line states, except its curve edits, as plain data."""
+    stated: dict[str, Any] = _plain(line.model_dump(exclude={"edits"}, exclude_defaults=True))
+    return _delivery(line) | stated
 
 
 ENOUGH = 0.9

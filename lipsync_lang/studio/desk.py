@@ -9,7 +9,6 @@ import os
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
-from difflib import unified_diff
 from pathlib import Path
 from weakref import finalize
 
@@ -151,17 +150,6 @@ class Desk:
             if sheet.edited
             for loc, value in differences(sheet.saved.data, sheet.text.data)
         ]
-
-    def diff(self, path: Path) -> str:
-        """Return the edits of a file as a unified diff against the disk."""
-        sheet = self._sheets.get(path)
-        if sheet is None:
-            return ""
-        disk = on_disk(path) or b""
-        texts = (text.decode("utf-8", "replace") for text in (disk, sheet.text.content))
-        one, other = (text.splitlines(keepends=True) for text in texts)
-        rows = unified_diff(one, other, f"{shown(path)} (saved)", f"{shown(path)} (edited)")
-        return "".join(row if row.endswith("\n") else f"{row}\n" for row in rows)
 
     # Edits
 

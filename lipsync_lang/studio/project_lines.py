@@ -92,6 +92,10 @@ class ProjectLines:
         ]
         return {"name": line.name, "number": number, "count": len(own), "beside": beside}
 
+    def has(self, name: str) -> bool:
+        """Return True if the script has a line of this name."""
+        return any(name in own for own in self._lines.values())
+
     def line(self, language: str, name: str, character: str) -> PlannedLine:
         """Return a line with its current recording and timings.
 

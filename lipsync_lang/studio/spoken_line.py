@@ -4,7 +4,6 @@ Conventions: times are seconds; boundary b is the start of phoneme b, and the la
 Numbers of boundaries and words count from the start of the shown part.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,17 +25,11 @@ class SpokenLine:
     """A schedule as read from a file or spoken, corrected by hand."""
 
     def __init__(self, schedule: Schedule) -> None:
-        self.whole = self._opened = schedule
-        self.original = schedule.times
+        self.whole = self.opened = schedule
         self.at = schedule.start
         """A time within the shown part, in seconds."""
         self._cut: tuple[Schedule, float, list[int]] | None = None
         self._part: tuple[Schedule, int, int, Schedule] | None = None
-
-    @property
-    def corrected(self) -> bool:
-        """True after a correction by hand."""
-        return self.whole is not self._opened
 
     def cuts(self, seconds: float) -> list[int]:
         """Return the boundaries of parts of at most some seconds."""
@@ -60,19 +53,9 @@ class SpokenLine:
         """Return the shown part of at most some seconds, or a shorter line as a whole."""
         first, stop = self._span(seconds)
         if self._part is None or self._part[:3] != (self.whole, first, stop):
-            part = line = self.whole
-            if (first, stop) != (0, len(line)):
-                words = tuple(
-                    replace(w, first=max(w.first, first) - first, stop=min(w.stop, stop) - first)
-                    for w in line.words
-                    if first <= w.first < stop
-                )
-                part = replace(
-                    line, labels=line.labels[first:stop], times=line.times[first : stop + 1],
-                    words=words, stress=line.stress[first:stop], lines=line.lines[first:stop],
-                    likely=line.likely[first:stop],
-                )  # fmt: skip
-            self._part = line, first, stop, part
+            line = self.whole
+            uncut = (first, stop) == (0, len(line))
+            self._part = line, first, stop, line if uncut else excerpt(line, first, stop)
         return self._part[3]
 
     def _span(self, seconds: float) -> tuple[int, int]:
@@ -98,23 +81,17 @@ class SpokenLine:
         self._cut = self.whole, seconds, cuts  # an edit does not change the parts
         self.at = float(times[first])
 
-    def retime(self, times: Sequence[float], seconds: float) -> None:
-        """Set all boundaries of the shown part.
-
-        Raises ScheduleError if the times are not in order, or are not as many as the boundaries.
-        """
-        first, stop = self._span(seconds)
-        changed = np.concatenate((self.whole.times[:first], times, self.whole.times[stop + 1 :]))
-        cuts = self.cuts(seconds)
-        self.whole = replace(self.whole, times=changed)
-        self._cut = self.whole, seconds, cuts
-        self.at = float(changed[first])
-
     def restore(self) -> None:
-        """Restore the original times."""
+        """Restore the times as opened."""
+        self.replace(replace(self.whole, times=self.opened.times))
+
+    def replace(self, whole: Schedule) -> None:
+        """Take over other times or words of the same phonemes; the shown part stays."""
         number = int(self.whole.times.searchsorted(self.at, "right")) - 1
-        self.whole = replace(self.whole, times=self.original)
-        self.at = float(self.original[max(0, number)])
+        self.whole = whole
+        self.at = float(whole.times[max(0, number)])
+        if self._cut is not None:
+            self._cut = whole, *self._cut[1:]
 
     def emphasise(self, word: int, level: float, seconds: float) -> None:
         """Set the emphasis of a word; refuse an unknown word, and a level out of range."""
@@ -126,11 +103,25 @@ class SpokenLine:
             raise LipsyncError(f"emphasis must be a number from 0 to {MAX_EMPHASIS:g}")
         changed = list(self.whole.words)
         changed[words[word]] = replace(changed[words[word]], emphasis=level)
-        self.whole = replace(self.whole, words=tuple(changed))
+        self.replace(replace(self.whole, words=tuple(changed)))
 
     def hear(self, audio: Audio) -> None:
         """Add the sound."""
-        self.whole = replace(self.whole, audio=audio)
+        self.whole, self.opened = (replace(one, audio=audio) for one in (self.whole, self.opened))
+
+
+def excerpt(line: Schedule, first: int, stop: int) -> Schedule:
+    """Return the phonemes from `first` until `stop` of a line, with their words."""
+    words = tuple(
+        replace(w, first=max(w.first, first) - first, stop=min(w.stop, stop) - first)
+        for w in line.words
+        if first <= w.first < stop
+    )
+    return replace(
+        line, labels=line.labels[first:stop], times=line.times[first : stop + 1],
+        words=words, stress=line.stress[first:stop], lines=line.lines[first:stop],
+        likely=line.likely[first:stop],
+    )  # fmt: skip
 
 
 def _cuts(schedule: Schedule, seconds: float) -> list[int]:

@@ -4,11 +4,14 @@ The routes of the server call it; this module does not depend on the web. A work
 of one user, one call at a time.
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError
@@ -17,7 +20,9 @@ from lipsync_lang.json_object import Json
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.splicing import SplicedText
+from lipsync_lang.packs.splicing import ABSENT, SplicedText
+from lipsync_lang.performing.delivery import in_words, second
+from lipsync_lang.performing.edits import corrected
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.resolver.compile import compile_pair
@@ -35,6 +40,15 @@ from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
 
 if TYPE_CHECKING:
     from lipsync_lang.build.planned_line import PlannedLine
+
+NAME_WORDS = 4
+"""Number of words of a text that name its line."""
+
+LEAST_MOVE = 1e-5
+"""Seconds by which a moved boundary differs."""
+
+CHANGES = ("styles", "dials", "intensity", "emphasis", "times")
+"""Fields of a line that a person changes; the others say which line it is."""
 
 OWN = ("path", "project")
 """Origins of folders with the user's packs."""
@@ -79,8 +93,13 @@ class Workshop:
         self.script = ProjectLines() if script is None else script
         self.script_line: PlannedLine | None = None
         """The line of the script that is open."""
-        self._corrected: dict[PlannedLine, SpokenLine] = {}
-        """Lines of the script that were corrected by hand."""
+        self.name = "line"
+        """Name of the open line, under which the character keeps it."""
+        self.opened = 0
+        """Number of lines opened so far."""
+        self._stated: dict[str, dict[str, Any]] = {}
+        """Statements of the character for each line."""
+        self._followed = -1
         self._library: tuple[int, Library] | None = None
         self._pair: EditedPair | None = None
         self.homes: dict[str, Path] = {}
@@ -112,10 +131,10 @@ class Workshop:
             self.language, self.character = before
             raise
         if performer.compiled.language != before[0]:
-            self._keep_corrections()
             self.line = self.script_line = None
         if (self.language, self.character) != before:  # styles and regions are a character's own
             self.settings = LineSettings(fps=self.settings.fps)
+            self._rename()
 
     def open_restored(self, language: str, character: str) -> None:
         """Open a pair after a start, and undo restored edits that no longer fit.
@@ -154,7 +173,9 @@ class Workshop:
                     motion=self.motion,
                 )  # fmt: skip
                 performer = replace(found, cleaning=self.cleaning)
-            self._now = revision, performer
+            # The open line's settings are in seconds here, and may be in the middle of a change.
+            self._stated = performer.compiled.line_deliveries
+            self._now = revision, _without_lines(performer)
         return self._now[1]
 
     def pair(self) -> OpenPair:
@@ -187,7 +208,7 @@ class Workshop:
         if self._saved is None:
             library = Library(self.paths, self.project, earlier=self._earlier())
             compiled = compile_pair(library, self.language, self.character)
-            self._saved = self._performer(compiled)
+            self._saved = _without_lines(self._performer(compiled))
         return self._saved
 
     def save(self, keep: Choices | None = None) -> list[Path]:
@@ -308,39 +329,124 @@ class Workshop:
         self.take_up(self.performer.speaker.speak(text, engine=self.engine), text)
 
     def take_up(self, schedule: Schedule, text: str) -> None:
-        """Open a line, and drop levels over the time of the line before it."""
-        self._keep_corrections()
+        """Open a line as the character keeps it; nothing of the line before stays."""
         self.line, self.text, self.script_line = SpokenLine(schedule), text, None
-        styles, dials = (
-            {name: level for name, level in levels.items() if not isinstance(level, list)}
-            for levels in (self.settings.styles, self.settings.dials)
-        )
-        self.settings = replace(self.settings, styles=styles, dials=dials)
+        self.opened += 1
+        self._rename()
 
-    def _keep_corrections(self) -> None:
-        """Keep the open line of the script if it was corrected."""
-        if self.line is not None and self.script_line is not None and self.line.corrected:
-            self._corrected[self.script_line] = self.line
+    def _rename(self) -> None:
+        """Name the open line: as in the script, or by its first words."""
+        if self.line is None:
+            return
+        if self.script_line is not None:
+            self.name = self.script_line.name
+        else:
+            self.performer  # noqa: B018 reads what the character states
+            stem = "-".join(re.findall(r"\w+", self.text.casefold())[:NAME_WORDS]) or "line"
+            names = chain([stem], (f"{stem}-{number}" for number in count(2)))
+            self.name = next(
+                name for name in names
+                if self._stated.get(name, {}).get("text", self.text) == self.text
+                and not self.script.has(name)
+            )  # fmt: skip
+        self.follow()
+
+    def follow(self) -> None:
+        """Take over what the packs, with the unsaved edits, state for the open line."""
+        if self.line is None or not self.language:
+            return
+        compiled = self.performer.compiled
+        self._followed = self.desk.revision
+        stated = self._stated.get(self.name, {})
+        whole = corrected(stated, compiled, self.line.opened, self.name)
+        self.line.replace(whole)
+        styles, dials = (
+            {
+                name: (
+                    points[0][1]
+                    if len(points) == 1
+                    else [[round(second(name, at, whole), 5), level] for at, level in points]
+                )
+                for name, points in stated.get(kind, {}).items()
+            }
+            for kind in ("styles", "dials")
+        )
+        known = self.name if self.name in compiled.line_edits else None
+        self.settings = LineSettings(
+            self.settings.fps, known, styles, dials, stated.get("intensity")
+        )
+
+    def keep(self, title: str, tab: str = "", merge: str = "") -> None:
+        """Make the changes of the open line one step, which undo reverts and saving writes."""
+        if self.line is None:
+            return
+        compiled = self.performer.compiled
+        before = self._stated.get(self.name)
+        now = self._statement(compiled.language)
+        old = {key: _brief(value) for key, value in (before or {}).items() if value}
+        if all(old.get(key, ABSENT) == now[key] for key in CHANGES):
+            return
+        path, text = self.editable("character")
+        at = ("lines", self.name)
+        edits: list[PackEdit]
+        if before is None:
+            edits = [(path, at, {key: one for key, one in now.items() if one is not ABSENT})]
+        else:
+            edits = [
+                (path, (*at, key), one) for key, one in now.items() if old.get(key, ABSENT) != one
+            ]
+        create = {} if text is None else {path: text}
+        title = f"{title} ({self.name})"  # undo can revert it while another line is open
+        self.edit(title, edits, tab=tab, merge=merge and f"{self.name} {merge}", create=create)
+        self.follow()
+
+    def _statement(self, language: str) -> dict[str, Any]:
+        """Return what a character's file states for the open line; `ABSENT` for nothing."""
+        line, settings = self.spoken, self.settings
+        whole, opened = line.whole, line.opened
+        levels = [
+            {
+                name: [[in_words(at, whole), value] for at, value in level]
+                if isinstance(level, list)
+                else level
+                for name, level in table.items()
+            }
+            for table in (settings.styles, settings.dials)
+        ]
+        pairs = zip(whole.words, opened.words, strict=True)
+        emphasis = [
+            [number, new.emphasis]
+            for number, (new, old) in enumerate(pairs)
+            if new.emphasis != old.emphasis
+        ]
+        moved = np.abs(whole.times - opened.times) > LEAST_MOVE
+        times = [
+            [int(at), round(float(opened.times[at]), 5), round(float(whole.times[at]), 5)]
+            for at in moved.nonzero()[0]
+        ]
+        found = {
+            "language": language,
+            "text": self.text if self.script_line is None else None,
+            "styles": _brief(levels[0]),
+            "dials": _brief(levels[1]),
+            "intensity": settings.intensity,
+            "emphasis": emphasis,
+            "times": times,
+        }
+        return {key: ABSENT if one in (None, "", [], {}) else one for key, one in found.items()}
 
     def open_script_line(self, name: str) -> None:
         """Time a line of the script in the open language; it becomes the line.
 
-        Edits that the character has for a line of this name are performed, as in a build. A line
-        that was corrected by hand is as it was left, unless its text or its files are others now.
+        What the character states for a line of this name is performed, as in a build.
         """
         performer = self.performer
         line = self.script.line(performer.compiled.language, name, performer.compiled.character)
-        self._keep_corrections()
-        corrected = self._corrected.get(line)
-        schedule = (
-            self.script.schedule(line, performer.speaker, self.engine)
-            if corrected is None
-            else corrected.whole
-        )
+        schedule = self.script.schedule(line, performer.speaker, self.engine)
         performer.common_phonemes(schedule)  # refuses labels of no notation
         self.take_up(schedule, line.text or " ".join(word.text for word in schedule.words))
-        self.line, self.script_line = corrected or self.line, line
-        self.settings.line = name if name in performer.compiled.line_edits else None
+        self.script_line = line
+        self._rename()
 
     def opened_pair(self) -> tuple[str, str]:
         """Return the names of the open language and character; empty if none is open."""
@@ -368,6 +474,8 @@ class Workshop:
     def state(self) -> Json:
         """Return the state for all views as JSON data."""
         desk = self.desk
+        if self._followed != desk.revision:
+            self.follow()
         data: Json = {
             "revision": desk.revision,
             "language": self.language,
@@ -395,10 +503,17 @@ class Workshop:
             "regions": compiled.regions,
             "styles": list(dict.fromkeys((*compiled.style_names, *compiled.style_drafts))),
             "lines": list(compiled.line_edits),
+            "kept": [
+                line["text"]
+                for line in self._stated.values()
+                if "text" in line and line.get("language") == compiled.language
+            ],
             "warnings": list(compiled.report.warnings),
             "text": self.text,
             "settings": asdict(self.settings),
             "line": self.line is not None,
+            "name": self.name,
+            "opened": self.opened,
         }
 
     def _unsaved(self) -> Iterator[Json]:
@@ -417,3 +532,16 @@ class Workshop:
             return path.relative_to(self.project).as_posix()
         parts = path.parts[-3 if path.name == POSESET else -2 :]
         return "/".join(parts)
+
+
+def _brief(value: Any) -> Any:
+    """Return levels with a number for a single point; other values stay."""
+    if not isinstance(value, dict):
+        return value
+    single = {name: level for name, level in value.items() if np.shape(level) == (1, 2)}
+    return value | {name: level[0][1] for name, level in single.items()}
+
+
+def _without_lines(performer: Performer) -> Performer:
+    """Return a performer that leaves the delivery of lines to its caller."""
+    return replace(performer, compiled=replace(performer.compiled, line_deliveries={}))

@@ -10,6 +10,7 @@ pytest.importorskip("starlette", reason="the studio needs Starlette")
 
 from studio_calls import Caller, unpacked
 
+import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, MIN_SPAN_SECONDS, SpokenLine
@@ -21,6 +22,8 @@ LINE = Schedule(
     notation="arpabet",
 )  # fmt: skip
 HOURS = 2
+CLOSE = 1e-3
+"""Weights may differ by this much, since a point is kept to 0.0001 of a word."""
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +35,16 @@ def workshop(tmp_path_factory):
 
 @pytest.fixture
 def caller(workshop):
-    workshop.line = SpokenLine(LINE)
+    while workshop.desk.undo_title:
+        workshop.desk.undo()
+    workshop.take_up(LINE, "ma be")
     return Caller(workshop)
+
+
+def curves(found):
+    """Return the takes of an answer, and the bytes of its arrays."""
+    length = int.from_bytes(found.content[:4], "little")
+    return unpacked(found)[0]["takes"], found.content[4 + length :]
 
 
 def spoken(found):
@@ -78,18 +89,18 @@ def test_a_recording_is_heard_without_a_text(caller, monkeypatch):
 
 
 def test_moved_boundaries_are_heard_in_the_curves(caller):
-    before = caller.api("line").content
+    before = curves(caller.api("line"))
     caller.post("boundary/2", {"seconds": 0.2})
-    assert caller.api("line").content != before
+    assert curves(caller.api("line")) != before
     assert spoken(caller.post("original"))["times"] == pytest.approx(TIMES)
-    assert caller.api("line").content == before
+    assert curves(caller.api("line")) == before
 
 
 def test_words_are_emphasised(caller, workshop):
-    plain = caller.api("line").content
+    plain = curves(caller.api("line"))
     assert caller.post("emphasis/1", {"level": 2}).status == 200
     assert [word.emphasis for word in workshop.schedule.words] == [0, 2]
-    assert caller.api("line").content != plain
+    assert curves(caller.api("line")) != plain
     caller.post("original")
     assert [word.emphasis for word in workshop.schedule.words] == [0, 2], "times alone come back"
 
@@ -125,25 +136,80 @@ def test_settings_that_cannot_be_performed_are_not_kept(caller, workshop):
     assert caller.post("boundary/1", {"seconds": 0.2}).status == 200
 
 
-def test_another_line_has_no_levels_of_the_seconds_before(caller, workshop):
-    workshop.line.hear(Audio(np.zeros(20_000, np.int16), 20_000))
+def test_another_line_has_nothing_of_the_line_before(caller, workshop):
+    sound = Audio(np.zeros(20_000, np.int16), 20_000)
+    workshop.line.hear(sound)
     levels = {"jaw": [[0, 1], [0.5, 2]], "lips": 0.5}
     asked = {"fps": 30, "dials": levels, "styles": {"happy": [[0, 0.5]]}, "intensity": 1.5}
     assert caller.post("take", {"settings": asked}).status == 200
+    assert caller.post("boundary/1", {"seconds": 0.2}).status == 200
+    assert caller.post("emphasis/1", {"level": 2}).status == 200
     line = json.dumps({"notation": "arpabet", "phonemes": [{"label": "M", "start": 0, "end": 1}]})
     found = caller.post("timings", line.encode(), {"name": "m.json"})
-    assert found.status == 200, "loudness waits for a line with sound"
     told = unpacked(found)[0]["settings"]
-    assert told == {"fps": 30, "line": None, "dials": {"lips": 0.5}, "styles": {}, "intensity": 1.5}
-    workshop.settings = replace(workshop.settings, fps=60, dials={}, intensity=None)
+    assert told == {"fps": 30, "line": None, "dials": {}, "styles": {}, "intensity": None}
+    workshop.take_up(replace(LINE, audio=sound), "ma be")
+    jaw = workshop.settings.dials.pop("jaw")
+    assert np.array(jaw) == pytest.approx(np.array(levels["jaw"]), abs=1e-4)
+    assert workshop.settings.dials == {"lips": 0.5}
+    assert (workshop.settings.styles, workshop.settings.intensity) == ({"happy": 0.5}, 1.5)
+    assert workshop.schedule.times.tolist() == [0, 0.2, 0.3, 0.4, 0.6]
+    assert [word.emphasis for word in workshop.schedule.words] == [0, 2]
+    workshop.settings.fps = 60
 
 
-def test_times_are_put_back_together_or_refused(caller):
-    wanted = [0, 0.2, 0.25, 0.5, 0.7]
-    assert spoken(caller.post("times", {"times": wanted}))["times"] == wanted
-    for times in ([0, 0.3, 0.2, 0.5, 0.7], wanted[:-1], [*wanted[:-1], "1"], "all", None):
-        assert caller.post("times", {"times": times}).status == 422
-    assert spoken(caller.api("line"))["times"] == wanted
+def test_each_change_of_a_line_is_a_step_of_undo(caller, workshop):
+    caller.post("boundary/1", {"seconds": 0.2, "title": "Move a boundary"})
+    caller.post("emphasis/0", {"level": 1, "passing": True})
+    assert workshop.desk.undo_title == "Move a boundary (ma-be)", (
+        "a change that goes on is no step yet"
+    )
+    caller.post("emphasis/0", {"level": 2, "title": "Emphasis of ma"})
+    found = unpacked(caller.post("take", {"settings": {"dials": {"jaw": 1.8}}, "title": "jaw"}))[0]
+    assert found["state"]["undo"] == "jaw (ma-be)"
+    assert {one["file"] for one in found["state"]["unsaved"]} == {"characters/crab.yaml"}
+    titles = []
+    while workshop.desk.undo_title:
+        titles.append(workshop.desk.undo_title.removesuffix(" (ma-be)"))
+        assert caller.post("undo").status == 200
+    assert titles == ["jaw", "Emphasis of ma", "Move a boundary"]
+    assert workshop.settings.dials == {}
+    assert workshop.schedule.times.tolist() == TIMES
+    assert [word.emphasis for word in workshop.schedule.words] == [0, 0]
+    for _ in titles:
+        caller.post("redo")
+    assert workshop.settings.dials == {"jaw": 1.8}
+    assert workshop.schedule.times[1] == 0.2
+    assert workshop.schedule.words[0].emphasis == 2
+
+
+def test_a_saved_line_is_opened_and_run_as_it_was_left(tmp_path):
+    made = Workshop(tmp_path, engine="none")
+    made.open("english", "crab")
+    caller = Caller(made)
+    caller.post("line", {"text": "Hello Bob"})
+    caller.post("boundary/2", {"seconds": float(made.schedule.times[2]) + 0.01})
+    points = [[0.1, 1], [0.4, 1.8]]
+    caller.post("take", {"settings": {"dials": {"jaw": points}, "styles": {"happy": 0.9}}})
+    shown = made.perform()
+    caller.post("line", {"text": "Good night"})
+    assert made.settings.dials == {}
+    assert caller.post("save").json["saved"] == ["characters/crab.yaml"]
+    fresh = Workshop(tmp_path, engine="none")
+    fresh.open("english", "crab")
+    assert fresh.state()["kept"] == ["Hello Bob"]
+    fresh.speak("Hello Bob")
+    assert fresh.name == "hello-bob"
+    assert np.abs(fresh.perform().weights - shown.weights).max() < CLOSE
+    performer = ll.resolve("english", "crab", paths=[tmp_path])
+    said = performer.speaker.speak("Hello Bob", engine="none")
+    ran = performer.perform(said, 60, line="hello-bob")
+    assert ran.schedule.times == pytest.approx(shown.schedule.times, abs=1e-5)
+    assert np.abs(ran.weights - shown.weights).max() < CLOSE
+    slow = replace(said, times=said.times * 1.5)
+    other = performer.perform(slow, 60, line="hello-bob")
+    assert np.array_equal(other.schedule.times, slow.times)
+    assert "moved in another recording" in other.schedule.remarks[0]
 
 
 def test_another_character_starts_with_its_own_settings(tmp_path):

@@ -104,6 +104,17 @@ def test_curves_start_as_they_are_performed_without_the_edits(caller):
     assert sound == start(caller, phoneme="3").json["curves"] != found
 
 
+def test_curves_of_a_word_have_nothing_of_its_neighbours(caller):
+    def curves(text, word):
+        caller.post("line", {"text": text})
+        return start(caller, word=word, alone="1").json["curves"]
+
+    for other in ("pa ma", "pa ma pa"):
+        assert curves(other, "1").keys() == curves("ma", "0").keys()
+    caller.post("line", {"text": "ma"})
+    assert start(caller, word="0", alone="1").json == start(caller, word="0").json
+
+
 def test_curves_that_start_as_performed_change_little(workshop, caller):
     caller.post("line", {"text": "ma pa"})
     before = workshop.perform()["mouthOpen"]

@@ -432,10 +432,20 @@ class Delivery(Strict):
 
 
 class LineEdits(Delivery):
-    """Edits and delivery of one line; they stay valid after a new recording."""
+    """Words, times, delivery and edits of one line, as a person changed them."""
 
+    language: Name | None = None
+    """The language of the times and the emphasis, which other languages do not use."""
+    text: Text | None = None
+    """The text, for a line that is in no script."""
+    intensity: LevelNumber | None = None
+    """The effect of loudness: 0 none, 1 as the pose set says, 2 double."""
+    emphasis: tuple[tuple[Annotated[int, Field(ge=0)], LevelNumber], ...] = ()
+    """Emphasis of words: [word, level], from word 0."""
+    times: tuple[tuple[Annotated[int, Field(ge=0)], float, float], ...] = ()
+    """Moved boundaries: [number, seconds before, seconds now]; boundary 0 is the line's start."""
     edits: tuple[Edit, ...] = ()
-    """Edits in order; a later edit wins."""
+    """Edits in order; a later edit wins. They stay valid after a new recording."""
 
 
 def _scalar_item(item: str) -> str:

@@ -7,7 +7,13 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
 from lipsync_lang.packs.splicing import ABSENT
 from lipsync_lang.studio.merging import MergeSide, SaveConflict
-from lipsync_lang.studio.routes.requests import StudioRequest, UnresolvedConflict, listed
+from lipsync_lang.studio.routes.requests import (
+    MAX_TITLE_CHARS,
+    StudioRequest,
+    UnresolvedConflict,
+    listed,
+    tab_of,
+)
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
@@ -15,12 +21,6 @@ if TYPE_CHECKING:
 
     from lipsync_lang.packs.yaml.source import Loc
     from lipsync_lang.studio.sheets import PackEdit
-
-MAX_TITLE_CHARS = 80
-"""Maximum length of the title of an edit."""
-
-MAX_TAB_CHARS = 40
-"""Maximum length of the name of a tab."""
 
 
 def edit(workshop: Workshop, request: StudioRequest) -> Json:
@@ -46,7 +46,7 @@ def edit(workshop: Workshop, request: StudioRequest) -> Json:
         raise LipsyncError("the request has no edits")
     workshop.edit(
         request.text("title")[:MAX_TITLE_CHARS], edits,
-        seen=seen if isinstance(seen, int) else None, tab=_tab(request),
+        seen=seen if isinstance(seen, int) else None, tab=tab_of(request),
         merge=merge if isinstance(merge, str) else "", create=create,
     )  # fmt: skip
     return workshop.state()
@@ -54,14 +54,14 @@ def edit(workshop: Workshop, request: StudioRequest) -> Json:
 
 def undo(workshop: Workshop, request: StudioRequest) -> Json:
     """Undo the last edit."""
-    workshop.desk.undo(tab=_tab(request))
+    workshop.desk.undo(tab=tab_of(request))
     workshop.homes.clear()
     return workshop.state()
 
 
 def redo(workshop: Workshop, request: StudioRequest) -> Json:
     """Redo the edit that was undone last."""
-    workshop.desk.redo(tab=_tab(request))
+    workshop.desk.redo(tab=tab_of(request))
     workshop.homes.clear()
     return workshop.state()
 
@@ -108,7 +108,3 @@ def save(workshop: Workshop, request: StudioRequest) -> Json:
 
 def _words(value: Any) -> str:
     return "(deleted)" if value is ABSENT else json.dumps(value, ensure_ascii=False, indent=1)
-
-
-def _tab(request: StudioRequest) -> str:
-    return str(request.body.get("tab", ""))[:MAX_TAB_CHARS]

@@ -22,10 +22,12 @@ from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.routes.requests import (
     MAX_PATH_DIGITS,
+    MAX_TITLE_CHARS,
     PackedResponse,
     StudioRequest,
     listed,
     sent_file,
+    tab_of,
     whole_number,
 )
 from lipsync_lang.studio.take_data import curves_data, figures_data, take_data
@@ -98,13 +100,29 @@ def line(workshop: Workshop, _: StudioRequest) -> PackedResponse:
 def take(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Perform the line with the requested settings, and return the takes."""
     stated, before = request.body.get("settings"), workshop.settings
-    if stated is not None:
-        workshop.settings = _settings(stated)
-    try:
+    if stated is None:
         return takes(workshop, request.body.get("against"))
+    workshop.settings = _settings(stated)
+    try:
+        name = workshop.settings.line
+        if name in workshop.performer.compiled.line_edits and name != workshop.name:
+            workshop.name = str(name)
+            workshop.follow()
+        return changed(workshop, request, "Delivery of the line")
     except LipsyncError:
         workshop.settings = before
         raise
+
+
+def changed(workshop: Workshop, request: StudioRequest, title: str) -> PackedResponse:
+    """Return the takes of a changed line, which is kept unless the change goes on."""
+    body = request.body
+    answer = takes(workshop, body.get("against"))  # refuses what cannot be performed
+    if body.get("passing"):
+        return answer
+    title = str(body.get("title", title))[:MAX_TITLE_CHARS]
+    workshop.keep(title, tab_of(request), str(body.get("merge", "")))
+    return PackedResponse(answer.document | {"state": workshop.state()}, answer.arrays)
 
 
 def _settings(stated: Any) -> LineSettings:
@@ -149,6 +167,8 @@ def whole(workshop: Workshop) -> PackedResponse:
         "unread": unread,
         "text": workshop.text,
         "settings": asdict(workshop.settings),
+        "name": workshop.name,
+        "opened": workshop.opened,
         "script": workshop.script.place(workshop.script_line, workshop.opened_pair()[1]),
     }
     return PackedResponse(packed.document | data, packed.arrays)

@@ -117,6 +117,18 @@ def whole_number(text: str) -> int | None:
     return int(text) if plain else None
 
 
+MAX_TITLE_CHARS = 80
+"""Maximum length of the title of an edit."""
+
+MAX_TAB_CHARS = 40
+"""Maximum length of the name of a tab."""
+
+
+def tab_of(request: StudioRequest) -> str:
+    """Return the name of the tab that asks."""
+    return str(request.body.get("tab", ""))[:MAX_TAB_CHARS]
+
+
 def listed(value: Any, what: str) -> list[Any]:
     """Return a value of a request that must be a list."""
     if not isinstance(value, list):

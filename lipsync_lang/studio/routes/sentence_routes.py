@@ -4,8 +4,8 @@ from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, MAX_SCHEDULE_SECONDS
 from lipsync_lang.schedules.writers import TIMING_WRITERS
-from lipsync_lang.studio.routes.line_routes import takes, whole
-from lipsync_lang.studio.routes.requests import PackedResponse, StudioRequest, listed, whole_number
+from lipsync_lang.studio.routes.line_routes import changed, whole
+from lipsync_lang.studio.routes.requests import PackedResponse, StudioRequest, whole_number
 from lipsync_lang.studio.workshop import Workshop
 
 
@@ -14,29 +14,20 @@ def boundary(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     number = _number(request)
     seconds = request.number("seconds", -MAX_SCHEDULE_SECONDS, MAX_SCHEDULE_SECONDS)
     workshop.spoken.move(number, seconds, workshop.part_seconds)
-    return takes(workshop, request.body.get("against"))
-
-
-def times(workshop: Workshop, request: StudioRequest) -> PackedResponse:
-    """Set all boundaries of the shown part, and return the takes."""
-    given = listed(request.body.get("times"), "times")
-    if not all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in given):
-        raise LipsyncError("times must be numbers of seconds")
-    workshop.spoken.retime(given, workshop.part_seconds)
-    return takes(workshop, request.body.get("against"))
+    return changed(workshop, request, "Move a boundary")
 
 
 def original(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Restore the original times, and return the takes."""
     workshop.spoken.restore()
-    return takes(workshop, request.body.get("against"))
+    return changed(workshop, request, "Restore the original times")
 
 
 def emphasis(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Set the emphasis of a word, and return the takes."""
     level = request.number("level", 0, MAX_EMPHASIS)
     workshop.spoken.emphasise(_number(request), level, workshop.part_seconds)
-    return takes(workshop, request.body.get("against"))
+    return changed(workshop, request, "Emphasis of a word")
 
 
 def part(workshop: Workshop, request: StudioRequest) -> PackedResponse:

@@ -33,7 +33,6 @@ ROUTES: dict[str, Route] = {
     "GET script": line_routes.script_lines,
     "POST script": line_routes.open_script_line,
     "POST boundary/{name}": sentence_routes.boundary,
-    "POST times": sentence_routes.times,
     "POST original": sentence_routes.original,
     "POST emphasis/{name}": sentence_routes.emphasis,
     "POST part/{name}": sentence_routes.part,

@@ -6,6 +6,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
 from lipsync_lang.studio.performed_curves import performed_curves
 from lipsync_lang.studio.routes.requests import StudioRequest, whole_number
+from lipsync_lang.studio.spoken_line import excerpt
 from lipsync_lang.studio.workshop import Workshop
 
 
@@ -70,6 +71,7 @@ def start(workshop: Workshop, request: StudioRequest) -> Json:
     """Return curves as a start for edits: those of the character without its curve edits.
 
     The query names a word of the line, a phoneme of that word or of the line, or neither for all.
+    `alone` performs the span without its neighbours: a word's curves serve all lines.
     """
     schedule = workshop.schedule
     if schedule is None:
@@ -92,5 +94,8 @@ def start(workshop: Workshop, request: StudioRequest) -> Json:
                 f"there are {len(spoken)} phonemes, counted from 0; there is no phoneme {phoneme}"
             )
         first, stop = spoken[phoneme], spoken[phoneme] + 1
+    if request.query.get("alone"):
+        schedule = excerpt(schedule, first, stop)
+        first, stop = 0, len(schedule)
     fps = workshop.settings.fps
     return {"curves": performed_curves(workshop.performer, schedule, first, stop, fps)}

@@ -214,7 +214,13 @@ export interface Line {
   unread: string;
   text: string;
   settings: Settings;
+  /** Name under which the character keeps the line. */
+  name: string;
+  /** Number of lines opened so far. */
+  opened: number;
   script: ScriptPlace | null;
+  /** The state after a change that was kept. */
+  state?: State;
 }
 
 /** A line of the script. */
@@ -255,10 +261,14 @@ export interface State {
   regions: Record<string, string[]>;
   styles: string[];
   lines: string[];
+  /** Texts of the lines that the character keeps, apart from those of the script. */
+  kept: string[];
   warnings: string[];
   text: string;
   settings: Settings;
   line: boolean;
+  name: string;
+  opened: number;
 }
 
 /** A part of a long line. */

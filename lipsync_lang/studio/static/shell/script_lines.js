@@ -51,13 +51,15 @@ export class ScriptLines {
     the("all-lines").addEventListener("click", () => this.choose());
   }
 
-  /** Open the line of the script that was open before, or the first. */
+  /** Open the line of the script that was open before, or the first; without a script, a line that is kept. */
   async start() {
     await this.studio.busy(async () => {
       const { lines, count } = await this.studio.api.get("script");
       this.count = count;
       this.#shown();
-      if (this.studio.state.line || !count) return;
+      const { line, kept = [] } = this.studio.state;
+      if (!line && !count && kept.length) await this.studio.speak(kept[0]);
+      if (line || !count) return;
       const named = this.name && await this.#asked(this.name);
       await this.#open(
         (named && named.lines.find((/** @type {ScriptLine} */ one) => one.name === this.name)) || lines[0],
@@ -68,6 +70,7 @@ export class ScriptLines {
   /** @param {Place | null} place of the line that is open now */
   opened(place) {
     this.place = place;
+    the("kept").replaceChildren(...(this.studio.state.kept ?? []).map((value) => made("option", { value })));
     if (place) [this.name, this.count] = [place.name, place.count];
     this.#shown();
   }

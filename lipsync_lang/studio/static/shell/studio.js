@@ -27,9 +27,6 @@ import { WordsView } from "../views/words_view.js";
  * @property {() => void} hide
  * @property {(event: KeyboardEvent) => boolean} key true if the key was used
  * @property {(what: Change) => void} changed
- * @property {{undo: string | null, redo: string | null}} [steps] titles of steps of the view's own, which are undone
- *   first
- * @property {(way: "undo" | "redo") => void} [history] undo such a step, or do it again
  */
 /** @typedef {import("../payloads.js").Fault} Fault */
 /** @typedef {{file: string, at: (string | number)[], value?: unknown}} Edit without a value it deletes */
@@ -99,7 +96,7 @@ export class Studio {
     this.bar = new PlayerBar(this);
     this.script = new ScriptLines(this);
     this.performing = false;
-    /** Wishes for another take: the newest of each path. @type {Map<string, object>} */
+    /** Wishes for another take: the newest of each path. @type {Map<string, Record<string, any>>} */
     this.wishes = new Map();
     /**
      * Which part of a long line is shown, of how many.
@@ -115,8 +112,9 @@ export class Studio {
     this.state = this.project.state;
     fillNames(the("of-language"), this.project.languages, this.state.language);
     fillNames(the("of-character"), this.project.characters, this.state.character);
-    if (this.state.restored) this.tell(`Restored ${this.state.restored} unsaved edits of the last session`);
-    for (const one of this.state.notes ?? []) this.tell(one, "fault");
+    const { restored, notes = [] } = this.state;
+    const told = [...(restored ? [`Restored ${restored} unsaved edits of the last session`] : []), ...notes];
+    if (told.length) this.tell(told.join("\n"), notes.length ? "fault" : "");
     if (this.state.language) await this.#opened(await face);
     await this.script.start();
     if (!this.state.language) this.#choose();
@@ -236,9 +234,8 @@ export class Studio {
   /** @param {import("../payloads.js").Line} told take and sound of a new line */
   #heard(told) {
     this.sound = told.sound;
-    this.state.text = told.text;
     this.settings = told.settings;
-    this.state.line = true;
+    this.state = { ...this.state, line: true, text: told.text, name: told.name, opened: told.opened };
     this.script.opened(told.script);
     /** @type {HTMLInputElement} */ (the("text")).value = told.text;
     this.#taken(told);
@@ -249,8 +246,8 @@ export class Studio {
     this.player.setRate(rate);
     this.strip.shown = null;
     this.#drawStrip();
-    for (const one of told.remarks) this.tell(one);
-    if (told.unread) this.tell(`Not read: ${told.unread}`, "fault");
+    const remarks = [...told.remarks, ...(told.unread ? [`Not read: ${told.unread}`] : [])];
+    if (remarks.length) this.tell(remarks.join("\n"), told.unread ? "fault" : "");
     this.notify("take");
     this.wake();
   }
@@ -258,19 +255,21 @@ export class Studio {
   /**
    * Perform the line once more; the newest wish of each path wins, and one is in flight.
    * @param {string} [path] what is changed of the line before, such as `boundary/3`
-   * @param {object} [body]
+   * @param {Record<string, any>} [body] with `passing`, the change goes on, and is no step of undo yet
    */
-  async perform(path = "take", body = { settings: this.settings }) {
+  async perform(path = "take", body = {}) {
     if (!this.take) return;
-    this.wishes.set(path, body);
+    const last = this.wishes.get(path);
+    this.wishes.set(path, last && !last.passing ? { ...last, ...body, passing: undefined } : body);
     if (this.performing) return;
     this.performing = true;
     try {
       for (let next = this.wishes.entries().next(); !next.done; next = this.wishes.entries().next()) {
         const [where, wish] = next.value;
         this.wishes.delete(where);
-        const told = await this.api.sent(where, { ...wish, against: this.against });
+        const told = await this.api.sent(where, { ...wish, against: this.against, tab: this.tab });
         this.#taken(told);
+        if (told.state) this.stated(told.state);
         this.#drawStrip();
         this.notify("take");
         this.wake();
@@ -316,9 +315,8 @@ export class Studio {
 
   /** Take a new state of the server over. @param {import("../payloads.js").State} state */
   stated(state) {
-    this.state = { ...state, text: this.state.text };
-    if (this.settings.line && !state.lines?.includes(this.settings.line))
-      this.settings = { ...this.settings, line: null };
+    this.state = state;
+    this.settings = state.settings;
     this.edits.show();
     this.notify("state");
   }
@@ -328,7 +326,8 @@ export class Studio {
     await this.attempt(async () => {
       const state = await this.api.get("state");
       const moved = state.revision !== this.state.revision || state.unsaved.length !== this.state.unsaved?.length;
-      const other = state.language !== this.state.language || state.character !== this.state.character;
+      const known = /** @type {const} */ (["language", "character", "opened"]);
+      const other = known.some((one) => state[one] !== this.state[one]);
       if (other) {
         this.state = state;
         await this.#opened();
@@ -438,7 +437,7 @@ export class Studio {
     const close = made("button", { type: "button", "aria-label": "Close" }, "×");
     close.addEventListener("click", () => one.remove());
     one.append(close);
-    the("toasts").append(one);
+    the("toasts").replaceChildren(one);
     setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
   }
 

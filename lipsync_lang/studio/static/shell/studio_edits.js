@@ -29,10 +29,10 @@ export class Edits {
 
   /** Show which steps can be undone, and what is unsaved. */
   show() {
-    const { state, view } = this.studio, { unsaved = [] } = state;
+    const { state } = this.studio, { unsaved = [] } = state;
     const button = (/** @type {string} */ id) => /** @type {HTMLButtonElement} */ (the(id));
     for (const way of /** @type {const} */ (["undo", "redo"])) {
-      const title = view?.steps?.[way] ?? state[way], name = way === "undo" ? "Undo" : "Redo";
+      const title = state[way], name = way === "undo" ? "Undo" : "Redo";
       button(way).disabled = !title;
       button(way).title = title ? `${name}: ${title}` : `Nothing to ${way}`;
     }
@@ -96,16 +96,12 @@ export class Edits {
   }
 
   /**
-   * Undo a step, or do it again: a view's own first, and then those of the server.
+   * Undo a step, or do it again.
    * @param {"undo" | "redo"} way
    */
   async history(way) {
-    const { view } = this.studio;
-    if (view?.steps?.[way]) {
-      view.history?.(way);
-      return;
-    }
     await this.sent;
+    while (this.studio.performing) await new Promise(requestAnimationFrame); // a change of the line is on its way
     await this.studio.attempt(async () => {
       const title = this.studio.state[way];
       if (!title) return;
@@ -117,6 +113,7 @@ export class Edits {
 
   async save() {
     await this.sent;
+    while (this.studio.performing) await new Promise(requestAnimationFrame);
     try {
       const told = await this.studio.api.post("save");
       this.studio.stated(told.state);

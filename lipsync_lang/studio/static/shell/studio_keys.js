@@ -36,6 +36,7 @@ export function showHelp() {
   );
   if (help.open) help.close();
   else help.showModal();
+  help.scrollTop = 0; // the button at the end has the focus, and is scrolled to
 }
 
 /** @param {EventTarget | null} target @returns {boolean} true where letters are typed */
@@ -84,7 +85,6 @@ export function shellKeys(studio, event) {
     return;
   }
   if (control || event.altKey) return;
-  if (key === " " && event.target instanceof HTMLButtonElement) return;
   if (event.target instanceof HTMLInputElement && key.startsWith("Arrow")) return;
   const frames = event.shiftKey ? 10 : 1;
   /** @type {Record<string, () => void>} */

@@ -75,6 +75,7 @@ export class Timeline {
    */
   show(line) {
     const first = !this.shown;
+    if (this.shown?.sound !== line.sound) this.loudest = 0;
     this.shown = line;
     this.wide = this.canvas.clientWidth;
     const { take, other } = line;

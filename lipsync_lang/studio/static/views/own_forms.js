@@ -110,9 +110,7 @@ export class OwnForms {
       now ? "Applied to the line" : "Apply to the line",
     );
     use.addEventListener("click", async () => {
-      const { line: _, ...rest } = studio.settings;
-      studio.settings = now ? rest : { ...rest, line: line.name };
-      await studio.perform();
+      await studio.perform("take", { settings: { ...studio.settings, line: now ? null : line.name } });
       await this.load();
     });
     const rows = (

@@ -4,7 +4,6 @@ import { DeliveryPanel } from "./delivery_panel.js";
 import { made } from "../shell/elements.js";
 import { withWord } from "../timeline/level_points.js";
 import { fileButton, LineFiles } from "./line_files.js";
-import { LineSteps } from "./line_steps.js";
 import { Overview } from "../timeline/overview.js";
 import { clock } from "../timeline/scales.js";
 import { sentenceKey } from "./sentence_keys.js";
@@ -55,7 +54,6 @@ export class SentenceView {
     this.swapButton = made("button");
     this.original = made("button");
     this.files = new LineFiles(studio, place);
-    this.steps = new LineSteps(() => studio.edits.show());
     this.timeline = new Timeline(this.at.canvas, {
       seek: (seconds) => studio.seek(seconds),
       hover: (at) => tell(this.#tip, this.timeline, studio.player.playing ? null : at),
@@ -74,7 +72,7 @@ export class SentenceView {
       set: (track, level, done) => this.setLevel(track, level, done),
       setWord: (track, value, done) => this.#setWord(track, value, done),
       emphasise: (level, done) => this.emphasise(level, done),
-      state: (name, value, done) => this.#set({ ...studio.settings, [name]: value }, name, `${name} ${value}`, done),
+      state: (name, value, done) => this.#set({ ...studio.settings, [name]: value }, `${name} ${value}`, done),
       open: (track) => this.#openTrack(track),
     });
     /** Keys of the tracks that are shown as lanes. @type {Set<string>} */
@@ -86,9 +84,6 @@ export class SentenceView {
     this.dragTimes = [0];
     /** Times of boundaries that were asked for, until the take with them is here. @type {Map<number, number>} */
     this.sought = new Map();
-    /** Settings before a change that goes on. @type {import("../payloads.js").Settings | null} */
-    this.before = null;
-    this.emphasisBefore = -1;
     /** @type {Level | undefined} */
     this.wordBefore = undefined;
     /** The player of the line that is shown. @type {import("../line/player.js").Player | null} */
@@ -227,12 +222,9 @@ export class SentenceView {
     this.heard = this.studio.sound;
     this.player = this.studio.player;
     this.timeline.shown = null;
-    this.timeline.loudest = 0;
     this.overview.shape = [];
     this.timeline.boundary = this.timeline.word = -1;
     this.dragging = false;
-    this.before = null;
-    this.steps.clear();
     this.open = new Set(this.tracks().filter((one) => typeof one.level !== "number").map(keyOf));
   }
 
@@ -351,25 +343,15 @@ export class SentenceView {
       this.choose({ boundary });
       if (!done) return; // pressed, not moved yet
     }
-    if (Math.abs(seconds - this.dragTimes[boundary]) > 1e-4 || !done) this.#move(boundary, seconds);
-    if (!done) return;
-    this.dragging = false;
-    if (Math.abs(seconds - this.dragTimes[boundary]) > 1e-4)
-      this.#moved(boundary, this.dragTimes[boundary], seconds, "");
+    if (Math.abs(seconds - this.dragTimes[boundary]) > 1e-4 || !done) this.#move(boundary, seconds, !done);
+    this.dragging = !done;
   }
 
-  /** @param {number} boundary @param {number} seconds */
-  #move(boundary, seconds) {
-    this.studio.perform(`boundary/${boundary}`, { seconds });
-  }
-
-  /** @param {number} boundary @param {number} from @param {number} to @param {string} merge */
-  #moved(boundary, from, to, merge) {
+  /** @param {number} boundary @param {number} seconds @param {boolean} passing @param {string} [merge] */
+  #move(boundary, seconds, passing, merge = "") {
     const { labels } = this.studio.take?.data.spoken ?? { labels: [] };
-    this.steps.push({
-      title: `Move the boundary before ${labels[boundary] ?? "the end"}`, merge,
-      back: () => this.#move(boundary, from), forth: () => this.#move(boundary, to),
-    });
+    const title = `Move the boundary before ${labels[boundary] ?? "the end"}`;
+    this.studio.perform(`boundary/${boundary}`, { seconds, passing, title, merge });
   }
 
   /** @param {number} by seconds that the chosen boundary is moved */
@@ -378,25 +360,12 @@ export class SentenceView {
     if (!take || boundary < 0) return;
     const from = this.sought.get(boundary) ?? take.data.spoken.times[boundary];
     this.sought.set(boundary, from + by);
-    this.#move(boundary, from + by);
-    this.#moved(boundary, from, from + by, `nudge ${boundary}`);
+    this.#move(boundary, from + by, false, `nudge ${boundary}`);
     this.studio.seek(from + by);
   }
 
   restore() {
-    const { take } = this.studio;
-    if (!take) return;
-    const times = [...take.data.spoken.times];
-    const forth = () => { this.studio.perform("original"); };
-    this.steps.push({
-      title: "Restore the original times",
-      merge: "",
-      back: () => {
-        this.studio.perform("times", { times });
-      },
-      forth,
-    });
-    forth();
+    this.studio.perform("original");
   }
 
   // Delivery
@@ -445,7 +414,7 @@ export class SentenceView {
     else if (typeof level !== "number") this.open.add(keyOf(track));
     if (level === undefined || level === track.usual) delete levels[track.name];
     else levels[track.name] = level;
-    this.#set({ ...settings, [track.kind]: levels }, `${track.kind} ${track.name}`, track.name, done);
+    this.#set({ ...settings, [track.kind]: levels }, track.name, done);
   }
 
   /** @param {Track} track @param {number} value @param {boolean} done */
@@ -460,49 +429,22 @@ export class SentenceView {
 
   /**
    * @param {import("../payloads.js").Settings} settings
-   * @param {string} merge
-   * @param {string} title
+   * @param {string} title of the step in undo
    * @param {boolean} done
    */
-  #set(settings, merge, title, done) {
-    const { studio } = this;
-    this.before ??= studio.settings;
-    const before = this.before, put = (/** @type {import("../payloads.js").Settings} */ one) => {
-      studio.settings = one;
-      this.#levels();
-      studio.perform();
-    };
-    if (JSON.stringify(settings) !== JSON.stringify(studio.settings)) put(settings);
-    if (!done) return;
-    this.before = null;
-    if (JSON.stringify(settings) !== JSON.stringify(before))
-      this.steps.push({ title, merge: "", back: () => put(before), forth: () => put(settings) });
+  #set(settings, title, done) {
+    if (!done && JSON.stringify(settings) === JSON.stringify(this.studio.settings)) return;
+    this.studio.settings = settings;
+    this.#levels();
+    this.studio.perform("take", { settings, title, passing: !done });
   }
 
   /** @param {number} level of the chosen word @param {boolean} done */
   emphasise(level, done) {
     const { word } = this.timeline, { take } = this.studio;
     if (!take || word < 0) return;
-    if (this.emphasisBefore < 0) this.emphasisBefore = take.data.spoken.emphasis[word];
-    const before = this.emphasisBefore,
-      put = (/** @type {number} */ one) => {
-        this.studio.perform(`emphasis/${word}`, { level: one });
-      };
-    put(level);
-    if (!done) return;
-    this.emphasisBefore = -1;
-    if (level !== before)
-      this.steps.push({
-        title: `Emphasis of ${take.data.spoken.words[word][0]}`,
-        merge: "",
-        back: () => put(before),
-        forth: () => put(level),
-      });
-  }
-
-  /** @param {"undo" | "redo"} way */
-  history(way) {
-    this.steps.go(way);
+    const title = `Emphasis of ${take.data.spoken.words[word][0]}`;
+    this.studio.perform(`emphasis/${word}`, { level, title, passing: !done });
   }
 
   // What is said in words

@@ -185,7 +185,6 @@ export class WordsView {
     );
     const remove = made("button", { type: "button", "aria-label": `Delete ${text}`, title: "Delete" }, "×");
     remove.addEventListener("click", async () => {
-      if (open[0] === "line" && this.studio.settings.line === open[1]) delete this.studio.settings.line;
       await this.studio.edit([{ file: "character", ...drop }], `Delete ${text}`);
       if (open[0] === "said") await this.#respoken();
       if (open[0] === this.open[0] || open[1] === this.open[1]) this.studio.go("words");
@@ -323,7 +322,8 @@ export class WordsView {
     const span = this.#span(), wanted = String(this.open);
     if (this.performed || !span) return;
     try {
-      const { curves } = await this.studio.api.get(`words/start?${span.query}`);
+      const alone = this.open[0] === "word" ? "&alone=1" : "";
+      const { curves } = await this.studio.api.get(`words/start?${span.query}${alone}`);
       if (String(this.open) === wanted) this.performed = curves;
     } catch { this.performed = null; }
   }
@@ -375,7 +375,7 @@ export class WordsView {
       known = this.told.words.find((one) => one.word.toLocaleLowerCase() === word);
     if (!known) {
       await this.studio.attempt(async () => {
-        const { curves } = await this.studio.api.get(`words/start?word=${here.number}`);
+        const { curves } = await this.studio.api.get(`words/start?word=${here.number}&alone=1`);
         await this.studio.edit([{ file: "character", at: ["words", word], value: { curves } }], `Curves of ${word}`);
       });
     }
@@ -398,19 +398,11 @@ export class WordsView {
   }
 
   async #addLine() {
-    const told = /** @type {Told} */ (this.told), names = told.lines.map(({ name }) => name);
-    const text =
-      (this.studio.state.text ?? "")
-        .toLocaleLowerCase()
-        .match(/[\p{L}\p{M}\p{N}]+/gu)
-        ?.slice(0, 4)
-        .join("-") || "line";
-    let name = text;
-    for (let n = 2; names.includes(name); n++) name = `${text}-${n}`;
-    await this.studio.edit([{ file: "character", at: ["lines", name], value: { edits: [] } }], `Line ${name}`);
-    this.studio.settings = { ...this.studio.settings, line: name };
-    await this.studio.perform();
-    this.#go("line", name);
+    const { line, name, text } = this.studio.state;
+    if (!line) this.studio.tell("Speak a line first");
+    else if (!this.told?.lines.some((one) => one.name === name))
+      await this.studio.edit([{ file: "character", at: ["lines", name], value: { text, edits: [] } }], `Line ${name}`);
+    if (line) this.#go("line", name);
   }
 
   /** @param {Line} line @param {boolean} sound the sound at the playhead, or its word */
@@ -427,10 +419,8 @@ export class WordsView {
         [{ file: "character", at: ["lines", line.name, "edits"], value: [...line.edits.map(stated), edit] }],
         `Edit of ${line.name}`,
       );
-      if (this.studio.settings.line !== line.name) {
-        this.studio.settings = { ...this.studio.settings, line: line.name };
-        await this.studio.perform();
-      }
+      if (this.studio.settings.line !== line.name)
+        await this.studio.perform("take", { settings: { ...this.studio.settings, line: line.name } });
       this.#go("edit", line.name, String(line.edits.length));
     });
   }
