@@ -107,6 +107,9 @@ def animate(
         )
     read = performer.labels.read(schedules) if schedules else []
     kept = _neutral_copy(performer, fps)
+    moving = asked.get("gestures")
+    if moving:
+        from lipsync_lang.performing.gesturing import gestured, scales_of
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
@@ -127,6 +130,9 @@ def animate(
             neutral=performer.compiled.neutral,
             contacts=dict(performer.contact_floors),
         )
+        scales = scales_of(performer.compiled, moving, line) if moving else None
+        if scales is not None:
+            animation = gestured(performer, animation, sounds, scales, line)
         out.append(animation)
     return out
 
