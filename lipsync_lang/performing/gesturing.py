@@ -3,20 +3,20 @@
 Speech is not changed: each pose of a gesture is a column after those of speech.
 """
 
-from collections.abc import Collection, Mapping
-from dataclasses import replace
+from bisect import bisect_left, bisect_right
+from collections.abc import Mapping
+from math import inf
 from typing import TYPE_CHECKING
 from zlib import crc32
 
 import numpy as np
 
 from lipsync_lang.animations.explanation import PoseAt, StageAt
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.gestures.laying import GestureSet, LaidGesture
 from lipsync_lang.gestures.placing import NEAR_SECONDS, LineFact, LineFacts, place
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
-from lipsync_lang.rigs.channel import Channel
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performed_line import PerformedLine
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.schedules.schedule import Schedule
+    from lipsync_lang.schedules.schedule import Audio, Schedule
 
 GestureScales = str | Mapping[str, float]
 """Factors by gesture; or text such as ``blink,accent:0.5``, ``all`` and ``none``."""
@@ -46,6 +46,9 @@ RANGE_SEMITONES = 6.0
 
 LEAST_HEIGHT = 0.4
 """Height of a gesture where the voice does not rise."""
+
+BEFORE_SECONDS = 2.0
+"""Time before a vowel over whose median its voice rises."""
 
 MARKED = 1000.0
 """Prominence of a word with emphasis in the text, above any pitch and length."""
@@ -71,7 +74,7 @@ def scales_of(
     for name, factor in [(ALL, every), *stated.items()]:
         if not 0 <= factor <= MOST_SCALE:
             raise LipsyncError(f"gesture {name}: {factor:g} is not from 0 to {MOST_SCALE:g}")
-    if not known and (every or stated):
+    if not known and stated:
         raise LipsyncError(
             f"pose set {compiled.poseset} has no gestures; declare them under `gestures`"
         )
@@ -99,34 +102,21 @@ def _parsed(text: str) -> dict[str, float]:
     return {} if [*found] == [NONE] else found
 
 
-def gestured(
+def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its settings
     performer: "Performer",
-    animation: "Animation",
+    schedule: "Schedule",
     sounds: "LabelSounds",
+    times: Floats,
+    fps: float,
     scales: list[float],
     line: str | None,
-) -> "Animation":
-    """Return an animation with the curves of gestures after those of speech."""
-    curves, _ = _laid(performer, animation, sounds, scales, line)
+) -> tuple[Floats, list[LaidGesture]]:
+    """Return the curves of gestures over (T,) frames, (T, G), and the gestures."""
     own = performer.gesture_set
-    return replace(
-        animation,
-        poses=(*animation.poses, *own.poses),
-        weights=np.hstack([animation.weights, curves]),
-        channels=(*animation.channels, *(Channel(**fields) for fields in own.channels)),
-    )
-
-
-def without_gestures(animation: "Animation", count: int) -> "Animation":
-    """Return an animation with only its first columns, those of speech."""
-    if len(animation.poses) <= count:
-        return animation
-    return replace(
-        animation,
-        poses=animation.poses[:count],
-        weights=np.ascontiguousarray(animation.weights[:, :count]),
-        channels=animation.channels[:count],
-    )
+    start, end = float(times[0]), float(times[-1])
+    facts = _facts(performer, schedule, sounds)
+    whole = LineFacts(start, end, *facts, *_seeds(schedule, line))
+    return own.lay(place(own.shapes, scales, whole), start, len(times), fps)
 
 
 def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tuple[PoseAt, ...]:
@@ -136,7 +126,9 @@ def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tupl
     if scales is None:
         return ()
     (sounds,) = performer.labels.read([animation.schedule])
-    curves, laid = _laid(performer, animation, sounds, scales, line)
+    curves, laid = gesture_curves(
+        performer, animation.schedule, sounds, animation.times, animation.fps, scales, line
+    )
     own, found = performer.gesture_set, []
     for number, pose in enumerate(own.poses):
         amount = float(curves[frame, number])
@@ -161,24 +153,6 @@ def _told(own: GestureSet, laid: LaidGesture, animation: "Animation") -> str:
     return f"{shape.name}: {trigger} {where}{placed.fact:.3f} s, {height}{shape.place}"
 
 
-def _laid(
-    performer: "Performer",
-    animation: "Animation",
-    sounds: "LabelSounds",
-    scales: list[float],
-    line: str | None,
-) -> tuple[Floats, list[LaidGesture]]:
-    """Place gestures, and lay their curves over the frames of an animation."""
-    own, times, fps = performer.gesture_set, animation.times, animation.fps
-    active = [shape for shape, scale in zip(own.shapes, scales, strict=True) if scale]
-    wanted = {name for shape in active for name in ((shape.on,) if shape.on else shape.at)}
-    pitched = any(shape.by_pitch for shape in active)
-    start, end = float(times[0]), float(times[-1])
-    facts = _facts(performer, animation.schedule, sounds, wanted, pitched=pitched)
-    whole = LineFacts(start, end, *facts, *_seeds(animation.schedule, line))
-    return own.lay(place(own.shapes, scales, whole), start, len(times), fps)
-
-
 def _seeds(schedule: "Schedule", line: str | None) -> tuple[list[float], list[int]]:
     """Return the start of each word, and a number for the words before each, and for all."""
     words = [(word.start, word.text) for word in schedule.words]
@@ -190,39 +164,38 @@ def _seeds(schedule: "Schedule", line: str | None) -> tuple[list[float], list[in
 
 
 def _facts(
-    performer: "Performer",
-    schedule: "Schedule",
-    sounds: "LabelSounds",
-    wanted: Collection[str],
-    *,
-    pitched: bool,
+    performer: "Performer", schedule: "Schedule", sounds: "LabelSounds"
 ) -> tuple[list[tuple[float, float]], dict[str, list[LineFact]]]:
-    """Return the phrases of a line, and its facts by trigger."""
+    """Return the phrases of a line, and the facts that its gestures ask for, by trigger."""
+    own, labels = performer.gesture_set, performer.labels
     phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
     facts = {
         "phrase_end": [LineFact(end) for _, end in phrases],
         "pause": [LineFact(min((a + b) / 2, a + SETTLED_SECONDS)) for a, b in pauses],
     }
-    if not {"stress", "emphasis"} & {*wanted}:
+    if not own.triggers & {"stress", "emphasis"}:
         return phrases, facts
-    stresses = performer.labels.stresses(sounds)
-    if not stresses.size:  # a language without marks: any vowel may stand out
-        kinds = performer.labels.classes(sounds.ids, sounds.source, len(schedule))
-        stresses = np.array([0 if kind == VOWEL else -1 for kind in kinds])
-    vowels = np.flatnonzero(stresses == PRIMARY)
-    marked = bool(vowels.size)
-    vowels = vowels if marked else np.flatnonzero(stresses >= 0)
-    begins, ends = schedule.times[vowels], schedule.times[vowels + 1]
-    heights, rises = np.ones(len(vowels)), ends - begins
-    if schedule.audio is not None and pitched:
-        rises = _rises(schedule, begins, ends)
-        heights = np.clip(LEAST_HEIGHT + rises / RANGE_SEMITONES, LEAST_HEIGHT, 1)
+    stresses = labels.stresses(sounds).tolist()
+    vowels = [number for number, stress in enumerate(stresses) if stress == PRIMARY]
+    marked = bool(vowels)
+    if not stresses:  # a language without marks: any vowel may stand out
+        kinds = labels.classes(sounds.ids, sounds.source, len(schedule))
+        vowels = [number for number, kind in enumerate(kinds) if kind == VOWEL]
+    times = schedule.times.tolist()
+    begins, ends = [times[n] for n in vowels], [times[n + 1] for n in vowels]
+    if own.by_pitch and schedule.audio is not None and vowels:
+        rises = _rises(schedule.audio, np.array(begins), np.array(ends))
+        heights = [min(max(LEAST_HEIGHT + one / RANGE_SEMITONES, LEAST_HEIGHT), 1) for one in rises]
+        every = list(map(LineFact, begins, heights))
+    else:
+        rises = [end - begin for begin, end in zip(begins, ends, strict=True)]
+        every = list(map(LineFact, begins))
     for word in schedule.words:
         if word.emphasis:
-            rises = rises + MARKED * ((begins >= word.start) & (begins < word.end))
-    every = list(map(LineFact, begins.tolist(), heights.tolist()))
+            for at, number in enumerate(vowels):
+                rises[at] += MARKED * (word.first <= number < word.stop)
     facts["stress"] = every if marked else []
-    facts["emphasis"] = [every[n] for n in np.flatnonzero(_stand_out(begins, rises)).tolist()]
+    facts["emphasis"] = [every[number] for number in _stand_out(begins, rises)]
     return phrases, facts
 
 
@@ -243,29 +216,28 @@ def _phrases(
     return [(begin, end) for begin, end in both if end > begin], pauses
 
 
-def _rises(schedule: "Schedule", begins: Floats, ends: Floats) -> Floats:
+def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
     """Return how far the voice rises in each vowel over those before and soon after: semitones."""
     from lipsync_lang.gestures.pitch import pitches
 
-    if schedule.audio is None:
-        return np.zeros(len(begins))
     at = (begins + 0.4 * (ends - begins), begins + 0.7 * (ends - begins))
-    samples, rate = schedule.audio.samples, schedule.audio.rate
-    heard = np.maximum(*(pitches(samples, rate, one) for one in at))
+    heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
     tones = 12 * np.log2(np.maximum(heard, 1.0))
     voiced = heard > 0
     # what comes more than `NEAR_SECONDS` later does not count, so that it changes nothing here
     near = voiced & (begins <= begins[:, None] + NEAR_SECONDS)
-    near &= begins >= begins[:, None] - 2
+    near &= begins >= begins[:, None] - BEFORE_SECONDS
     usual = [np.median(tones[own]) if own.any() else 0.0 for own in near]
-    return np.where(voiced, tones - np.array(usual), 0.0)
+    rises: list[float] = np.where(voiced, tones - np.array(usual), 0.0).tolist()
+    return rises
 
 
-def _stand_out(times: Floats, rises: Floats) -> Bools:
-    """Return True for each vowel that no other near it exceeds: (V,)."""
-    near = np.abs(times - times[:, None]) <= NEAR_SECONDS
-    order: Ints = np.arange(len(times))
-    # of equals the first stands out
-    above = (rises > rises[:, None]) | ((rises == rises[:, None]) & (order < order[:, None]))
-    out: Bools = ~(near & above).any(axis=1)
-    return out
+def _stand_out(times: list[float], rises: list[float]) -> list[int]:
+    """Return the vowels that no other near them exceeds; of equals the first stands out."""
+    found = []
+    for number, (time, rise) in enumerate(zip(times, rises, strict=True)):
+        first = bisect_left(times, time - NEAR_SECONDS)
+        stop = bisect_right(times, time + NEAR_SECONDS)
+        if rise > max(rises[first:number], default=-inf) and rise >= max(rises[number:stop]):
+            found.append(number)
+    return found

@@ -110,6 +110,13 @@ class Performer:
 
         return GestureSet.from_plain(self.compiled.gestures)
 
+    @cached_property
+    def gesture_channels(self) -> "tuple[Channel, ...]":
+        """Channel of each pose of gestures."""
+        from lipsync_lang.rigs.channel import Channel
+
+        return tuple(Channel(**fields) for fields in self.gesture_set.channels)
+
     @property
     def report(self) -> "Report":
         """Origin of every bigram of this pair, by layer."""
@@ -154,8 +161,8 @@ class Performer:
         ScheduleError
             A label is in no notation of the language.
         LipsyncError
-            A style, region, gesture or line is unknown; or `intensity` is set, but the schedule has no audio
-            or the pose set names no region for loudness.
+            A style, region, gesture or line is unknown; or `intensity` is set, but the schedule
+            has no audio or the pose set names no region for loudness.
 
         Examples
         --------
@@ -323,6 +330,18 @@ class Performer:
             channels=(*driver.channels, *animation.channels[count:]),
             model=self.model,
             contacts={},
+        )
+
+    def without_gestures(self, animation: Animation) -> Animation:
+        """Return an animation of this performer without the columns of gestures, rigged or not."""
+        count = len(animation.poses) - len(self.gesture_set.poses)
+        if animation.poses[count:] != self.gesture_set.poses or not self.gesture_set.poses:
+            return animation
+        return replace(
+            animation,
+            poses=animation.poses[:count],
+            weights=np.ascontiguousarray(animation.weights[:, :count]),
+            channels=animation.channels[:count],
         )
 
     def held_channels(self, weights: Floats) -> Floats:

@@ -112,9 +112,7 @@ class Gesture(Strict):
     @model_validator(mode="after")
     def _placed(self) -> Self:
         if (self.on is None) == (self.per_minute is None):
-            what = (
-                "a gesture is placed either `on` a fact, or so many times `per_minute`"
-            )
+            what = "a gesture is placed either `on` a fact, or so many times `per_minute`"
             field = "poses" if self.on is None else "on"
             raise PydanticCustomError("P115", what, {"field": field})
         if self.at and self.per_minute is None:
