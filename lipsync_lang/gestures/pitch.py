@@ -11,13 +11,13 @@ LOWEST, HIGHEST = 60.0, 400.0
 RATE = 8000.0
 """Samples per second that tell two semitones apart in a high voice."""
 
-WINDOW_SECONDS = 0.05
+PITCH_WINDOW_SECONDS = 0.05
 """Length of sound in which a pitch is sought: three periods of the lowest voice."""
 
-VOICED = 0.5
+VOICED_LEAST = 0.5
 """Least correlation of a voiced sound with itself a period later."""
 
-FIRST = 0.9
+FIRST_PEAK = 0.9
 """The first peak this close to the highest is the period, for two periods correlate as well."""
 
 
@@ -32,7 +32,7 @@ def pitches(samples: npt.NDArray[np.int16], rate: float, times: Floats) -> Float
     """
     step = max(int(rate / RATE), 1)  # voices need no more; what is folded in is not periodic
     samples, rate = samples[::step], rate / step
-    size = int(WINDOW_SECONDS * rate)
+    size = int(PITCH_WINDOW_SECONDS * rate)
     if len(samples) < size or not len(times):
         return np.zeros(len(times))
     firsts = np.clip((times * rate).astype(int) - size // 2, 0, len(samples) - size)
@@ -48,5 +48,5 @@ def pitches(samples: npt.NDArray[np.int16], rate: float, times: Floats) -> Float
     peak[:, 1:-1] = (lags[:, 1:-1] >= lags[:, :-2]) & (lags[:, 1:-1] > lags[:, 2:])
     tops = np.where(peak, lags, 0.0)
     best = tops.max(axis=1)
-    first = (tops >= FIRST * best[:, None]).argmax(axis=1)
-    return np.where(best >= VOICED, rate / (low + first), 0.0)
+    first = (tops >= FIRST_PEAK * best[:, None]).argmax(axis=1)
+    return np.where(best >= VOICED_LEAST, rate / (low + first), 0.0)

@@ -2,7 +2,7 @@
 
 Conventions: times are seconds. A draw depends on the words up to its place, so a line has the same
 gestures in every build, and a changed word leaves those before it where they were. Nothing looks
-more than a second ahead: a fact draws gestures from `NEAR_SECONDS`, and may lead by as much.
+more than a second ahead: a fact draws gestures from `DRAWING_SECONDS`, and may lead by as much.
 """
 
 from bisect import bisect_right
@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import cos, exp, log, pi, sqrt
 from typing import NamedTuple
 
-NEAR_SECONDS = 0.5
+DRAWING_SECONDS = 0.5
 """Distance from which a fact draws a gesture that comes by itself."""
 
 OPENING_SECONDS = 0.9
@@ -56,7 +56,7 @@ class LineFact(NamedTuple):
 
 
 class LineFacts(NamedTuple):
-    """What gestures know of a line."""
+    """A line as far as gestures know it."""
 
     start: float
     end: float
@@ -135,7 +135,7 @@ def _by_itself(
         share = (passed - clock[part]) / (clock[part + 1] - clock[part])
         time = at[part] + share * (at[part + 1] - at[part])
         near = min(drawing, key=lambda one: abs(one[0].seconds - time), default=None)
-        if near is not None and abs(near[0].seconds - time) <= NEAR_SECONDS:
+        if near is not None and abs(near[0].seconds - time) <= DRAWING_SECONDS:
             yield near[1], near[0]
         else:
             yield "", LineFact(time)

@@ -15,7 +15,7 @@ from lipsync_lang.animations.explanation import PoseAt, StageAt
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.gestures.laying import GestureSet, LaidGesture
-from lipsync_lang.gestures.placing import NEAR_SECONDS, LineFact, LineFacts, place
+from lipsync_lang.gestures.placing import DRAWING_SECONDS, LineFact, LineFacts, place
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ MOST_SCALE = 2.0
 PAUSE_SECONDS = 0.12
 """Shortest silence that is a pause."""
 
-SETTLED_SECONDS = 0.3
+PAUSE_SETTLED_SECONDS = 0.3
 """Latest place of a pause's fact after its beginning."""
 
 RANGE_SEMITONES = 6.0
@@ -50,7 +50,7 @@ LEAST_HEIGHT = 0.4
 BEFORE_SECONDS = 2.0
 """Time before a vowel over whose median its voice rises."""
 
-MARKED = 1000.0
+MARKED_PROMINENCE = 1000.0
 """Prominence of a word with emphasis in the text, above any pitch and length."""
 
 
@@ -171,7 +171,7 @@ def _facts(
     phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
     facts = {
         "phrase_end": [LineFact(end) for _, end in phrases],
-        "pause": [LineFact(min((a + b) / 2, a + SETTLED_SECONDS)) for a, b in pauses],
+        "pause": [LineFact(min((a + b) / 2, a + PAUSE_SETTLED_SECONDS)) for a, b in pauses],
     }
     if not own.triggers & {"stress", "emphasis"}:
         return phrases, facts
@@ -193,7 +193,7 @@ def _facts(
     for word in schedule.words:
         if word.emphasis:
             for at, number in enumerate(vowels):
-                rises[at] += MARKED * (word.first <= number < word.stop)
+                rises[at] += MARKED_PROMINENCE * (word.first <= number < word.stop)
     facts["stress"] = every if marked else []
     facts["emphasis"] = [every[number] for number in _stand_out(begins, rises)]
     return phrases, facts
@@ -224,8 +224,8 @@ def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
     heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
     tones = 12 * np.log2(np.maximum(heard, 1.0))
     voiced = heard > 0
-    # what comes more than `NEAR_SECONDS` later does not count, so that it changes nothing here
-    near = voiced & (begins <= begins[:, None] + NEAR_SECONDS)
+    # what comes more than `DRAWING_SECONDS` later does not count, so that it changes nothing here
+    near = voiced & (begins <= begins[:, None] + DRAWING_SECONDS)
     near &= begins >= begins[:, None] - BEFORE_SECONDS
     usual = [np.median(tones[own]) if own.any() else 0.0 for own in near]
     rises: list[float] = np.where(voiced, tones - np.array(usual), 0.0).tolist()
@@ -236,8 +236,8 @@ def _stand_out(times: list[float], rises: list[float]) -> list[int]:
     """Return the vowels that no other near them exceeds; of equals the first stands out."""
     found = []
     for number, (time, rise) in enumerate(zip(times, rises, strict=True)):
-        first = bisect_left(times, time - NEAR_SECONDS)
-        stop = bisect_right(times, time + NEAR_SECONDS)
+        first = bisect_left(times, time - DRAWING_SECONDS)
+        stop = bisect_right(times, time + DRAWING_SECONDS)
         if rise > max(rises[first:number], default=-inf) and rise >= max(rises[number:stop]):
             found.append(number)
     return found

@@ -75,7 +75,7 @@ def _from_rest_to_rest(points: tuple[tuple[float, float], ...]) -> tuple[tuple[f
 
 
 class PerMinute(Strict):
-    """How often a gesture comes by itself."""
+    """Rates of a gesture that comes by itself."""
 
     speech: Annotated[float, Field(ge=0, le=120)]
     """Times a minute while speech is heard."""
@@ -101,7 +101,7 @@ class Gesture(Strict):
     lead: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0
     """Seconds by which the gesture begins before its fact; below 0, after it."""
     per_minute: PerMinute | None = None
-    """How often the gesture comes, at intervals that are drawn for the line; or `on`."""
+    """Rates of a gesture that comes by itself, at intervals drawn for the line; or `on`."""
     at: Annotated[tuple[Trigger, ...], OrOne] = ()
     """Facts that draw such a gesture to them, if one is near."""
     apart: Annotated[float, Field(ge=0, le=60)] = 0.0
