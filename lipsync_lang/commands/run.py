@@ -98,7 +98,10 @@ def run(options: Namespace) -> int:
     performer = performer_for(options)
     formats = {str(path): [writer.name] for path, writer in writers.items()}
     formats |= {str(options.plot): ["plot"]} if options.plot else {}
-    animation = perform_line(options, performer, schedule_for(options, performer, formats), "all")
+    schedule = schedule_for(options, performer, formats)
+    # takes of other methods have no gestures, and a comparison is of the lips
+    usual = None if options.against else "all"
+    animation = perform_line(options, performer, schedule, usual)
     offset = parse_offset(options.offset, animation.fps)
     shown = replace(
         _shown(options, performer, animation, writers),

@@ -157,9 +157,9 @@ def _seeds(schedule: "Schedule", line: str | None) -> tuple[list[float], list[in
     """Return the start of each word, and a number for the words before each, and for all."""
     words = [(word.start, word.text) for word in schedule.words]
     words = words or [*zip(schedule.times.tolist(), schedule.labels, strict=False)]
-    seeds = [crc32((line or "").encode())]
+    seeds = [crc32((line or "").encode("utf-8", "surrogatepass"))]
     for _, text in words:
-        seeds.append(crc32(text.encode(), seeds[-1]))
+        seeds.append(crc32(text.encode("utf-8", "surrogatepass"), seeds[-1]))
     return [start for start, _ in words], seeds
 
 
