@@ -9,7 +9,7 @@ LOWEST, HIGHEST = 60.0, 400.0
 """Range of voices in hertz."""
 
 RATE = 8000.0
-"""Samples per second that tell two semitones apart in a high voice."""
+"""Samples per second that distinguish semitones even of a high voice."""
 
 PITCH_WINDOW_SECONDS = 0.05
 """Length of sound in which a pitch is sought: three periods of the lowest voice."""
@@ -22,7 +22,7 @@ FIRST_PEAK = 0.9
 
 
 def pitches(samples: npt.NDArray[np.int16], rate: float, times: Floats) -> Floats:
-    """Return the pitch around each time in hertz, (n,); 0 where there is no voice.
+    """Return the pitch around each time in hertz, (n,); 0 for a sound without voice.
 
     Examples
     --------
