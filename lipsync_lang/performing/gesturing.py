@@ -4,6 +4,7 @@ Speech is not changed: each pose of a gesture is a column after those of speech.
 """
 
 from bisect import bisect_left, bisect_right
+from collections import Counter
 from collections.abc import Mapping
 from math import inf
 from typing import TYPE_CHECKING
@@ -119,17 +120,44 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
     return own.lay(place(own.shapes, scales, whole), start, len(times), fps)
 
 
-def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tuple[PoseAt, ...]:
-    """Explain the amounts of the poses of gestures in a frame."""
+def _repeated(said: "PerformedLine", animation: "Animation") -> tuple[Floats, list[LaidGesture]]:
+    """Return the curves and the gestures of an animation, whose frames are all of its line."""
     performer, line = said.performer, said.settings["line"]
-    scales = scales_of(performer.compiled, said.settings["gestures"], line)
+    scales = scales_of(performer.compiled, said.settings.get("gestures"), line)
     if scales is None:
-        return ()
+        return np.zeros((len(animation), 0)), []
     (sounds,) = performer.labels.read([animation.schedule])
-    curves, laid = gesture_curves(
+    return gesture_curves(
         performer, animation.schedule, sounds, animation.times, animation.fps, scales, line
     )
-    own, found = performer.gesture_set, []
+
+
+def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
+    """Describe how often an animation has each gesture, and how far its head turns.
+
+    It is empty for an animation without gestures.
+    """
+    curves, laid = _repeated(said, animation)
+    if not curves.size:
+        return ""
+    own, minutes = said.performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
+    counts = Counter(one.gesture.number for one in laid)
+    told = []
+    for number, shape in enumerate(own.shapes):
+        aim = " ({:g} in speech, {:g} in silence)".format(*shape.rates) if shape.rates else ""
+        told.append(f"{shape.name} {counts[number] / minutes:.0f}{aim}")
+    turns = curves[:, [channel["node"] is not None for channel in own.channels]]
+    degrees = 2 * float(np.sqrt(turns.var(axis=0).sum()))
+    turned = f"; turns of {degrees:.1f} degrees (2 standard deviations)" if turns.size else ""
+    return f"gestures a minute: {', '.join(told)}{turned}"
+
+
+def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tuple[PoseAt, ...]:
+    """Explain the amounts of the poses of gestures in a frame."""
+    curves, laid = _repeated(said, animation)
+    if not curves.size:
+        return ()
+    own, found = said.performer.gesture_set, []
     for number, pose in enumerate(own.poses):
         amount = float(curves[frame, number])
         why = ", ".join(

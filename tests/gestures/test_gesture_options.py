@@ -67,3 +67,13 @@ def test_explain_names_a_gesture(capsys):
         told += capsys.readouterr().out
     assert "  gesture " in told
     assert "arkit/poseset.yaml:" in told
+
+
+def test_check_counts_gestures(capsys):
+    assert main(["check", "--schedule", "line.json", *PAIR, "--gestures", "all"]) in {0, 1}
+    told = capsys.readouterr().out
+    assert "gestures a minute: blink " in told
+    assert "(26 in speech, 17 in silence)" in told
+    assert "degrees (2 standard deviations)" in told
+    assert main(["check", "--schedule", "line.json", *PAIR]) in {0, 1}
+    assert "gestures" not in capsys.readouterr().out
