@@ -128,7 +128,8 @@ def run(options: Namespace) -> int:
         print(f"{options.character}: {poses}", file=sys.stderr)
     for remark in _overriding(options, performer):
         print(remark, file=sys.stderr)
-    for remark in dict.fromkeys(r for path in takes for r in writers[path].remarks(takes[path])):
+    # a model without a bone or shape of gestures that nobody asked for is no cause for a remark
+    for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(spoken)):
         print(as_options(remark), file=sys.stderr)
     if options.check:
         from lipsync_lang.quality.check_animation import check
