@@ -26,6 +26,8 @@ class Writer(Format):
     """Generator of warnings about an animation in this format, such as unsupported channels."""
     reasons: bool = False
     """True if files of this format tell the files and lines of packs that made a value."""
+    shows: bool = False
+    """True if people watch files of this format: then they have gestures by default."""
     refuse: Refuse = lambda _: None
     """Raises an error if no line of an animation's character and rate fits this format."""
 
@@ -33,12 +35,13 @@ class Writer(Format):
 WRITERS: Formats[Writer] = Formats("writers", "format", package="lipsync_lang.animations.writers")
 
 
-def writer(
+def writer(  # noqa: PLR0913 the settings of a format
     name: str,
     *,
     suffix: str,
     remarks: Remarks = lambda _: (),
     reasons: bool = False,
+    shows: bool = False,
     refuse: Refuse = lambda _: None,
 ) -> Callable[[WriteText], WriteText]:
     """Register ``(animation, text stream) -> None`` as the writer of a text format."""
@@ -50,7 +53,7 @@ def writer(
             text.flush()
             text.detach()
 
-        made = Writer(name, (suffix,), summary(write), encoded, remarks, reasons, refuse)
+        made = Writer(name, (suffix,), summary(write), encoded, remarks, reasons, shows, refuse)
         WRITERS.add(name, made, write.__module__)
         return write
 
@@ -62,12 +65,13 @@ def binary_writer(
     *,
     suffix: str,
     remarks: Remarks = lambda _: (),
+    shows: bool = False,
     refuse: Refuse = lambda _: None,
 ) -> Callable[[WriteBytes], WriteBytes]:
     """Register ``(animation, byte stream) -> None`` as the writer of a binary format."""
 
     def register(write: WriteBytes) -> WriteBytes:
-        made = Writer(name, (suffix,), summary(write), write, remarks, refuse=refuse)
+        made = Writer(name, (suffix,), summary(write), write, remarks, shows=shows, refuse=refuse)
         WRITERS.add(name, made, write.__module__)
         return write
 

@@ -14,7 +14,7 @@ from io import BytesIO
 from itertools import chain
 from pathlib import Path
 from stat import S_ISDIR
-from typing import TYPE_CHECKING, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 from zlib import crc32
 
 from lipsync_lang.animations.animation import Animation, ExportSettings
@@ -153,14 +153,15 @@ class LineMaker:
     ) -> Iterator[tuple[PlannedLine, Animation | Exception]]:
         """Yield the animation of each line, or its error; all at once if no line fails."""
         sound = [(line, said) for line, said in timed if isinstance(said, Schedule)]
-        fps, edited = self.settings.fps, performer.compiled.line_edits
+        edited = performer.compiled.line_edits
+        asked: dict[str, Any] = {"fps": self.settings.fps, "gestures": self.settings.gestures}
         names = [line.name if line.name in edited else None for line, _ in sound]
         found: list[Animation | Exception]
         try:
-            found = [*performer.perform_many([said for _, said in sound], fps, lines=names)]
+            found = [*performer.perform_many([said for _, said in sound], lines=names, **asked)]
         except Exception:  # noqa: BLE001 each line reports its own error
             found = [
-                attempt(partial(performer.perform, said, fps, line=name))
+                attempt(partial(performer.perform, said, line=name, **asked))
                 for (_, said), name in zip(sound, names, strict=True)
             ]
         animations = iter(found)

@@ -52,6 +52,7 @@ class BuildSettings(NamedTuple):
     fps: float
     limits: Mapping[str, float]
     tts: str | None = None
+    gestures: str | None = None
     offset: float = 0.0
     face_once: bool = False
     """True if the lines of a character share the data of its model."""
@@ -157,6 +158,9 @@ class PairNeeds:
             (name, {key: value for key, value in draft.items() if key != "place"})
             for name, draft in compiled.style_drafts.items()
         ]
+        made = compiled.gestures["gestures"]
+        places |= {one["name"]: one["place"] for one in made}
+        face["gestures"] = compiled.gestures["poses"], [one | {"place": ""} for one in made]
         tables = {name: value for name, value in rules.items() if name not in OF_ROWS}
         held = [(one.floor, one.ceiling) for one in compiled.tables.contacts]
         said = performer.motion, performer.shades, performer.unknown
@@ -164,7 +168,9 @@ class PairNeeds:
         chosen = self.settings
         return {
             "program": digest(__version__),
-            "settings": digest(*said, chosen.fps, chosen.limits, chosen.offset, chosen.face_once),
+            "settings": digest(
+                *said, chosen.fps, chosen.limits, chosen.offset, chosen.face_once, chosen.gestures
+            ),
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
             "model": digest(self.model_digest),
             "voice": digest(manner, self.settings.tts),

@@ -122,7 +122,9 @@ class ProjectBuild:
         faults.raise_any()
         fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
         once = project.glb.face == "once"
-        settings = BuildSettings(fps, dict(project.limits), tts, project.offset or 0.0, once)
+        settings = BuildSettings(
+            fps, dict(project.limits), tts, project.gestures, project.offset or 0.0, once
+        )
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))
         made.check_outputs(faults)

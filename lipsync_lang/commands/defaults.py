@@ -76,8 +76,11 @@ def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
         from lipsync_lang.animations.rates import parse_rate
 
         options.fps = parse_rate(project.fps)
-    if getattr(options, "offset", "") is None and project.offset is not None:
-        options.offset = str(project.offset)
+    offset = None if project.offset is None else str(project.offset)
+    plain = {"offset": offset, "shades": project.shades, "gestures": project.gestures}
+    for name, value in plain.items():
+        if getattr(options, name, "") is None:
+            setattr(options, name, value)
     if project.motion is not None and hasattr(options, "settings"):
         stated = project.motion.model_dump(exclude_none=True).items()
         again = any(one.startswith("motion=") for one in options.settings)
@@ -89,8 +92,6 @@ def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
         stated = [f"{name}={text}" for name, text in project.values.items()]
         options.values = [*stated, *options.values]
         options.unspoken = project.unspoken
-    if getattr(options, "shades", True) is None:
-        options.shades = project.shades
     # `-o` of other commands names other files than the outputs of lines.
     if getattr(options, "output", None) == [] and hasattr(options, "schedule"):
         file = options.schedule or options.audio

@@ -33,11 +33,14 @@ def perform(options: Namespace) -> "Animation":
     return perform_line(options, performer, schedule_for(options, performer))
 
 
-def perform_line(options: Namespace, performer: "Performer", schedule: "Schedule") -> "Animation":
-    """Perform a line with the requested delivery options."""
+def perform_line(
+    options: Namespace, performer: "Performer", schedule: "Schedule", gestures: str | None = None
+) -> "Animation":
+    """Perform a line with the requested delivery options; `gestures` if no option states any."""
     return performer.perform(
         schedule, fps=options.fps, line=options.line, styles=levels("--style", options.styles),
         dials=levels("--dial", options.dials), intensity=options.intensity,
+        gestures=gestures if options.gestures is None else options.gestures,
     )  # fmt: skip
 
 

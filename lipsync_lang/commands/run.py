@@ -98,21 +98,27 @@ def run(options: Namespace) -> int:
     performer = performer_for(options)
     formats = {str(path): [writer.name] for path, writer in writers.items()}
     formats |= {str(options.plot): ["plot"]} if options.plot else {}
-    animation = perform_line(options, performer, schedule_for(options, performer, formats))
+    schedule = schedule_for(options, performer, formats)
+    # takes of other methods have no gestures, and a comparison is of the lips
+    usual = None if options.against else "all"
+    animation = perform_line(options, performer, schedule, usual)
     offset = parse_offset(options.offset, animation.fps)
     shown = replace(
         _shown(options, performer, animation, writers),
         export=ExportSettings(offset, error, lines, _against(options, performer, animation)),
     )
 
+    spoken = shown if options.gestures is not None else performer.without_gestures(shown)
+    takes = {path: shown if writer.shows else spoken for path, writer in writers.items()}
+
     def writing(path: Path) -> Callable[[Any], None]:
-        return lambda stream: writers[path].write(shown, stream)
+        return lambda stream: writers[path].write(takes[path], stream)
 
     outputs = {path: writing(path) for path in writers}
     if options.plot:
-        outputs[options.plot] = _plotting(options, animation)
+        outputs[options.plot] = _plotting(options, performer.without_gestures(animation))
     write_all(outputs)
-    print(_summary(performer, shown, list(outputs)), file=sys.stderr)
+    print(_summary(performer, spoken, list(outputs)), file=sys.stderr)
     if options.schedule is None and performer.speaker.manner.weak:
         print(performer.speaker.manner.weak, file=sys.stderr)
     if is_model(options.character):
@@ -122,7 +128,8 @@ def run(options: Namespace) -> int:
         print(f"{options.character}: {poses}", file=sys.stderr)
     for remark in _overriding(options, performer):
         print(remark, file=sys.stderr)
-    for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
+    # a model without a bone or shape of gestures that nobody asked for is no cause for a remark
+    for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(spoken)):
         print(as_options(remark), file=sys.stderr)
     if options.check:
         from lipsync_lang.quality.check_animation import check

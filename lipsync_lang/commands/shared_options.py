@@ -120,6 +120,11 @@ def add_line(made: argparse.ArgumentParser) -> None:
         help="effect of loudness on the mouth: 0 for none, 1 as the pose set states, at most 2 [1 "
         "if there is sound]",
     )  # fmt: skip
+    how.add_argument(
+        "--gestures", metavar="NAME[:FACTOR],...",
+        help="make these gestures of the pose set: all, none, or such as blink,accent:0.5 [the "
+        "project's, or all in pages and videos alone]",
+    )  # fmt: skip
 
 
 def add_manner(how: Options) -> None:

@@ -115,6 +115,9 @@ def animate(
     ]
     read = performer.labels.read(schedules) if schedules else []
     kept = _neutral_copy(performer, fps)
+    moving = asked.get("gestures")
+    if moving:
+        from lipsync_lang.performing.gesturing import gesture_curves, scales_of
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
@@ -123,14 +126,21 @@ def animate(
         else:
             made = said.performance(performer.motion, sounds, fps)
             times, weights = made.frames.times(), made.weights()
+        poses, channels = performer.poses, performer.channels
+        scales = scales_of(performer.compiled, moving, line) if moving else None
+        if scales is not None:
+            curves, _ = gesture_curves(performer, schedule, sounds, times, fps, scales, line)
+            weights = np.concatenate((weights, curves), axis=1)
+            poses += performer.gesture_set.poses
+            channels += performer.gesture_channels
         animation = Animation(
             times,
-            performer.poses,
+            poses,
             weights,
             fps,
             schedule,
             PerformedLine(performer, {"line": line, **asked}),
-            channels=performer.channels,
+            channels=channels,
             model=performer.model,
             neutral=performer.compiled.neutral,
             contacts=dict(performer.contact_floors),

@@ -18,7 +18,7 @@ class PerformedLine:
     Parameters
     ----------
     performer : the performer that made the animation
-    settings : options of `Performer.perform`: line name, styles, dials and intensity
+    settings : options of `Performer.perform`: line name, styles, dials, intensity and gestures
     """
 
     performer: "Performer"
@@ -31,7 +31,8 @@ class PerformedLine:
 
     def performance(self, animation: "Animation") -> "Performance":
         """Repeat the performance of an animation, with access to each stage."""
-        return self.performer.performance(animation.schedule, animation.fps, **self.settings)
+        spoken = {name: value for name, value in self.settings.items() if name != "gestures"}
+        return self.performer.performance(animation.schedule, animation.fps, **spoken)
 
     def explain(self, animation: "Animation", seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time."""

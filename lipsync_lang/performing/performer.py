@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from lipsync_lang.animations.explanation import Explanation
+    from lipsync_lang.gestures.laying import GestureSet
     from lipsync_lang.listening.listener import Listener
     from lipsync_lang.performing.delivery import DialLevels
+    from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.stream import Late, Stream
     from lipsync_lang.phonology.nearest import Nearest
     from lipsync_lang.pipeline.levels import Blend
@@ -101,6 +103,20 @@ class Performer:
 
         return bare(self.poses, self.compiled.pose_names)
 
+    @cached_property
+    def gesture_set(self) -> "GestureSet":
+        """Gestures of the pose set, ready to be placed."""
+        from lipsync_lang.gestures.laying import GestureSet
+
+        return GestureSet.from_plain(self.compiled.gestures)
+
+    @cached_property
+    def gesture_channels(self) -> "tuple[Channel, ...]":
+        """Channel of each pose of gestures."""
+        from lipsync_lang.rigs.channel import Channel
+
+        return tuple(Channel(**fields) for fields in self.gesture_set.channels)
+
     @property
     def report(self) -> "Report":
         """Origin of every bigram of this pair, by layer."""
@@ -121,6 +137,7 @@ class Performer:
         styles: "DialLevels | None" = None,
         dials: "DialLevels | None" = None,
         intensity: float | None = None,
+        gestures: "GestureScales | None" = None,
     ) -> Animation:
         """Animate a schedule.
 
@@ -135,14 +152,17 @@ class Performer:
         intensity : effect of loudness on movement, on top of the dials: 0 for none, 1 for the
             setting of the pose set, at most 2; the schedule needs audio. None stands for the
             motion's `loudness` if there is audio
+        gestures : blinks, raised brows and nods of the pose set: ``all``, a text such as
+            ``blink,accent:0.5``, or factors by name; each of their poses is a further column.
+            None for no gestures
 
         Raises
         ------
         ScheduleError
             A label is in no notation of the language.
         LipsyncError
-            A style, region or line is unknown; or `intensity` is set, but the schedule has no audio
-            or the pose set names no region for loudness.
+            A style, region, gesture or line is unknown; or `intensity` is set, but the schedule
+            has no audio or the pose set names no region for loudness.
 
         Examples
         --------
@@ -152,8 +172,9 @@ class Performer:
         True
         """
         return self.perform_many(
-            [schedule], fps, lines=[line], styles=styles, dials=dials, intensity=intensity
-        )[0]
+            [schedule], fps, lines=[line], styles=styles, dials=dials, intensity=intensity,
+            gestures=gestures,
+        )[0]  # fmt: skip
 
     def perform_many(  # noqa: PLR0913 as `perform`
         self,
@@ -164,6 +185,7 @@ class Performer:
         styles: "DialLevels | None" = None,
         dials: "DialLevels | None" = None,
         intensity: float | None = None,
+        gestures: "GestureScales | None" = None,
     ) -> list[Animation]:
         """Animate many schedules; each animation equals that of `perform` bit by bit.
 
@@ -173,7 +195,7 @@ class Performer:
         ----------
         schedules : timed phonemes of each line
         lines : name of the line of each schedule, for its edits and settings; None for no line
-        fps, styles, dials, intensity : as in `perform`, the same for all
+        fps, styles, dials, intensity, gestures : as in `perform`, the same for all
 
         Raises
         ------
@@ -187,7 +209,7 @@ class Performer:
         >>> [len(animation) for animation in performer.perform_many([one, other], fps=24)]
         [13, 13]
         """
-        asked = {"styles": styles, "dials": dials, "intensity": intensity}
+        asked = {"styles": styles, "dials": dials, "intensity": intensity, "gestures": gestures}
         return animate(self, tuple(schedules), fps, lines, asked)
 
     def stream(  # noqa: PLR0913 as `perform`
@@ -286,25 +308,40 @@ class Performer:
         LipsyncError
             The animation has different poses.
         """
-        driver = self._driver
-        if driver is None or animation.channels == driver.channels:
+        driver, count = self._driver, len(self.poses)
+        if driver is None or animation.channels[: len(driver.channels)] == driver.channels:
             return animation
-        if animation.poses != self.poses:
+        if animation.poses[:count] != self.poses:
             raise LipsyncError(
                 f"the rig of {self.character} needs the poses of {self.character}; "
                 "this animation has others"
             )
         motion, fps = self.motion, animation.fps
         kernel = channel_kernel(motion, fps)
-        values = drive(animation.weights, driver.rig, motion.speed_limit / fps, kernel)
-        names = tuple(channel.name for channel in driver.channels)
+        spoken = np.ascontiguousarray(animation.weights[:, :count])
+        values = drive(spoken, driver.rig, motion.speed_limit / fps, kernel)
+        names = (*(channel.name for channel in driver.channels), *animation.poses[count:])
+        if len(animation.poses) > count:  # shapes that speech does not move go to the model as such
+            values = np.hstack([values, animation.weights[:, count:]])
         return replace(
             animation,
             poses=names,
             weights=values,
-            channels=driver.channels,
+            channels=(*driver.channels, *animation.channels[count:]),
             model=self.model,
             contacts={},
+        )
+
+    def without_gestures(self, animation: Animation) -> Animation:
+        """Return an animation of this performer without the columns of gestures, rigged or not."""
+        count = len(animation.poses) - len(self.gesture_set.poses)
+        if animation.poses[count:] != self.gesture_set.poses or not self.gesture_set.poses:
+            return animation
+        return replace(
+            animation,
+            poses=animation.poses[:count],
+            weights=np.ascontiguousarray(animation.weights[:, :count]),
+            channels=animation.channels[:count],
         )
 
     def held_channels(self, weights: Floats) -> Floats:

@@ -4,6 +4,7 @@ A performance records no trace. The explanation recomputes the stages for the fr
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,7 +57,14 @@ def explain(line: "PerformedLine", animation: "Animation", seconds: float) -> Ex
         )
     performance = line.performance(animation)
     frame = int(np.abs(performance.frames.times() - seconds).argmin())
-    return _explain_frame(animation, line.performer, performance, frame)
+    found = _explain_frame(animation, line.performer, performance, frame)
+    if not line.settings.get("gestures"):
+        return found
+    from lipsync_lang.performing.gesturing import explained
+
+    whole = replace(animation, times=performance.frames.times())  # a cut one has fewer frames
+    moved = explained(line, whole, frame)
+    return replace(found, poses=(*found.poses, *moved))
 
 
 def _explain_frame(

@@ -82,6 +82,7 @@ def check_all(
         if not isfinite(value) or value < 0:
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
         asked[name] = value
+    animations = [performer.without_gestures(one) for one in animations]
     figures: list[list[Figure]] = [[] for _ in animations]
     for start in range(0, len(animations), BLOCK_LINES):
         scene = scene_of(animations[start : start + BLOCK_LINES], performer)

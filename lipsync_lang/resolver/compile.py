@@ -12,7 +12,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Singles
 from lipsync_lang.banks.draft import shape
-from lipsync_lang.packs.models.rig_channels import pose_names
+from lipsync_lang.packs.models.rig_channels import expanded, pose_names
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
@@ -135,6 +135,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         line_deliveries={name: _line(line) for name, line in who.model.lines.items()},
         tables=tables,
         motion=motion,
+        gestures=_gestures(poseset),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
         checks=_checks(poseset.model.checks, who.model.checks),
         nearest=plain_among(library, spoken) if model.automatic else None,
@@ -295,7 +296,39 @@ def _style_drafts(
 
 def _delivery(manner: "models.Delivery") -> dict[str, Any]:
     """Return a delivery as plain data."""
-    plain: dict[str, Any] = _plain({"styles": manner.styles, "dials": manner.dials})
+    stated = {"styles": manner.styles, "dials": manner.dials, "gestures": manner.gestures}
+    plain: dict[str, Any] = _plain(stated)
+    return plain
+
+
+def _gestures(poseset: "Pack[models.PoseSet]") -> dict[str, Any]:
+    """Return the gestures and their poses as plain data."""
+    model = poseset.model
+    poses = [
+        {
+            "name": name,
+            "most": pose.most,
+            "speed_limit": pose.speed_limit,
+            "channel": {
+                "name": name,
+                "names": [text for one in pose.names for text in expanded(one)],
+                "node": pose.node,
+                "rotation": pose.rotation,
+            },
+        }
+        for name, pose in model.gesture_poses.items()
+    ]
+    gestures = [
+        {
+            "name": name,
+            "rates": one.per_minute and (one.per_minute.speech, one.per_minute.silence),
+            "by_pitch": one.height == "pitch",
+            "place": str(poseset.where(("gestures", name))),
+            **one.model_dump(include={"curve", "poses", "on", "share", "lead", "at", "apart"}),
+        }
+        for name, one in model.gestures.items()
+    ]
+    plain: dict[str, Any] = _plain({"poses": poses, "gestures": gestures})
     return plain
 
 

@@ -142,11 +142,13 @@ class CompiledPair:
     intensity: dict[str, Any] | None
     """Effect of loudness and stress, as in the pose set; None if no pack states any."""
     delivery: dict[str, Any]
-    """Manner of the character: points of `styles` and `dials`, by name."""
+    """Manner of the character: points of `styles` and `dials`, factors of `gestures`, by name."""
     line_deliveries: dict[str, dict[str, Any]]
     """Manner of each line that has its own."""
     tables: Tables
     motion: Motion
+    gestures: dict[str, Any]
+    """`poses` of gestures, each with its channel and limits, and `gestures` with their places."""
     measures: dict[str, dict[str, float]]
     checks: dict[str, Any]
     """Limits of a finished animation by name, and `rules`."""

@@ -21,7 +21,7 @@ def doubts(animation: Animation) -> Iterator[str]:
         yield from unplaced(animation)
 
 
-@writer("html", suffix=".html", remarks=doubts, reasons=True)
+@writer("html", suffix=".html", remarks=doubts, reasons=True, shows=True)
 def write_html(animation: Animation, out: TextIO) -> None:
     """A page to hear and see the line in a browser, with every curve and its explanation."""
     from lipsync_lang.studio.line_page import line_page

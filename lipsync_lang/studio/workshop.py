@@ -465,10 +465,10 @@ class Workshop:
     def perform(self, performer: Performer | None = None) -> Animation:
         """Perform the line with another performer or the open one."""
         schedule, settings = self.spoken.part(self.part_seconds), self.settings
-        sound = {} if schedule.audio is None else {"intensity": settings.intensity}
+        loud = None if schedule.audio is None else settings.intensity
         return (performer or self.performer).perform(
             schedule, settings.fps, line=settings.line, styles=settings.styles or None,
-            dials=settings.dials or None, **sound,
+            dials=settings.dials or None, intensity=loud,
         )  # fmt: skip
 
     def state(self) -> Json:

@@ -31,7 +31,7 @@ def modules():
 FLOORS = (
     {"arrays", "json_object", "errors", "extras", "version", "terminal"},
     {"extensions", "files"},
-    {"phonology", "pipeline", "reports", "schedules"},
+    {"gestures", "phonology", "pipeline", "reports", "schedules"},
     {"lines", "packs"},
     {"banks", "rigs"},
     {"animations", "resolver"},
@@ -52,6 +52,7 @@ PACKS = ("yaml", "models", "", "checking")
 """Floors within `packs`; modules without a folder are between the models and the checks."""
 
 ALONE = {
+    "gestures": {"arrays"},
     "pipeline": {"arrays"},
     "phonology": {"arrays", "errors", "extensions", "extras", "files", "json_object"},
     "schedules": {"arrays", "errors", "extensions", "files", "json_object"},

@@ -302,6 +302,40 @@ BAD = [
     Bad("measure of a character's rule", ANNA, "rig: model",
         "rig: model\nchecks: {rules: {opens: {phonemes: [a], measure: gape, at_least: 0.1}}}",
         (("P231", 11, "gape"),), "known: aperture"),
+    Bad("gestures that move speech, or nothing", POSESET, "title: Face",
+        "title: Face\n"
+        "gesture_poses: {wide: {region: lips, speed_limit: 9}, "
+        "lid: {region: eyes, speed_limit: 9}}\n"
+        "gestures:\n"
+        "  blink: {on: pause, curve: [[0, 0], [0.5, 1], [1, 0]], "
+        "poses: {lid: 1, open: 1, lids: 1}}",
+        (("P232", 5, "wide"), ("P232", 7, "open: 1"), ("P201", 7, "lids")), "declared under"),
+    Bad("gestures too fast and too large", POSESET, "title: Face",
+        "title: Face\n"
+        "gesture_poses: {lid: {region: eyes, speed_limit: 9}}\n"
+        "gestures:\n"
+        "  fast: {on: pause, curve: [[0, 0], [0.1, 1], [1, 0]], poses: {lid: 1}}\n"
+        "  large: {on: pause, curve: [[0, 0], [0.5, 1], [1, 0]], poses: {lid: 1.5}}",
+        (("P233", 7, "1}}"), ("P233", 8, "1.5}}")), "raise `most`"),
+    Bad("gesture of a character", ANNA, "rig: model",
+        "rig: model\ngestures: {blinc: 0.5}\n",
+        (("P234", 11, "blinc"),)),
+    Bad("gesture placed twice, or by nothing", POSESET, "title: Face",
+        "title: Face\n"
+        "gestures:\n"
+        "  both: {on: pause, per_minute: {speech: 9, silence: 9}, curve: [[0, 0], [1, 1], [2, 0]], "
+        "poses: {lid: 1}}\n"
+        "  drawn: {on: pause, at: pause, curve: [[0, 0], [1, 1], [2, 0]], poses: {lid: 1}}\n"
+        "  ends: {on: pause, curve: [[0, 0], [1, 1], [2, 0.5]], poses: {lid: 1}}\n"
+        "  back: {on: pause, curve: [[0, 0], [1, 1], [1, 0]], poses: {lid: 1}}",
+        (("P115", 6, "pause, per"), ("P115", 7, "pause, curve: [[0"), ("P113", 8, "[2"),
+         ("P113", 9, "[1, 0]"))),
+    Bad("gesture pose with half a turn", POSESET, "title: Face",
+        "title: Face\n"
+        "gesture_poses:\n"
+        "  nod: {region: head, speed_limit: 9, node: Head}\n"
+        "  lid: {region: eyes, speed_limit: 9, most: 3}",
+        (("P115", 6, "Head"), ("P115", 7, "3}"))),
     Bad("phonemes of a rule", POSESET, "PBM: -1}}",
         "PBM: -1}}\nchecks: {rules: {x: {phonemes: [a, b, a], measure: aperture, at_most: 0}}}",
         (("P202", 25, "b, a"), ("P205", 25, "a], mea"))),

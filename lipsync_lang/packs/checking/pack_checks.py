@@ -18,6 +18,8 @@ from lipsync_lang.packs.models import (
     Character,
     Checks,
     Delivery,
+    Gesture,
+    GesturePose,
     Language,
     Phonemes,
     PoseSet,
@@ -150,6 +152,7 @@ def check_poseset(
         yield from _regions(poseset, ("intensity", "regions", number), [region], model, key=False)
     for name, style in model.styles.items():
         yield from _regions(poseset, ("styles", name, "regions"), style.regions, model)
+    yield from _gestures(poseset)
     yield from _file(poseset, ("model",), model.model)
     yield from conflicts(poseset, banks)
 
@@ -207,6 +210,46 @@ def _poses(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             what = f"no target moves '{pose}', so drafts leave it at rest"
             hint = "name it under `targets`, or leave it to the banks"
             yield poseset.warning(("poses", pose), "W301", what, hint, key=True)
+
+
+def _gestures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Check that gestures move poses of their own, within their bounds and speed."""
+    model = poseset.model
+    for pose in model.gesture_poses:
+        if pose in model.poses:
+            what = f"'{pose}' is a pose of speech already"
+            hint = "delete one of the two"
+            yield poseset.fault(("gesture_poses", pose), "P232", what, hint, key=True)
+    for name, gesture in model.gestures.items():
+        for pose, amount in gesture.poses.items():
+            loc: Loc = ("gestures", name, "poses", pose)
+            stated = model.gesture_poses.get(pose)
+            if pose in model.poses:
+                what = f"speech moves '{pose}', so the gesture '{name}' may not"
+                hint = "move another shape, declared under `gesture_poses`"
+                yield poseset.fault(loc, "P232", what, hint, key=True)
+            elif stated is None:
+                yield poseset.unknown(loc, "P201", "pose", pose, model.gesture_poses, key=True)
+            else:
+                yield from _gesture_bounds(poseset, loc, gesture, stated, amount)
+
+
+def _gesture_bounds(
+    poseset: "Pack[PoseSet]", loc: Loc, gesture: Gesture, pose: GesturePose, amount: float
+) -> Iterator[Fault]:
+    """Check that a gesture keeps to the largest amount and the speed of one of its poses."""
+    least = 0.0 if pose.node is None else -pose.most
+    if not least <= amount <= pose.most:
+        what = f"'{loc[-1]}' goes from {least:g} to {pose.most:g}, not to {amount:g}"
+        yield poseset.fault(loc, "P233", what, "lower the amount, or raise `most`")
+    speed, unit = gesture.speed(str(loc[-1])), "" if pose.node is None else " degrees"
+    if speed > pose.speed_limit * (1 + 1e-9):
+        what = (
+            f"'{loc[-1]}' moves by {speed:.3g}{unit} a second, faster than its limit of "
+            f"{pose.speed_limit:g}"
+        )
+        hint = "give the curve more seconds, lower the amount, or raise `speed_limit`"
+        yield poseset.fault(loc, "P233", what, hint)
 
 
 def check_bank(
@@ -333,6 +376,10 @@ def _delivery(
 ) -> Iterator[Fault]:
     """Check that dials name regions of the pose set, and that styles have a bank or a draft."""
     yield from _regions(character, (*at, "dials"), stated.dials, poseset)
+    for name in stated.gestures:
+        if name not in poseset.gestures:
+            place: Loc = (*at, "gestures", name)
+            yield character.unknown(place, "P234", "gesture", name, poseset.gestures, key=True)
     known = {*styles, *poseset.styles} - {BankPack.model_fields["style"].default}
     for style in stated.styles:
         if style not in known:

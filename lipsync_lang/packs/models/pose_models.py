@@ -31,6 +31,7 @@ from lipsync_lang.packs.models.fields import (
     TrigramKey,
     Unit,
 )
+from lipsync_lang.packs.models.gesture_models import Gesture, GesturePose, GestureScale
 from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
@@ -268,6 +269,10 @@ class PoseSet(PackModel):
     """Styles drafted from the neutral bigrams, by name."""
     targets: dict[Common, Targets] = Field(default={})
     """The weights of poses at each phoneme; a list of several for a sound that moves."""
+    gesture_poses: dict[PoseName, GesturePose] = Field(default={})
+    """Shapes and turns that only gestures move."""
+    gestures: dict[Text, Gesture] = Field(default={})
+    """Blinks, raised brows, nods and the like; `--gestures` turns them on."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})
     """Measures for quality reports: sums of gain times pose."""
     checks: Checks = Checks()
@@ -429,6 +434,8 @@ class Delivery(Strict):
     """The share of each style over neutral; or [word, share] points with straight lines between."""
     dials: dict[Text, Levels] = Field(default={})
     """Scale for the poses of a region: 0 none, 1 unchanged, 2 double; or [word, level] points."""
+    gestures: dict[Text, GestureScale] = Field(default={})
+    """Scale for single gestures, where gestures are on: 0 leaves one out."""
 
 
 class LineEdits(Delivery):

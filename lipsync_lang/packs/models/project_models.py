@@ -86,6 +86,10 @@ def _preset(value: Data) -> Data:
     return {"preset": value} if isinstance(value, str) else value
 
 
+def _switch(value: Data) -> Data:
+    return ("all" if value else "none") if isinstance(value, bool) else value
+
+
 def _or(form: dict[str, Any]) -> Any:
     return lambda full: [full, form]
 
@@ -155,6 +159,9 @@ class Project(PackModel):
     """Motion settings over the character's own; a preset's name alone is short for it."""
     shades: bool | None = None
     """False to perform each shade as its parent; unless stated, only the paper's thresholds do."""
+    gestures: Annotated[Text, Short(_switch, forms=_or({"type": "boolean"}))] | None = None
+    """Gestures of every output: `all`, or those to make, such as `blink,accent:0.5`. By default
+    pages and videos of `run` have them all, and other files none."""
     outputs: Annotated[tuple[Output, ...], OrOne] = ()
     """Outputs of `run` and `build`, from this folder: FILE or FORMAT:FILE.
 

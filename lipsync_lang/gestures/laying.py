@@ -1,0 +1,183 @@
+"""Laying: placed gestures become curves over the frames of a line.
+
+Conventions: (T, G) is frames by poses of gestures. Frames are those of the animation, all of them.
+
+A gesture moves to a frame by at most half a frame, so that its peak is seen at any rate. Between
+two points its curve is a rounded step, 3 x^2 - 2 x^3. So it accelerates by at most 6 times the step
+over the square of its seconds, and has no corner. Gestures that move the same pose add up; where
+that is too much or too fast, the sum is kept to the bounds and the speed of the pose. All poses
+rest in the first and the last frame: a gesture beyond them moves inwards by at most
+`SHIFT_SECONDS`, or is left out.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import ceil
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from lipsync_lang.arrays import Floats
+from lipsync_lang.gestures.placing import GestureShape, PlacedGesture
+
+SHIFT_SECONDS = 0.25
+"""Longest move of a gesture that would leave the frames of its line."""
+
+
+class LaidCurve(NamedTuple):
+    """A gesture at a frame rate."""
+
+    peak: float
+    """Seconds from its beginning to the middle of its peak."""
+    before: int
+    """Frames from the first sample to the peak."""
+    block: Floats
+    """(n, G) amounts."""
+
+
+class LaidGesture(NamedTuple):
+    """A gesture at its frames."""
+
+    gesture: PlacedGesture
+    first: int
+    stop: int
+
+
+@dataclass(frozen=True, eq=False)
+class GestureSet:
+    """The gestures of a pose set, and the poses that they move."""
+
+    poses: tuple[str, ...]
+    channels: tuple[dict[str, Any], ...]
+    """Fields of the channel of each pose."""
+    shapes: tuple[GestureShape, ...]
+    low: Floats
+    """(G,) least amount."""
+    high: Floats
+    """(G,) greatest amount."""
+    speed: Floats
+    """(G,) greatest speed, in amount per second."""
+    _laid: dict[tuple[int, float], LaidCurve] = field(default_factory=dict)
+
+    @classmethod
+    def from_plain(cls, data: dict[str, Any]) -> Self:
+        """Build the set from plain data, as a resolved pair stores it."""
+        poses = data["poses"]
+        number = {pose["name"]: n for n, pose in enumerate(poses)}
+        high = np.array([pose["most"] for pose in poses], float)
+        shapes = (
+            GestureShape(
+                **one
+                | {
+                    "curve": tuple((at, value) for at, value in one["curve"]),
+                    "poses": tuple((number[pose], by) for pose, by in one["poses"].items()),
+                    "rates": tuple(one["rates"]) if one["rates"] else None,
+                    "at": tuple(one["at"]),
+                }
+            )
+            for one in data["gestures"]
+        )
+        return cls(
+            tuple(number),
+            tuple(
+                {k: tuple(v) if isinstance(v, list) else v for k, v in pose["channel"].items()}
+                for pose in poses
+            ),
+            tuple(shapes),
+            np.where([pose["channel"]["node"] is None for pose in poses], 0.0, -high),
+            high,
+            np.array([pose["speed_limit"] for pose in poses], float),
+        )
+
+    @cached_property
+    def mates(self) -> tuple[frozenset[int], ...]:
+        """The gestures that move a pose of each one; itself is one of them."""
+        moved = [{pose for pose, _ in shape.poses} for shape in self.shapes]
+        return tuple(frozenset(n for n, own in enumerate(moved) if own & each) for each in moved)
+
+    @cached_property
+    def triggers(self) -> frozenset[str]:
+        """The facts that any gesture asks for."""
+        return frozenset(name for one in self.shapes for name in (one.on or "", *one.at))
+
+    @cached_property
+    def by_pitch(self) -> bool:
+        """True if the voice scales any gesture."""
+        return any(one.by_pitch for one in self.shapes)
+
+    def laid(self, number: int, fps: float) -> LaidCurve:
+        """Return the curve of a gesture at a frame rate, with a frame on its peak."""
+        kept = self._laid.get((number, fps))
+        if kept is None:
+            kept = self._laid[number, fps] = self._sampled(self.shapes[number], fps)
+        return kept
+
+    def _sampled(self, shape: GestureShape, fps: float) -> LaidCurve:
+        times, values = np.array(shape.curve, float).T
+        tops = times[values == values.max()]
+        peak = float(tops[0] + tops[-1]) / 2
+        before = ceil(peak * fps - 1e-9) - 1
+        after = ceil((shape.seconds - peak) * fps - 1e-9) - 1
+        at = peak + np.arange(-before, after + 1) / fps
+        part = np.clip(times.searchsorted(at, "right") - 1, 0, len(times) - 2)
+        share = np.clip((at - times[part]) / (times[part + 1] - times[part]), 0, 1)
+        curve = values[part] + np.diff(values)[part] * share * share * (3 - 2 * share)
+        block = np.zeros((len(at), len(self.poses)))
+        for pose, amount in shape.poses:
+            block[:, pose] = amount * curve
+        return LaidCurve(peak, before, block)
+
+    def lay(
+        self, placed: Sequence[PlacedGesture], start: float, count: int, fps: float
+    ) -> tuple[Floats, list[LaidGesture]]:
+        """Return the curves of all poses, (T, G), and the frames of the gestures that fit.
+
+        Parameters
+        ----------
+        start : seconds of the first frame
+        count : number of frames
+        """
+        out = np.zeros((count, len(self.poses)))
+        laid: list[LaidGesture] = []
+        guarded = False
+        for gesture in placed:
+            number = gesture.number
+            peak, before, block = self.laid(number, fps)
+            asked = round((gesture.begin + peak - start) * fps) - before
+            first = min(max(asked, 1), count - 1 - len(block))
+            if first < 1 or abs(first - asked) > SHIFT_SECONDS * fps:
+                continue
+            stop = first + len(block)
+            mates = self.mates[number]
+            guarded = (
+                guarded
+                or gesture.height > 1
+                or any(
+                    one.first <= stop and first <= one.stop and one.gesture.number in mates
+                    for one in laid
+                )
+            )
+            out[first:stop] += block if gesture.height == 1 else gesture.height * block
+            laid.append(LaidGesture(gesture, first, stop))
+        return (self._guard(out, fps) if guarded else out), laid
+
+    def _guard(self, curves: Floats, fps: float) -> Floats:
+        """Keep a sum of gestures to the bounds and the speed of its poses.
+
+        The mean of the smallest slow curve above and the largest below is slow, and is the curve
+        itself where that is slow. So is the middle one of it and two ramps from rest.
+        """
+        bound = np.clip(curves, self.low, self.high)
+        slope = np.arange(len(bound))[:, None] * (self.speed / fps)
+        slow = (_below(bound, slope) - _below(-bound, slope)) / 2
+        ramp = np.minimum(slope, slope[::-1])
+        out: Floats = np.clip(slow, np.maximum(-ramp, self.low), np.minimum(ramp, self.high))
+        return out
+
+
+def _below(curves: Floats, slope: Floats) -> Floats:
+    """Return the largest slow curves below (T, G) curves, as `pipeline.limit.lower_envelope`."""
+    out = np.minimum.accumulate(curves - slope) + 2 * slope
+    back: Floats = np.minimum.accumulate(out[::-1])[::-1] - slope
+    return np.minimum(back, curves)

@@ -1,0 +1,174 @@
+"""Placing: the gestures of a line, at its facts or at intervals drawn for it.
+
+Conventions: times are seconds. A draw depends on the words up to its place, so a line has the same
+gestures in every build, and a changed word leaves those before it where they were. Nothing looks
+more than a second ahead: a fact draws gestures from `DRAWING_SECONDS`, and may lead by as much.
+"""
+
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
+from math import cos, exp, log, pi, sqrt
+from typing import NamedTuple
+
+DRAWING_SECONDS = 0.5
+"""Distance from which a fact draws a gesture that comes by itself."""
+
+OPENING_SECONDS = 0.9
+"""Time at the beginning of a line whose words tell it from other lines."""
+
+SPREAD = 0.7
+"""Standard deviation of the logarithm of the gaps between gestures that come by themselves."""
+
+_MASK = 0xFFFFFFFF
+
+
+class GestureShape(NamedTuple):
+    """A gesture as the pose set states it."""
+
+    name: str
+    curve: tuple[tuple[float, float], ...]
+    """Points of seconds and value."""
+    poses: tuple[tuple[int, float], ...]
+    """Number and amount of each pose that it moves."""
+    on: str | None
+    share: float
+    lead: float
+    rates: tuple[float, float] | None
+    """Times a minute in speech, and in silence."""
+    at: tuple[str, ...]
+    apart: float
+    by_pitch: bool
+    place: str
+    """file:line:column"""
+
+    @property
+    def seconds(self) -> float:
+        """Length of the gesture."""
+        return self.curve[-1][0]
+
+
+class LineFact(NamedTuple):
+    """A time at which a gesture may be placed."""
+
+    seconds: float
+    height: float = 1.0
+    """Rise of the voice, from 0 to 1; 1 without sound."""
+
+
+class LineFacts(NamedTuple):
+    """A line as far as gestures know it."""
+
+    start: float
+    end: float
+    phrases: Sequence[tuple[float, float]]
+    """Beginning and end of each stretch of speech between pauses."""
+    facts: Mapping[str, Sequence[LineFact]]
+    """Facts by trigger, in order of time."""
+    starts: Sequence[float]
+    """Start of each word."""
+    seeds: Sequence[int]
+    """A number for the words up to each word; one more than there are words."""
+
+    def seed(self, seconds: float) -> int:
+        """Return the number of the words that have begun by a time."""
+        return self.seeds[bisect_right(self.starts, seconds + 1e-9)]
+
+
+class PlacedGesture(NamedTuple):
+    """A gesture in a line."""
+
+    number: int
+    """Index among the gestures of the pose set."""
+    begin: float
+    height: float
+    """Factor of its amounts."""
+    trigger: str
+    fact: float
+    """Time of the fact; for a gesture that comes by itself, its own."""
+
+
+def place(
+    gestures: Sequence[GestureShape], scales: Sequence[float], line: LineFacts
+) -> list[PlacedGesture]:
+    """Return the gestures of a line, each kind in order of time.
+
+    Parameters
+    ----------
+    scales : factor of each gesture; 0 leaves it out
+    """
+    found: list[PlacedGesture] = []
+    for number, (gesture, scale) in enumerate(zip(gestures, scales, strict=True)):
+        if scale == 0:
+            continue
+        drawn = _by_itself if gesture.on is None else _on_facts
+        free = -1e9  # time from which the next one may begin
+        for trigger, fact in drawn(number, gesture, line):
+            begin = fact.seconds - gesture.lead
+            if begin >= free:
+                height = fact.height if gesture.by_pitch else 1.0
+                found.append(PlacedGesture(number, begin, scale * height, trigger, fact.seconds))
+                free = begin + max(gesture.apart, gesture.seconds)
+    return found
+
+
+def _on_facts(
+    number: int, gesture: GestureShape, line: LineFacts
+) -> Iterator[tuple[str, LineFact]]:
+    """Yield the facts with the gesture."""
+    trigger = gesture.on or ""
+    for fact in line.facts.get(trigger, ()):
+        if gesture.share >= 1 or _uniform(line.seed(fact.seconds), number) < gesture.share:
+            yield trigger, fact
+
+
+def _by_itself(
+    number: int, gesture: GestureShape, line: LineFacts
+) -> Iterator[tuple[str, LineFact]]:
+    """Yield times whose gaps are log-normal, in a clock that runs with the rate of the moment."""
+    at, clock = _clock(gesture.rates or (0.0, 0.0), line)
+    drawing = sorted((fact, name) for name in gesture.at for fact in line.facts.get(name, ()))
+    seed, salt = line.seed(line.start + OPENING_SECONDS), 2 * number
+    # the line begins at a random place within a gap, and long gaps cover more places
+    passed = _uniform(seed, salt + 97) * _gap(seed, salt, SPREAD / 2)
+    while passed < clock[-1]:
+        part = bisect_right(clock, passed) - 1
+        share = (passed - clock[part]) / (clock[part + 1] - clock[part])
+        time = at[part] + share * (at[part + 1] - at[part])
+        near = min(drawing, key=lambda one: abs(one[0].seconds - time), default=None)
+        if near is not None and abs(near[0].seconds - time) <= DRAWING_SECONDS:
+            yield near[1], near[0]
+        else:
+            yield "", LineFact(time)
+        salt += 1000
+        passed += _gap(line.seed(time), salt, -SPREAD / 2)
+
+
+def _clock(rates: tuple[float, float], line: LineFacts) -> tuple[list[float], list[float]]:
+    """Return times at which the rate changes, and the mean number of gestures until each."""
+    at, clock = [line.start], [0.0]
+
+    def run(until: float, rate: float) -> None:
+        if until > at[-1]:
+            clock.append(clock[-1] + (until - at[-1]) * rate / 60)
+            at.append(until)
+
+    for begin, end in line.phrases:
+        run(begin, rates[1])
+        run(end, rates[0])
+    run(line.end, rates[1])
+    return at, clock
+
+
+def _gap(seed: int, salt: int, shift: float) -> float:
+    """Draw a log-normal gap; its mean is 1 for the shift -SPREAD / 2."""
+    radius = sqrt(-2 * log(_uniform(seed, salt)))
+    normal = radius * cos(2 * pi * _uniform(seed, salt + 31))
+    return exp(SPREAD * (normal + shift))
+
+
+def _uniform(seed: int, salt: int) -> float:
+    """Draw a number between 0 and 1, from all bits of a seed (the finaliser of MurmurHash3)."""
+    bits = (seed + 0x9E3779B1 * (salt + 1)) & _MASK
+    bits = ((bits ^ bits >> 16) * 0x85EBCA6B) & _MASK
+    bits = ((bits ^ bits >> 13) * 0xC2B2AE35) & _MASK
+    return ((bits ^ bits >> 16) + 0.5) / (_MASK + 1)

@@ -1,0 +1,271 @@
+"""Gestures of a performed line: its facts, and their curves beside those of speech.
+
+Speech is not changed: each pose of a gesture is a column after those of speech.
+"""
+
+from bisect import bisect_left, bisect_right
+from collections import Counter
+from collections.abc import Mapping
+from math import inf
+from typing import TYPE_CHECKING
+from zlib import crc32
+
+import numpy as np
+
+from lipsync_lang.animations.explanation import PoseAt, StageAt
+from lipsync_lang.arrays import Floats
+from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
+from lipsync_lang.gestures.laying import GestureSet, LaidGesture
+from lipsync_lang.gestures.placing import DRAWING_SECONDS, LineFact, LineFacts, place
+from lipsync_lang.performing.stress import PRIMARY, VOWEL
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.label_sounds import LabelSounds
+    from lipsync_lang.performing.performed_line import PerformedLine
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.resolver.compiled import CompiledPair
+    from lipsync_lang.schedules.schedule import Audio, Schedule
+
+GestureScales = str | Mapping[str, float]
+"""Factors by gesture; or text such as ``blink,accent:0.5``, ``all`` and ``none``."""
+
+ALL, NONE = "all", "none"
+"""Words for every gesture and for no gesture."""
+
+MOST_SCALE = 2.0
+"""Largest factor of a gesture."""
+
+PAUSE_SECONDS = 0.12
+"""Shortest silence that is a pause."""
+
+PAUSE_SETTLED_SECONDS = 0.3
+"""Latest place of a pause's fact after its beginning."""
+
+RANGE_SEMITONES = 6.0
+"""Rise of the voice over its median nearby that gives a gesture all of its height."""
+
+LEAST_HEIGHT = 0.4
+"""Height of a gesture where the voice does not rise."""
+
+BEFORE_SECONDS = 2.0
+"""Time before a vowel over whose median its voice rises."""
+
+MARKED_PROMINENCE = 1000.0
+"""Prominence of a word with emphasis in the text, above any pitch and length."""
+
+
+def scales_of(
+    compiled: "CompiledPair", asked: GestureScales | None, line: str | None = None
+) -> list[float] | None:
+    """Return the factor of each gesture; None if all are off.
+
+    Settings of a call come on top of those of the line, or else the character.
+
+    Raises
+    ------
+    LipsyncError
+        A gesture is unknown, a factor out of range, or the pose set has no gestures.
+    """
+    stated = _parsed(asked) if isinstance(asked, str) else dict(asked or {})
+    if not stated:
+        return None
+    known = [gesture["name"] for gesture in compiled.gestures["gestures"]]
+    every = stated.pop(ALL, 0.0)
+    for name, factor in [(ALL, every), *stated.items()]:
+        if not 0 <= factor <= MOST_SCALE:
+            raise LipsyncError(f"gesture {name}: {factor:g} is not from 0 to {MOST_SCALE:g}")
+    if not known and stated:
+        raise LipsyncError(
+            f"pose set {compiled.poseset} has no gestures; declare them under `gestures`"
+        )
+    for name in list(stated):
+        own = spelled(name, known)
+        if own not in known:
+            raise LipsyncError(f"unknown gesture '{name}'; {did_you_mean(name, known)}")
+        stated[own] = stated.pop(name)
+    usual = compiled.delivery["gestures"]
+    usual = {**usual, **compiled.line_deliveries.get(line or "", {}).get("gestures", {})}
+    found = [stated.get(name, every) * usual.get(name, 1.0) for name in known]
+    return found if any(found) else None
+
+
+def _parsed(text: str) -> dict[str, float]:
+    """Parse ``blink,accent:0.5``."""
+    found = {}
+    for part in filter(None, (one.strip() for one in text.split(","))):
+        name, colon, factor = part.partition(":")
+        try:
+            found[name.strip()] = float(factor) if colon else 1.0
+        except ValueError:
+            what = f"gesture {part}: write NAME or NAME:FACTOR, such as {name}:0.5"
+            raise LipsyncError(what) from None
+    return {} if [*found] == [NONE] else found
+
+
+def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its settings
+    performer: "Performer",
+    schedule: "Schedule",
+    sounds: "LabelSounds",
+    times: Floats,
+    fps: float,
+    scales: list[float],
+    line: str | None,
+) -> tuple[Floats, list[LaidGesture]]:
+    """Return the curves of gestures over (T,) frames, (T, G), and the gestures."""
+    own = performer.gesture_set
+    start, end = float(times[0]), float(times[-1])
+    facts = _facts(performer, schedule, sounds)
+    whole = LineFacts(start, end, *facts, *_seeds(schedule, line))
+    return own.lay(place(own.shapes, scales, whole), start, len(times), fps)
+
+
+def _repeated(said: "PerformedLine", animation: "Animation") -> tuple[Floats, list[LaidGesture]]:
+    """Return the curves and the gestures of an animation, whose frames are all of its line."""
+    performer, line = said.performer, said.settings["line"]
+    scales = scales_of(performer.compiled, said.settings.get("gestures"), line)
+    if scales is None:
+        return np.zeros((len(animation), 0)), []
+    (sounds,) = performer.labels.read([animation.schedule])
+    return gesture_curves(
+        performer, animation.schedule, sounds, animation.times, animation.fps, scales, line
+    )
+
+
+def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
+    """Describe how often an animation has each gesture, and how far its head turns.
+
+    It is empty for an animation without gestures.
+    """
+    curves, laid = _repeated(said, animation)
+    if not curves.size:
+        return ""
+    own, minutes = said.performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
+    counts = Counter(one.gesture.number for one in laid)
+    told = []
+    for number, shape in enumerate(own.shapes):
+        aim = " ({:g} in speech, {:g} in silence)".format(*shape.rates) if shape.rates else ""
+        told.append(f"{shape.name} {counts[number] / minutes:.0f}{aim}")
+    turns = curves[:, [channel["node"] is not None for channel in own.channels]]
+    degrees = 2 * float(np.sqrt(turns.var(axis=0).sum()))
+    turned = f"; turns of {degrees:.1f} degrees (2 standard deviations)" if turns.size else ""
+    return f"gestures a minute: {', '.join(told)}{turned}"
+
+
+def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tuple[PoseAt, ...]:
+    """Explain the amounts of the poses of gestures in a frame."""
+    curves, laid = _repeated(said, animation)
+    if not curves.size:
+        return ()
+    own, found = said.performer.gesture_set, []
+    for number, pose in enumerate(own.poses):
+        amount = float(curves[frame, number])
+        why = ", ".join(
+            _told(own, one, animation)
+            for one in laid
+            if one.first <= frame < one.stop
+            and any(pose == number for pose, _ in own.shapes[one.gesture.number].poses)
+        )
+        found.append(PoseAt(pose, amount, (), (StageAt("gesture", amount, why),)))
+    return tuple(found)
+
+
+def _told(own: GestureSet, laid: LaidGesture, animation: "Animation") -> str:
+    """Describe a gesture of a frame: its trigger, its word, its height and its place."""
+    placed, shape = laid.gesture, own.shapes[laid.gesture.number]
+    fact = placed.fact + 1e-9
+    word = next((w.text for w in reversed(animation.schedule.words) if w.start <= fact), None)
+    trigger = placed.trigger.replace("_", " ") or "by itself"
+    where = f"at '{word}', " if word else ""
+    height = "" if placed.height == 1 else f"height {placed.height:.2f}, "
+    return f"{shape.name}: {trigger} {where}{placed.fact:.3f} s, {height}{shape.place}"
+
+
+def _seeds(schedule: "Schedule", line: str | None) -> tuple[list[float], list[int]]:
+    """Return the start of each word, and a number for the words before each, and for all."""
+    words = [(word.start, word.text) for word in schedule.words]
+    words = words or [*zip(schedule.times.tolist(), schedule.labels, strict=False)]
+    seeds = [crc32((line or "").encode("utf-8", "surrogatepass"))]
+    for _, text in words:
+        seeds.append(crc32(text.encode("utf-8", "surrogatepass"), seeds[-1]))
+    return [start for start, _ in words], seeds
+
+
+def _facts(
+    performer: "Performer", schedule: "Schedule", sounds: "LabelSounds"
+) -> tuple[list[tuple[float, float]], dict[str, list[LineFact]]]:
+    """Return the phrases of a line, and the facts that its gestures ask for, by trigger."""
+    own, labels = performer.gesture_set, performer.labels
+    phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
+    facts = {
+        "phrase_end": [LineFact(end) for _, end in phrases],
+        "pause": [LineFact(min((a + b) / 2, a + PAUSE_SETTLED_SECONDS)) for a, b in pauses],
+    }
+    if not own.triggers & {"stress", "emphasis"}:
+        return phrases, facts
+    stresses = labels.stresses(sounds).tolist()
+    vowels = [number for number, stress in enumerate(stresses) if stress == PRIMARY]
+    marked = bool(vowels)
+    if not stresses:  # a language without marks: any vowel may stand out
+        kinds = labels.classes(sounds.ids, sounds.source, len(schedule))
+        vowels = [number for number, kind in enumerate(kinds) if kind == VOWEL]
+    times = schedule.times.tolist()
+    begins, ends = [times[n] for n in vowels], [times[n + 1] for n in vowels]
+    if own.by_pitch and schedule.audio is not None and vowels:
+        rises = _rises(schedule.audio, np.array(begins), np.array(ends))
+        heights = [min(max(LEAST_HEIGHT + one / RANGE_SEMITONES, LEAST_HEIGHT), 1) for one in rises]
+        every = list(map(LineFact, begins, heights))
+    else:
+        rises = [end - begin for begin, end in zip(begins, ends, strict=True)]
+        every = list(map(LineFact, begins))
+    for word in schedule.words:
+        if word.emphasis:
+            for at, number in enumerate(vowels):
+                rises[at] += MARKED_PROMINENCE * (word.first <= number < word.stop)
+    facts["stress"] = every if marked else []
+    facts["emphasis"] = [every[number] for number in _stand_out(begins, rises)]
+    return phrases, facts
+
+
+def _phrases(
+    sounds: "LabelSounds", silence: int
+) -> tuple[list[tuple[float, float]], list[tuple[float, float]]]:
+    """Return the stretches of speech of a line, and the pauses between and around them."""
+    times = sounds.times.tolist()
+    pauses: list[tuple[float, float]] = []
+    for number in np.flatnonzero(sounds.ids == silence).tolist():
+        begin, end = times[number], times[number + 1]
+        if pauses and pauses[-1][1] == begin:
+            begin = pauses.pop()[0]
+        pauses.append((begin, end))
+    pauses = [(begin, end) for begin, end in pauses if end - begin >= PAUSE_SECONDS]
+    edges = [times[0], *(at for pause in pauses for at in pause), times[-1]]
+    both = zip(edges[::2], edges[1::2], strict=True)
+    return [(begin, end) for begin, end in both if end > begin], pauses
+
+
+def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
+    """Return how far the voice rises in each vowel over those before and soon after: semitones."""
+    from lipsync_lang.gestures.pitch import pitches
+
+    at = (begins + 0.4 * (ends - begins), begins + 0.7 * (ends - begins))
+    heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
+    tones = 12 * np.log2(np.maximum(heard, 1.0))
+    voiced = heard > 0
+    # what comes more than `DRAWING_SECONDS` later does not count, so that it changes nothing here
+    near = voiced & (begins <= begins[:, None] + DRAWING_SECONDS)
+    near &= begins >= begins[:, None] - BEFORE_SECONDS
+    usual = [np.median(tones[own]) if own.any() else 0.0 for own in near]
+    rises: list[float] = np.where(voiced, tones - np.array(usual), 0.0).tolist()
+    return rises
+
+
+def _stand_out(times: list[float], rises: list[float]) -> list[int]:
+    """Return the vowels that no other near them exceeds; of equals the first stands out."""
+    found = []
+    for number, (time, rise) in enumerate(zip(times, rises, strict=True)):
+        first = bisect_left(times, time - DRAWING_SECONDS)
+        stop = bisect_right(times, time + DRAWING_SECONDS)
+        if rise > max(rises[first:number], default=-inf) and rise >= max(rises[number:stop]):
+            found.append(number)
+    return found

@@ -1,0 +1,293 @@
+"""Gestures: placed by the facts of a line, the same in every build, within bounds and speed."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import RATES
+
+import lipsync_lang as ll
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.gestures.laying import GestureSet
+from lipsync_lang.gestures.pitch import pitches
+from lipsync_lang.gestures.placing import LineFact, LineFacts, PlacedGesture, place
+from lipsync_lang.performing.gesturing import gesture_curves
+from lipsync_lang.schedules.schedule import Audio, Word
+
+BLINK = [[0, 0], [0.08, 1], [0.12, 1], [0.26, 0]]
+NOD = [[0, 0], [0.18, 1], [0.5, 0]]
+
+
+def stated(name, **fields):
+    usual = {"curve": BLINK, "poses": {"lids": 1.0}, "on": None, "share": 1.0, "lead": 0.0}
+    usual |= {"rates": None, "at": [], "apart": 0.0, "by_pitch": False, "place": "face.yaml:1:1"}
+    return {"name": name, **usual, **fields}
+
+
+def gesture_set(*gestures):
+    channel = {"names": [], "node": None, "rotation": None}
+    bone = {"names": [], "node": "Head", "rotation": [1, 0, 0]}
+    poses = [
+        {"name": "lids", "most": 1.0, "speed_limit": 20.0, "channel": {"name": "lids", **channel}},
+        {"name": "nod", "most": 9.0, "speed_limit": 60.0, "channel": {"name": "nod", **bone}},
+    ]
+    return GestureSet.from_plain({"poses": poses, "gestures": list(gestures)})
+
+
+def line(end=4.0, **facts):
+    made = {name: [LineFact(at) for at in times] for name, times in facts.items()}
+    starts = [0.3 * n for n in range(int(end / 0.3))]
+    return LineFacts(0.0, end, [(0.2, end - 0.2)], made, starts, [7919 * n for n in range(99)])
+
+
+def placed(gesture, facts):
+    return [one.begin for one in place(gesture_set(gesture).shapes, [1.0], facts)]
+
+
+# Placing
+
+
+def test_a_gesture_begins_before_its_fact_by_its_lead():
+    brows = stated("accent", on="emphasis", lead=0.1)
+    assert placed(brows, line(emphasis=[1.0, 2.5])) == pytest.approx([0.9, 2.4])
+
+
+def test_a_share_of_facts_has_the_gesture():
+    every = [0.05 + 0.3 * n for n in range(66)]
+    found = placed(stated("nod", on="stress", share=0.4), line(20.0, stress=every))
+    assert 0.25 * len(every) < len(found) < 0.55 * len(every)
+    assert not placed(stated("nod", on="stress", share=0.0), line(20.0, stress=every))
+
+
+def test_gestures_keep_apart():
+    near = [0.5 + 0.1 * n for n in range(30)]
+    found = placed(stated("blink", on="pause", apart=0.7), line(stress=[], pause=near))
+    assert min(b - a for a, b in pairwise(found)) >= 0.7 - 1e-9
+
+
+@pytest.mark.parametrize(("speech", "low", "high"), [(True, 20, 30), (False, 12, 20)])
+def test_gestures_by_themselves_keep_their_rate(speech, low, high):
+    shapes = gesture_set(stated("blink", rates=[26, 17], apart=0.5)).shapes
+    count = seconds = 0
+    for number in range(300):
+        length = 2.0 + number % 9
+        spoken = [(0.0, length)] if speech else []
+        facts = LineFacts(0.0, length, spoken, {}, [], [number * 7919])
+        count += len(place(shapes, [1.0], facts))
+        seconds += length
+    assert low < count / seconds * 60 < high
+
+
+def test_a_pause_nearby_draws_a_blink():
+    blink = stated("blink", rates=[26, 17], at=["pause"])
+    alone = placed(blink, line(20.0))
+    drawn = place(gesture_set(blink).shapes, [1.0], line(20.0, pause=[alone[1] + 0.3]))
+    assert [one.begin for one in drawn if one.trigger == "pause"] == [alone[1] + 0.3]
+
+
+# Laying
+
+
+@given(
+    RATES,
+    st.lists(st.tuples(st.integers(0, 2), st.floats(-0.2, 3.2), st.floats(0, 2)), max_size=12),
+)
+def test_every_pose_keeps_its_bounds_its_speed_and_its_rest(fps, found):
+    own = gesture_set(
+        stated("blink"),
+        stated("nod", curve=NOD, poses={"nod": 7.0, "lids": 0.3}),
+        stated("back", curve=NOD, poses={"nod": -7.0}),
+    )
+    gestures = [PlacedGesture(n, begin, by, "pause", begin) for n, begin, by in found]
+    curves, _ = own.lay(gestures, 0.0, int(3 * fps), fps)
+    assert (curves >= own.low).all()
+    assert (curves <= own.high).all()
+    assert (np.abs(np.diff(curves, axis=0)) <= own.speed / fps + 1e-9).all()
+    assert not curves[[0, -1]].any()
+
+
+@given(RATES, st.floats(0.5, 2.0))
+def test_a_blink_shuts_the_lids_at_any_frame_rate(fps, begin):
+    blink = PlacedGesture(0, begin, 1.0, "pause", begin)
+    curves, (laid,) = gesture_set(stated("blink")).lay([blink], 0.0, int(3 * fps), fps)
+    assert curves[:, 0].max() == 1
+    assert abs(curves[:, 0].argmax() / fps - (begin + 0.1)) < 0.02 + 1 / fps
+    assert not curves[: laid.first].any()
+    assert not curves[laid.stop :].any()
+
+
+def test_a_gesture_at_the_end_moves_inwards_or_is_left_out():
+    own = gesture_set(stated("blink"))
+    ends = [PlacedGesture(0, begin, 1.0, "pause", begin) for begin in (1.85, 2.1)]
+    assert own.lay(ends[:1], 0.0, 121, 60)[0][:, 0].max() == 1
+    assert not own.lay(ends[1:], 0.0, 121, 60)[1]
+
+
+# Pitch
+
+
+def test_the_pitch_of_a_voice_is_found_and_that_of_noise_is_not():
+    times = np.arange(32000) / 16000
+    voice = sum(np.sin(2 * np.pi * 150 * n * times) / n for n in range(1, 9))
+    noise = np.random.default_rng(0).normal(size=32000)
+    heard = [(4000 * one).astype(np.int16) for one in (voice, noise)]
+    assert pitches(heard[0], 16000, np.array([0.5, 1.0])) == pytest.approx([150, 150], rel=0.04)
+    assert not pitches(heard[1], 16000, np.array([0.5, 1.0])).any()
+    assert not pitches(heard[0][:10], 16000, np.array([0.5])).any()
+
+
+# Performing
+
+WORDS = [("M AA1 M AH0", "mama"), ("T IY1", "tea"), ("S OW1 D AH0", "soda"), ("K AA1 R", "car")] * 4
+
+
+@pytest.fixture(scope="module")
+def performer():
+    return ll.resolve("english", "arkit")
+
+
+def said(words=WORDS, seconds=0.12, pause=3):
+    labels, spans = ["_"] * pause, []
+    for sounds, text in words:
+        spans.append(Word(text, len(labels), len(labels) + len(sounds.split())))
+        labels += sounds.split()
+    labels += ["_"] * pause
+    return ll.Schedule(labels, np.arange(len(labels) + 1) * seconds, spans, notation="arpabet")
+
+
+def test_speech_is_the_same_beside_gestures(performer):
+    spoken, moving = performer.perform(said()), performer.perform(said(), gestures="all")
+    assert np.array_equal(moving.weights[:, : len(spoken.poses)], spoken.weights)
+    assert moving["nod"].any()
+    assert len(moving.columns) == len(moving.poses) == moving.weights.shape[1]
+    assert moving.columns[moving.poses.index("nod")].node == "Head"
+    plain = performer.without_gestures(moving)
+    assert plain.poses == spoken.poses
+    assert np.array_equal(plain.weights, spoken.weights)
+    assert performer.without_gestures(spoken) is spoken
+
+
+def test_the_same_line_has_the_same_gestures(performer):
+    one, other = (performer.perform(said(), gestures="all") for _ in range(2))
+    assert one.weights.tobytes() == other.weights.tobytes()
+    both = performer.perform_many([said(WORDS[:3]), said()], gestures="all")
+    assert both[1].weights.tobytes() == one.weights.tobytes()
+
+
+@pytest.mark.parametrize("changed", range(6, len(WORDS)))
+def test_a_changed_word_leaves_gestures_up_to_a_second_before_it(performer, changed):
+    words = [*WORDS[:changed], ("B IY1 B ER0 D", "bird"), *WORDS[changed + 1 :]]
+    one, other = (performer.perform(said(w), gestures="all") for w in (WORDS, words))
+    until = np.searchsorted(one.times, said().words[changed].start - 1)
+    assert np.array_equal(one.weights[:until, 17:], other.weights[:until, 17:])
+
+
+def test_emphasis_draws_the_brows(performer):
+    schedule = said()
+    marked = replace(schedule, words=[replace(w, emphasis=float(w is schedule.words[5]))
+                                      for w in schedule.words])  # fmt: skip
+    (sounds,) = performer.labels.read([marked])
+    times = np.arange(0, 6, 1 / 60)
+    scales = [1.0] * len(performer.gesture_set.shapes)
+    _, laid = gesture_curves(performer, marked, sounds, times, 60, scales, None)
+    facts = [one.gesture.fact for one in laid if one.gesture.trigger == "emphasis"]
+    near = [at for at in facts if abs(at - marked.words[5].start) <= 0.5]
+    assert all(marked.words[5].start <= at < marked.words[5].end for at in near)
+
+
+def test_a_raised_voice_gives_height(performer):
+    every = performer.compiled.gestures
+    sure = {**every, "gestures": [one | {"share": 1.0} for one in every["gestures"]]}
+    performer = replace(performer, compiled=replace(performer.compiled, gestures=sure))
+    schedule = said()
+    rate, times = 16000, np.arange(int(16000 * schedule.end)) / 16000
+    tone = np.where((times > 2) & (times < 2.6), 170.0, 110.0)
+    sound = (6000 * np.sin(2 * np.pi * np.cumsum(tone) / rate)).astype(np.int16)
+    heard = replace(schedule, audio=Audio(sound, rate))
+    (sounds,) = performer.labels.read([heard])
+    scales = [1.0] * len(performer.gesture_set.shapes)
+    laid = gesture_curves(performer, heard, sounds, np.arange(0, 6, 1 / 60), 60, scales, None)[1]
+    nods = [one.gesture for one in laid if one.gesture.trigger == "stress"]
+    high = [one.height for one in nods if 2 < one.fact < 2.5]
+    low = [one.height for one in nods if one.fact < 1.5]
+    assert high
+    assert min(high) > max(low)
+
+
+def test_gestures_are_chosen_and_scaled(performer):
+    blinks = performer.perform(said(), gestures="blink")
+    assert blinks["eyeBlinkLeft"].max() == 1
+    assert not blinks["nod"].any()
+    every, low = (performer.perform(said(), gestures=g)["nod"] for g in ("nod", {"nod": 0.5}))
+    assert low == pytest.approx(every / 2)
+    assert not performer.perform(said(), gestures="all, nod:0")["nod"].any()
+    assert performer.perform(said(), gestures="none").poses == performer.poses
+
+
+def test_a_character_and_a_line_scale_gestures(performer):
+    plain = performer.compiled
+    quiet = replace(
+        performer,
+        compiled=replace(
+            plain,
+            delivery={**plain.delivery, "gestures": {"nod": 0.0}},
+            line_deliveries={"loud": {"gestures": {"nod": 1.0, "blink": 0.0}}},
+            line_edits={"loud": []},
+        ),
+    )
+    usual = quiet.perform(said(), gestures="all")
+    assert usual["eyeBlinkLeft"].any()
+    assert not usual["nod"].any()
+    loud = quiet.perform(said(), line="loud", gestures="all")
+    assert loud["nod"].any()
+    assert not loud["eyeBlinkLeft"].any()
+
+
+@pytest.mark.parametrize(
+    ("asked", "why"),
+    [
+        ("blinc", "unknown gesture 'blinc'; did you mean 'blink'"),
+        ("blink:x", "gesture blink:x: write NAME or NAME:FACTOR, such as blink:0.5"),
+        ("blink:3", "gesture blink: 3 is not from 0 to 2"),
+        ({"nod": -1.0}, "gesture nod: -1 is not from 0 to 2"),
+    ],
+)
+def test_faulty_gestures_are_refused(performer, asked, why):
+    with pytest.raises(LipsyncError, match=why):
+        performer.perform(said(), gestures=asked)
+
+
+def test_a_set_without_gestures_has_none_and_refuses_names():
+    bare = ll.resolve("english", "rhubarb")
+    assert bare.perform(said(), gestures="all").poses == bare.poses
+    with pytest.raises(LipsyncError, match="rhubarb has no gestures"):
+        bare.perform(said(), gestures="blink")
+
+
+def test_a_gesture_is_explained_by_its_trigger_and_its_line(performer):
+    moving = performer.perform(said(), gestures="all")
+    told = str(moving.explain(moving.times[moving["nod"].argmax()]))
+    assert "nod: stress at '" in told
+    assert "arkit/poseset.yaml:" in told
+    cut = str(moving.cut().explain(moving.times[moving["nod"].argmax()]))
+    assert cut == told
+
+
+def test_a_rig_passes_gestures_on_and_check_leaves_them_out(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "characters").mkdir()
+    (tmp_path / "characters/rigged.yaml").write_text(
+        "kind: character\nformat: 1\nname: rigged\nposeset: facefx\nrig: facefx-to-arkit\n"
+    )
+    rigged = ll.resolve("english", "rigged", paths=[tmp_path])
+    posed = rigged.perform(said(), gestures="all")
+    shown = rigged.rigged(posed)
+    assert np.array_equal(shown["nod"], posed["nod"])
+    assert shown.columns[shown.poses.index("nod")].node == "head"
+    assert rigged.rigged(shown) is shown
+    spoken = rigged.rigged(rigged.perform(said()))
+    assert rigged.without_gestures(shown).poses == spoken.poses
+    assert str(ll.check(shown)) == str(ll.check(spoken))
