@@ -14,7 +14,6 @@ const { sphere } = await load("face/ambient");
 const { Take } = await load("line/take");
 const { beside, editsOf, spoken } = await load("views/bigram_state");
 const { levelAt, movedPoint, withoutPoint, withPoint, withWord } = await load("timeline/level_points");
-const { LineSteps } = await load("views/line_steps");
 const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curves/curve_points");
 const { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } = await load("views/target_forms");
 const { innerKinds, NEAR, OUTER, TONGUE } = await load("face/inner_mouth");
@@ -287,16 +286,6 @@ const units = {
     assert.deepEqual(movedPoint(points, 1, [-9, -9], 2), [[0, 1], [0, 0], [2, 1]]);
     assert.deepEqual(withoutPoint(points, 1), [[0, 1], [2, 1]]);
     assert.equal(withoutPoint([[0, 1], [2, 0.5]], 0), 0.5);
-  },
-  "steps of one kind become one, and undo goes back before the first"() {
-    const done = [], steps = new LineSteps(() => {});
-    const step = (title, merge) => steps.push({ title, merge, back: () => done.push(`-${title}`), forth: () => done.push(title) });
-    step("a", "nudge"); step("b", "nudge"); step("c", "");
-    assert.deepEqual([steps.undo, steps.redo], ["c", null]);
-    for (const way of ["undo", "undo", "undo", "redo"]) steps.go(way);
-    assert.deepEqual(done, ["-c", "-a", "b"]);
-    step("d", "nudge");
-    assert.deepEqual([steps.undo, steps.redo, steps.done.length], ["d", null, 2]);
   },
 };
 
