@@ -143,7 +143,7 @@ class Ear:
 
     def finish(self) -> Heard:
         """Return what is heard in the last frames."""
-        last = self._less_mean(self._frames.last(np.zeros(0)))
+        last = self._less_mean(self._frames.cepstra(self._frames.last(np.zeros(0))))
         end = last if len(last) else self._wide
         return self._scored(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
 

@@ -28,7 +28,7 @@ from lipsync_lang.speech.hearing.alignment import (
     finished,
 )
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
-from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES, features
+from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES, features, hearings
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
@@ -293,6 +293,8 @@ def test_sound_beside_a_line_moves_no_word_of_it(english, spoken, kind, first):
         for one, other in zip(found.words, alone.words, strict=True)
     ]
     assert np.median(apart) <= 0.02
+    if kind != "another voice":  # 6 % of such lines are doubted still
+        assert found.confidence >= DOUBTFUL
     if kind != "noise":  # which the model hears as silence
         assert "sound without text" in " ".join(found.remarks)
 
@@ -414,6 +416,26 @@ def test_speech_that_the_text_does_not_have_lowers_confidence_and_noise_less():
     )
     assert alone >= beside_noise > beside_speech
     assert beside_speech < DOUBTFUL
+
+
+def test_other_speech_beside_a_line_counts_up_to_a_length_and_among_its_words_in_full():
+    said = phonemes(-2, 30)
+    other = HeardPhoneme(OUTSIDE, OUTSIDE, 150, 180, -5.0, -8.0)
+    near, far = (line_confidence([*said, other._replace(stop=stop)]) for stop in (180, 2000))
+    assert DOUBTFUL < near == far < line_confidence(said)
+    later = [one._replace(first=one.first + 2000, stop=one.stop + 2000) for one in said]
+    assert line_confidence([*said, other._replace(stop=2000), *later]) < 0.01
+
+
+def test_a_sound_with_steady_noise_is_heard_with_less_of_it_too():
+    loud = np.random.default_rng(1).normal(size=2 * SPEECH_RATE) * 1000
+    loud[SPEECH_RATE // 2 : SPEECH_RATE] = 0
+    assert len(list(hearings(loud + hiss(2.0) * 3))) == 1
+    as_it_is, less = hearings(loud + hiss(2.0) * 300)
+    assert (as_it_is == features(loud + hiss(2.0) * 300)).all()
+    pause, voice = slice(60, 95), slice(110, 190)
+    louder = [one[voice, 0, 0].mean() - one[pause, 0, 0].mean() for one in (as_it_is, less)]
+    assert louder[1] > louder[0] + 0.5
 
 
 def test_words_where_nobody_speaks_have_no_confidence():

@@ -18,7 +18,7 @@ from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.speech.hearing.align.aligners import BatchAligner, aligner
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import STATES
 from lipsync_lang.speech.hearing.sphinx.decoders import decoded_words
-from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, features
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, hearings
 from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.speech.hearing.sphinx.forced import (
     WINDOW_FRAMES,
@@ -103,7 +103,9 @@ class PocketsphinxAligner(BatchAligner):
             )
         audio = one[0]()
         sound = prepared(audio)
-        heard = laid(models, features(sound), [saying.ways for saying in sayings])
+        ways = [saying.ways for saying in sayings]
+        tries = (laid(models, one, ways) for one in hearings(sound))
+        heard = max(filter(None, tries), key=line_confidence, default=None)
         if heard is None:
             raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
         agreeing, sure = confidence(models, heard), line_confidence(heard)

@@ -3,9 +3,11 @@
 Processing steps and constants match the training of the CMU Sphinx models.
 """
 
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.speech.sound import SPEECH_RATE
@@ -34,6 +36,18 @@ LIFTER = 22
 DELTA_FRAMES = 3
 """Frames on each side of a frame on which its derivatives depend."""
 
+QUIET_PERCENT = 10
+"""Percentage of the frames of a whole sound, the quietest ones, that are its steady noise."""
+
+CLEAR_RATIO = 100.0
+"""Power of a sound relative to that noise (20 dB) from which it stays as it is."""
+
+LEAST_GAIN = 0.25
+"""Least gain of a band: what is taken for noise may be a voice."""
+
+GAIN_FRAMES = 2
+"""Frames on each side of a frame on whose mean power its gain depends."""
+
 
 def features(samples: Floats) -> Floats:
     """Return three streams of features for each frame of a sound.
@@ -46,7 +60,31 @@ def features(samples: Floats) -> Floats:
     -------
     (T, 3, 13): cepstra less their mean, first and second derivatives; T = N / `HOP_SAMPLES`
     """
-    cepstra = CepstralFrames().last(samples)
+    return next(hearings(samples))
+
+
+def hearings(samples: Floats) -> Iterator[Floats]:
+    """Yield the features of a sound, and those with less noise if it has a steady one.
+
+    Each is as of `features`. Less noise keeps words of a foreign language in their place; where
+    music stops and starts, it costs more of the voice than of the music. What fits better is known
+    after the alignment alone.
+    """
+    spectra = CepstralFrames().last(samples)
+    loud = spectra.sum(axis=1)
+    noise = spectra[loud <= np.percentile(loud, QUIET_PERCENT)].mean(axis=0)
+    yield _normalised(spectra)
+    if loud.mean() <= CLEAR_RATIO * noise.sum():
+        # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over yet.
+        wide = np.pad(spectra, ((GAIN_FRAMES, GAIN_FRAMES), (0, 0)), mode="edge")
+        smooth = sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
+        gain = np.maximum(1 - noise / np.maximum(smooth, 1e-9), LEAST_GAIN)
+        yield _normalised(spectra * gain**2)
+
+
+def _normalised(spectra: Floats) -> Floats:
+    """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
+    cepstra = CepstralFrames().cepstra(spectra)
     # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
     cepstra -= cepstra.mean(axis=0)
     return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
@@ -76,15 +114,22 @@ class CepstralFrames:
 
     def push(self, samples: Floats) -> Floats:
         """Return the cepstra of the frames that are complete with these samples: (k, 13)."""
+        return self.cepstra(self.spectra(samples))
+
+    def spectra(self, samples: Floats) -> Floats:
+        """Return the power of each band in those frames: (k, `BANDS`)."""
         # Pre-emphasis, across the parts.
         earlier = np.concatenate([[self._before], samples])
         self._before = float(earlier[-1])
         sound = np.concatenate([self._sound, samples - PRE_EMPHASIS * earlier[:-1]])
         count = max((len(sound) - WINDOW_SAMPLES) // HOP_SAMPLES + 1, 0)
         self._sound = sound[count * HOP_SAMPLES :]
-        if count == 0:
+        return _spectra(sound, count)
+
+    def cepstra(self, spectra: Floats) -> Floats:
+        """Return the cepstra of the next frames, (k, 13), from the power of their bands."""
+        if not len(spectra):
             return np.zeros((0, CEPSTRA))
-        spectra = _spectra(sound, count)
         if self._noise is None:
             self._noise = _BandNoise(spectra[0])
         waves, lifter = _cosines()
@@ -92,12 +137,12 @@ class CepstralFrames:
         return cepstra
 
     def last(self, samples: Floats) -> Floats:
-        """Return the cepstra of the last samples, the rest of them filled up with zeros."""
+        """Return the power of the last frames: the rest of the samples, filled up with zeros."""
         whole = len(self._sound) + len(samples)
         # Ceiling division: the last frame may hold less sound than a hop.
         count = max(-(-whole // HOP_SAMPLES), 1)
         missing = max(count * HOP_SAMPLES + WINDOW_SAMPLES - HOP_SAMPLES - whole, 0)
-        return self.push(np.pad(samples, (0, missing)))[:count]
+        return self.spectra(np.pad(samples, (0, missing)))[:count]
 
 
 @cache

@@ -35,6 +35,13 @@ CLOSURE_SECONDS = 0.06
 MIN_FIT = -5.0
 """Fit limit; a lower value means a mismatch of phoneme and sound."""
 
+MAX_BESIDE_FRAMES = 30
+"""Most frames of other speech before the words, and after them, that count against a line.
+
+More is music or another voice beside it. None would let a wrong text pass, which finds its place
+between sounds that it does not fit.
+"""
+
 OTHER_SOUND_SECONDS = 0.5
 """Minimum seconds of sound without text for a remark."""
 
@@ -195,16 +202,18 @@ def listed(places: Sequence[str]) -> str:
 def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
     """Return the probability that the words are those that the sound has, in [0, 1].
 
-    The evidence: the mean fit of their phonemes, their share of all speech, and the fit of silence
-    and noises to them, which is high where nobody speaks.
+    The evidence: the mean fit of their phonemes, their share of the speech among and beside them,
+    and the fit of silence and noises to them, which is high where nobody speaks.
     """
     said = [one for one in heard if OUTSIDE not in (one.word, one.phone)]
     if not said:
         return 0.0
     spoken = sum(map(_frames, said))
-    other = sum(
-        _frames(one) for one in heard if one.phone == OUTSIDE and one.noise < SPEECH_NOISE_FIT
-    )
+    others = [o for o in heard if o.phone == OUTSIDE and o.noise < SPEECH_NOISE_FIT]
+    before = sum(_frames(one) for one in others if one.first < said[0].first)
+    after = sum(_frames(one) for one in others if one.first > said[-1].first)
+    among = sum(map(_frames, others)) - before - after
+    other = among + min(before, MAX_BESIDE_FRAMES) + min(after, MAX_BESIDE_FRAMES)
     fit = float(np.mean([one.fit for one in said]))
     noise = sum(one.noise * _frames(one) for one in said) / spoken
     din = DIN_WEIGHT * max(0.0, noise - SPEECH_NOISE_FIT)
