@@ -71,13 +71,8 @@ class PocketsphinxAligner(BatchAligner):
         model: str | None = None,
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with many texts read at once."""
-        from lipsync_lang.resolver.nearest_phonemes import model_phones
-
         try:
-            if not model:  # the one that hears languages without a model of their own
-                known = model_phones()
-                model = known.model if known else None
-            models = find_models(model)
+            models = models_of(model)
         except SpeechError as error:
             yield from (error for _ in recordings)
             return
@@ -136,6 +131,16 @@ class PocketsphinxAligner(BatchAligner):
             remarks=(*([f"heard instead: '{words}'"] if words else []), *doubts(heard, sayings)),
             confidence=sure,
         )
+
+
+def models_of(name: str | None) -> Models:
+    """Find models by name or folder; None for those that hear every language."""
+    from lipsync_lang.resolver.nearest_phonemes import model_phones
+
+    if not name:
+        known = model_phones()
+        name = known.model if known else None
+    return find_models(name)
 
 
 def laid(

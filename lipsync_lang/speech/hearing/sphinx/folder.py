@@ -31,9 +31,11 @@ class Models:
     Parameters
     ----------
     folder : model folder; the files of the acoustic model are in it, or in a subfolder of its name
+    given : an acoustic model in place of that in the folder
     """
 
     folder: Path
+    given: AcousticModel | None = None
 
     @property
     def acoustic(self) -> Path:
@@ -66,6 +68,8 @@ class Models:
     @cached_property
     def model(self) -> AcousticModel:
         """The acoustic model; phones that `phones.yaml` calls no speech are fillers in it."""
+        if self.given is not None:
+            return self.given
         model, known = read_model(self.acoustic), self.phones
         letters = known.nearest.candidates if known else {}
         mute = [n for n, name in enumerate(model.names) if not letters.get(name, True)]
