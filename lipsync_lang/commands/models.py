@@ -16,7 +16,7 @@ def add_models(add: Add) -> None:
         "models",
         adapt,
         "adapt an acoustic model to the voices of a game",
-        "models adapt vo/anna -l german -o models/anna",
+        "models adapt vo/anna -l english -o models/anna",
     )
     add_actions(made, "models")
 
@@ -27,7 +27,7 @@ def _add_adapt(action: Add) -> None:
         "adapt",
         adapt,
         "adapt an acoustic model to recordings and their texts",
-        "models adapt vo/anna -l german -o models/anna",
+        "models adapt vo/anna -l english -o models/anna",
         more=", without labels; it is written only if held-out lines become likelier",
     )
     made.add_argument(

@@ -132,7 +132,7 @@ class ModelPhones(NamedTuple):
 SHOWN_PHONES = 10
 """Maximum number of phones in a message."""
 
-PHONES = "phones.yaml"
+PHONES_FILE = "phones.yaml"
 """The file beside an acoustic model with the letters that each of its phones sounds like."""
 
 
@@ -166,7 +166,7 @@ def phones_beside(folder: Path, names: Sequence[str]) -> ModelPhones | None:
     """
     from lipsync_lang.packs.library import Library
 
-    path = folder / PHONES
+    path = folder / PHONES_FILE
     if not path.is_file():
         return None
     source, data = read_yaml(path), _features(Library())

@@ -12,7 +12,7 @@ from lipsync_lang.speech.hearing.adaptation import adapt, spoken_files, write_ad
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import Listening
 from lipsync_lang.speech.hearing.sphinx.adapting import (
     AlignedFrames,
-    Evidence,
+    GaussianSums,
     aligned_frames,
     means_of,
 )
@@ -64,7 +64,7 @@ def test_means_move_towards_the_frames_as_the_formula_says(shipped):
     state = model.alone[model.names.index("AA")].states[1]
     rng = np.random.default_rng(2)
     line = AlignedFrames(rng.normal(0, 3, (40, 3, 13)), np.full(40, state))
-    evidence = Evidence(model)
+    evidence = GaussianSums(model)
     before = evidence.add(line)
     moved = evidence.adapted()
     np.testing.assert_allclose(evidence.counts.sum(axis=(0, 2)), 40)
@@ -77,7 +77,7 @@ def test_means_move_towards_the_frames_as_the_formula_says(shipped):
     np.testing.assert_allclose(found[book, 0], expected, rtol=1e-3, atol=1e-3)
     others = np.arange(len(means)) != book
     np.testing.assert_allclose(found[others], means[others], rtol=1e-4, atol=1e-4)
-    assert Evidence(moved).add(line) > before
+    assert GaussianSums(moved).add(line) > before
     # the log likelihood is that of the search
     scores = Listening(model, line.features).scores([model.alone[model.names.index("AA")]])
     assert before == pytest.approx(scores[:, 0, 1].mean(), rel=1e-4)

@@ -20,7 +20,7 @@ from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import WordReader, l
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import AcousticModel
 from lipsync_lang.speech.hearing.sphinx.adapting import (
     AlignedFrames,
-    Evidence,
+    GaussianSums,
     aligned_frames,
     means_of,
 )
@@ -40,7 +40,7 @@ The first model may know a voice badly that the next one knows well.
 """
 
 HELD_OUT = 5
-"""One line in this many is held out."""
+"""Number of lines of which one is held out."""
 
 MIN_LINES = 2 * HELD_OUT
 """Least number of lines that fit."""
@@ -104,14 +104,14 @@ def adapt(speaker: Speaker, lines: Sequence[SpokenFile], models: Models) -> Adap
                 f"{MIN_LINES}; {'; '.join(left_out) or 'add more lines'}"
             )
         held = fitting[::HELD_OUT]
-        before = before or float(np.mean([*map(Evidence(models.model).add, held)]))
-        evidence = Evidence(models.model)
+        before = before or float(np.mean([*map(GaussianSums(models.model).add, held)]))
+        evidence = GaussianSums(models.model)
         for number, line in enumerate(fitting):
             if number % HELD_OUT:
                 evidence.add(line)
         model = evidence.adapted()
         models = replace(models, given=model)
-    after = float(np.mean([*map(Evidence(model).add, held)]))
+    after = float(np.mean([*map(GaussianSums(model).add, held)]))
     for line in held:
         evidence.add(line)
     return Adaptation(evidence.adapted(), before, after, len(fitting), tuple(left_out))

@@ -25,7 +25,7 @@ from lipsync_lang.speech.hearing.sphinx.acoustic_model import (
 )
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
 
-PRIOR_FRAMES = 5.0
+MODEL_FRAMES = 5.0
 """Frames that weigh as much as the mean of the model: tau."""
 
 PLACES = {
@@ -84,7 +84,7 @@ def _lengths(scores: Singles) -> Ints:
 
 
 @dataclass
-class Evidence:
+class GaussianSums:
     """Sums over frames for each Gaussian."""
 
     model: AcousticModel
@@ -116,7 +116,7 @@ class Evidence:
         """Return the model with means moved towards the frames."""
         size, precision, means = self.sums.shape[2], *means_of(self.model)
         counts = self.counts[:, :, None]
-        moved = (PRIOR_FRAMES * means + self.sums) / (PRIOR_FRAMES + counts)
+        moved = (MODEL_FRAMES * means + self.sums) / (MODEL_FRAMES + counts)
         gaussians = self.model.gaussians.copy()
         gaussians[:, :, size:-1] = precision * moved
         gaussians[:, :, -1] -= (precision * (moved**2 - means**2)).sum(axis=2) / 2
