@@ -132,12 +132,19 @@ class PairNeeds:
 
     @cached_property
     def _manner(self) -> dict[str, Any]:
-        """Settings of reading and speaking; a lexicon counts by its content, not by its place."""
+        """Settings of reading and speaking; files of packs count by content, not by place."""
+        from lipsync_lang.speech.hearing.sphinx.folder import own_folder
+
         manner = self.performer.compiled.manner
         path = manner["settings"]["file"]
         file = file_digest(Path(path)) if path and Path(path).is_file() else path
         known = {name: value for name, value in manner.items() if name != "weak"}
-        return known | {"settings": manner["settings"] | {"file": file}}
+        audio = manner["audio"]
+        engines = filter(None, (*audio["align"], audio["recognise"], f":{audio['model']}"))
+        folders = (own_folder(engine.partition(":")[2]) for engine in engines)
+        paths = (path for folder in folders if folder for path in sorted(folder.rglob("*")))
+        heard = [file_digest(path) for path in paths if path.is_file()]
+        return known | {"settings": manner["settings"] | {"file": file}, "heard": heard}
 
     @cached_property
     def model_digest(self) -> str | None:

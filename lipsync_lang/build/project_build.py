@@ -1,6 +1,6 @@
 """A project in a build: its lines, its pairs, its settings and its record."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.build.adapted_models import adapted_pair
 from lipsync_lang.build.archives import split_archive
 from lipsync_lang.build.faces import GLB
 from lipsync_lang.build.making import LineMaker
@@ -80,7 +81,7 @@ class ProjectBuild:
     selection: Selection = field(default_factory=Selection)
 
     @classmethod
-    def open(
+    def open(  # noqa: PLR0913 a project and options
         cls,
         file: Path | None = None,
         *,
@@ -88,6 +89,7 @@ class ProjectBuild:
         selection: Selection | None = None,
         tts: str | None = None,
         remark: PlanRemark = lambda _: None,
+        adapt: bool = False,
     ) -> Self:
         """Read a project and its script, and resolve its pairs.
 
@@ -97,6 +99,7 @@ class ProjectBuild:
         paths : folders of packs to search first
         tts : another speech engine than the languages'
         remark : where to say what the script lacks
+        adapt : True to adapt acoustic models, if the project asks for it
 
         Raises
         ------
@@ -127,6 +130,8 @@ class ProjectBuild:
         )
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))
+        if adapt and project.adapt:
+            made.adapt(read, remark)
         made.check_outputs(faults)
         faults.raise_any()
         weak: dict[str, None] = {}  # unreliable readings of languages, for lines without timings
@@ -156,6 +161,12 @@ class ProjectBuild:
                 self.pairs[language, character] = PairNeeds(performer, self.settings)
             except LipsyncError as error:
                 self.unsound[language, character] = error
+
+    def adapt(self, lines: Sequence[PlannedLine], remark: PlanRemark) -> None:
+        """Adapt the acoustic model of each language to its recordings in the whole script."""
+        for (language, character), pair in self.pairs.items():
+            own = [line for line in lines if line.language == language]
+            self.pairs[language, character] = adapted_pair(pair, self.folder, own, remark)
 
     def check_outputs(self, faults: ScriptFaults) -> None:
         """Refuse outputs that a format cannot hold, tried with each character at rest."""

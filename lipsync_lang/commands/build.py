@@ -108,7 +108,7 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
     teller.begin("reading the script")
     selection = Selection(tuple(options.only), tuple(options.languages), tuple(options.characters))
     project = ProjectBuild.open(
-        paths=options.path, selection=selection, tts=options.tts, remark=remarks
+        paths=options.path, selection=selection, tts=options.tts, remark=remarks, adapt=True
     )
     wipe()
     reports = options.reports or [project.folder / path for path in project.project.reports]

@@ -1,6 +1,7 @@
 """Checks of `doctor`, in the order of its report."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -42,6 +43,12 @@ LEAST_FREE_BYTES = 200 * 2**20
 
 SAMPLES = "aəʃ漢あ한نकกע"
 """A letter of each of several scripts that texts are written in."""
+
+NO_COMMERCE = re.compile(
+    r"non[- ]?commercial|BY-NC|no commercial|not .{0,40}commercial|(research|academic) .{0,20}only",
+    re.IGNORECASE,
+)
+"""Words of terms that forbid commerce."""
 
 VERSION_SECONDS = 20
 """Time in which ffmpeg tells its version."""
@@ -280,6 +287,25 @@ def models() -> Iterator[CheckedPart]:
             yield CheckedPart("model of whisper", MISSING, str(error))
         else:
             yield CheckedPart("model of whisper", OK, os.fspath(folder))
+
+
+@check
+def acoustic_models() -> Iterator[CheckedPart]:
+    """Read the acoustic models with a name: those of the project, and those of pocketsphinx."""
+    from lipsync_lang.speech.hearing.sphinx.folder import installed_models
+
+    for models in installed_models():
+        part = f"acoustic model {models.folder.name}"
+        try:
+            speech, known = len(models.numbers), models.phones
+        except LipsyncError as error:
+            yield CheckedPart(part, BROKEN, str(error))
+            continue
+        mapped = f"{speech} phones" if known else f"{speech} phones without IPA (phones.yaml)"
+        terms = str(models.licence or "no file tells its terms")
+        if models.licence and NO_COMMERCE.search(models.licence.read_text("utf-8", "replace")):
+            terms += ", which speaks of NO COMMERCIAL USE: read it before you sell a game"
+        yield CheckedPart(part, OK, f"{mapped}; terms: {terms}; {models.folder}")
 
 
 @check

@@ -51,6 +51,7 @@ COMMANDS: Extensions[AddCommand] = Extensions(
             ("posesets", "packs"),
             ("characters", "packs"),
             ("bank", "bank"),
+            ("models", "models"),
             ("voices", "listing"),
             ("formats", "listing"),
             ("completion", "completion"),

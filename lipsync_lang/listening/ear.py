@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints, Singles
+from lipsync_lang.errors import SpeechError
 from lipsync_lang.listening.belief import PhoneLoop
-from lipsync_lang.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG, STREAMS
+from lipsync_lang.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG
 from lipsync_lang.speech.hearing.sphinx.features import (
     CEPSTRA,
     DELTA_FRAMES,
@@ -29,6 +30,9 @@ from lipsync_lang.speech.sound import SPEECH_RATE
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.hearing.sphinx.acoustic_model import AcousticModel
+
+STREAMS = 3
+"""Number of streams of a model that is listened with."""
 
 MEAN_PRIOR = np.array([52.0, 0.6, -2.0, 8.3, -3.7, -0.6, -3.3, -5.1, -0.7, -1.8, 3.4, -2.4, -0.8])
 """(13,) mean cepstra of ordinary recordings, from which that of a voice begins."""
@@ -62,7 +66,14 @@ class PhoneScores:
         number = {name: group for group, names in enumerate(neighbours) for name in names}
         groups = np.array([number.get(name, len(neighbours)) for name in model.names])
         self.loop = PhoneLoop(groups, np.isin(np.arange(len(groups)), sorted(model.fillers)))
-        gaussians = model.gaussians[[phone.book for phone in model.alone]]
+        states = np.array([phone.states for phone in model.alone])
+        books = model.books[states]
+        if model.weights.shape[0] != STREAMS or (books != books[:, :1]).any():
+            raise SpeechError(
+                "listening without a text needs an acoustic model of three streams whose phones "
+                "each have one codebook; other models align texts"
+            )
+        gaussians = model.gaussians[books[:, 0]]
         # one product for all phones: (27, phones x Gaussians) of each stream
         self._factors = [
             np.ascontiguousarray(gaussians[:, stream].swapaxes(0, 1).reshape(27, -1))
@@ -93,7 +104,7 @@ def _group_weights(model: "AcousticModel", groups: Ints) -> Singles:
     context if the model has none.
     """
     count = int(groups.max()) + 1
-    # as `_key` of the model has them
+    # as `context_key` has them
     here, left, right = (model.keys >> shift & 255 for shift in (24, 16, 8))
     states = model.states[model.rows]
     found = np.empty((STREAMS, len(groups), model.weights.shape[1], 2 * count + 1), np.float32)

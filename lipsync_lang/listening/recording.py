@@ -29,7 +29,7 @@ from lipsync_lang.speech.hearing import progress
 from lipsync_lang.speech.hearing.recognise.recognisers import recogniser
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.hearing.sphinx.decoders import parts
-from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, features
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
@@ -66,7 +66,7 @@ class SoundRecogniser:
     def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
         """Recognise the phonemes of a recording, as `Recogniser` states.
 
-        `model` names a pocketsphinx model; None stands for the one that hears every language. A
+        `model` names an acoustic model; None stands for the one that hears every language. A
         language without IPA is a `SpeechError`.
         """
         known, notation = model_phones(), speaker.notations.get(IPA)
@@ -78,6 +78,12 @@ class SoundRecogniser:
                 "its pack one"
             )
         models = find_models(model or known.model)
+        known = models.phones
+        if known is None:
+            raise SpeechError(
+                f"{models.acoustic}: no phone of the model is known in IPA: write phones.yaml "
+                "there, with a line `PHONE: LETTERS` for each phone"
+            )
         spelled = heard_labels(known, notation)
         labels = [spelled.get(name, SILENCE) for name in models.model.names]
         belief = recorded_belief(audio, known, models)
@@ -112,7 +118,7 @@ def recorded_belief(audio: Audio, known: ModelPhones, models: "Models") -> Singl
     found = []
     for start, stop in parts(sound):
         progress.tell(start, len(sound))
-        heard = features(prepared(Audio(sound[start:stop], SPEECH_RATE), peak))
+        heard = models.model.front_end(prepared(Audio(sound[start:stop], SPEECH_RATE), peak))
         # a voice is told by the frames around, not only by those before
         ahead = FAST_FRAMES // 2
         change = np.pad(change_of(heard), (0, ahead))
@@ -131,7 +137,7 @@ def risks(known: ModelPhones, names: Sequence[str]) -> Singles:
     from each other in the mean.
     """
     looks = known.looks
-    runs = [looks.read(looks.candidates[name][0]).sounds if name in looks.candidates else ()
+    runs = [looks.read(looks.candidates[name][0]).sounds if looks.candidates.get(name) else ()
             for name in names]  # fmt: skip
     far = np.zeros((len(names), len(names)))
     for (n, one), (m, other) in product(enumerate(runs), repeat=2):

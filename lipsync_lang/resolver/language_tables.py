@@ -54,20 +54,22 @@ def _hearing(language: "Pack[models.Language]") -> Hearing:
     model, stated = language.model, language.model.audio
     if stated is None:
         return Hearing(code=model.tag)
-    # `NAME:FOLDER`: a relative folder lies beside the pack
-    recogniser = stated.recognise
-    name, _, folder = (recogniser or "").partition(":")
-    if "/" in folder and not folder.startswith("~") and not Path(folder).is_absolute():
-        pack = language.where(("audio", "recognise")).file
-        recogniser = f"{name}:{pack.parent / folder}"
     return Hearing(
-        stated.align or Hearing.align,
-        recogniser,
-        stated.model,
+        tuple(_beside(language, "align", one) for one in stated.align) or Hearing.align,
+        stated.recognise and _beside(language, "recognise", stated.recognise),
+        stated.model and _beside(language, "model", f":{stated.model}")[1:],
         stated.notation or "",
         dict(stated.phones),
         stated.code or model.tag,
     )
+
+
+def _beside(language: "Pack[models.Language]", field: str, engine: str) -> str:
+    """Return `NAME:FOLDER` with a folder that is relative to the pack that names it."""
+    name, _, folder = engine.partition(":")
+    if "/" not in folder or folder.startswith("~") or Path(folder).is_absolute():
+        return engine
+    return f"{name}:{language.where(('audio', field)).file.parent / folder}"
 
 
 def _settings(language: "Pack[models.Language]") -> Settings:

@@ -3,13 +3,15 @@
 from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import groupby
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.errors import PackError, SpeechError, did_you_mean, shortlist
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.finding import IPA, Paths
 from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.packs.yaml.source import read_yaml
 from lipsync_lang.phonology.ipa import Features, by_ear, key
 from lipsync_lang.phonology.labels import Value
 from lipsync_lang.phonology.nearest import NearestPhonemes
@@ -127,6 +129,13 @@ class ModelPhones(NamedTuple):
     """The same phones, compared by what is seen of them."""
 
 
+SHOWN_PHONES = 10
+"""Maximum number of phones in a message."""
+
+PHONES_FILE = "phones.yaml"
+"""The file beside an acoustic model with the letters that each of its phones sounds like."""
+
+
 @cache
 def model_phones() -> ModelPhones | None:
     """Return the search for phones of the acoustic model for all languages.
@@ -139,12 +148,65 @@ def model_phones() -> ModelPhones | None:
     hearing = data["hearing"]
     if hearing is None:
         return None
+    neighbours = tuple(tuple(group.split()) for group in hearing["neighbours"])
+    return _searched(data, hearing["model"], hearing["phones"], neighbours)
+
+
+def phones_beside(folder: Path, names: Sequence[str]) -> ModelPhones | None:
+    """Return the search for phones of a model, by the file beside it; None without one.
+
+    Parameters
+    ----------
+    names : phones of speech in the model
+
+    Raises
+    ------
+    SpeechError
+        A phone has no letters, or the file has another phone, or a letter that is no IPA.
+    """
+    from lipsync_lang.packs.library import Library
+
+    path = folder / PHONES_FILE
+    if not path.is_file():
+        return None
+    source, data = read_yaml(path), _features(Library())
+    stated = source.data if isinstance(source.data, dict) else {}
+    letters = {
+        name: [told] if isinstance(told, str) else list(told or ()) for name, told in stated.items()
+    }
+    known = _searched(data, folder.name, letters, ())
+    wrong = {
+        name: f"'{name}' is no phone of the model; {did_you_mean(name, names)}"
+        for name in letters
+        if name not in names
+    } | {
+        name: f"'{label}' is not IPA; write the letters that '{name}' sounds like"
+        for name, labels in letters.items()
+        for label in labels
+        if known.nearest.features.read(str(label)).unknown
+    }
+    faults = [
+        "{}:{}:{}: {}".format(path, *source.where([n], key=True), e) for n, e in wrong.items()
+    ]
+    if missing := [name for name in names if name not in letters]:
+        told = f"no letters for {shortlist(missing, SHOWN_PHONES)}: write `PHONE: LETTERS` for each"
+        faults.append(f"{path}:1:1: {told}, or `PHONE: []` for noise")
+    if faults:
+        raise SpeechError("\n".join(faults))
+    return known
+
+
+def _searched(
+    data: dict[str, Any],
+    model: str,
+    phones: Mapping[str, Sequence[str]],
+    neighbours: tuple[tuple[str, ...], ...],
+) -> ModelPhones:
     heard, seen = (
-        NearestPhonemes.from_plain({"features": one, "candidates": hearing["phones"]})
+        NearestPhonemes.from_plain({"features": one, "candidates": phones})
         for one in (by_ear(data), data)
     )
-    neighbours = tuple(tuple(group.split()) for group in hearing["neighbours"])
-    return ModelPhones(hearing["model"], heard, neighbours, seen)
+    return ModelPhones(model, heard, neighbours, seen)
 
 
 def candidates(language: "models.Language", common: "models.Phonemes") -> dict[str, list[str]]:

@@ -28,7 +28,7 @@ from lipsync_lang.speech.hearing.alignment import (
     finished,
 )
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
-from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES, features, hearings
+from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES, features
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
@@ -430,8 +430,8 @@ def test_other_speech_beside_a_line_counts_up_to_a_length_and_among_its_words_in
 def test_a_sound_with_steady_noise_is_heard_with_less_of_it_too():
     loud = np.random.default_rng(1).normal(size=2 * SPEECH_RATE) * 1000
     loud[SPEECH_RATE // 2 : SPEECH_RATE] = 0
-    assert len(list(hearings(loud + hiss(2.0) * 3))) == 1
-    as_it_is, less = hearings(loud + hiss(2.0) * 300)
+    assert len(list(features.hearings(loud + hiss(2.0) * 3))) == 1
+    as_it_is, less = features.hearings(loud + hiss(2.0) * 300)
     assert (as_it_is == features(loud + hiss(2.0) * 300)).all()
     pause, voice = slice(60, 95), slice(110, 190)
     louder = [one[voice, 0, 0].mean() - one[pause, 0, 0].mean() for one in (as_it_is, less)]

@@ -274,7 +274,8 @@ class AudioFields(Strict):
     """The recogniser, which finds the words of a recording without a text; `NAME:MODEL` names its
     model as well."""
     model: Text | None = None
-    """The name of the language's model, for both aligner and recogniser."""
+    """The name of the language's model, for both aligner and recogniser, or its folder, from the
+    folder of the pack."""
     notation: Text | None = None
     """The notation of the resulting labels."""
     phones: dict[Label, Annotated[tuple[Label, ...], OrOne]] = Field(default={})

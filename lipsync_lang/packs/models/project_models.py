@@ -186,6 +186,8 @@ class Project(PackModel):
     """The recording of a line, such as `vo/{language}/{id}.wav`; lines without one are spoken."""
     recordings: Literal["optional", "required"] = "optional"
     """`required` if a text without a recording or timings is a fault; else a voice speaks it."""
+    adapt: bool = False
+    """True to adapt the acoustic model of each language to its recordings before aligning them."""
     timings: RecordingPath | None = None
     """The timed phonemes of a line. By default the file beside the recording."""
     cast: dict[Text, Annotated[tuple[Name, ...], OrOne, Field(min_length=1)]] = Field(

@@ -18,7 +18,7 @@ from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.speech.hearing.align.aligners import BatchAligner, aligner
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import STATES
 from lipsync_lang.speech.hearing.sphinx.decoders import decoded_words
-from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, hearings
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.speech.hearing.sphinx.forced import (
     WINDOW_FRAMES,
@@ -61,7 +61,7 @@ MIN_AGREEMENT = 0.12
 class PocketsphinxAligner(BatchAligner):
     """Aligner for languages with a pocketsphinx model.
 
-    `model` is the name of a pocketsphinx model.
+    `model` is the name of a pocketsphinx model, or the folder of an acoustic model.
     """
 
     def align_many(
@@ -71,13 +71,8 @@ class PocketsphinxAligner(BatchAligner):
         model: str | None = None,
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with many texts read at once."""
-        from lipsync_lang.resolver.nearest_phonemes import model_phones
-
         try:
-            if not model:  # the one that hears languages without a model of their own
-                known = model_phones()
-                model = known.model if known else None
-            models = find_models(model)
+            models = models_of(model)
         except SpeechError as error:
             yield from (error for _ in recordings)
             return
@@ -104,13 +99,17 @@ class PocketsphinxAligner(BatchAligner):
         audio = one[0]()
         sound = prepared(audio)
         ways = [saying.ways for saying in sayings]
-        tries = (laid(models, one, ways) for one in hearings(sound))
+        tries = (laid(models, one, ways) for one in models.model.front_end.hearings(sound))
         heard = max(filter(None, tries), key=line_confidence, default=None)
         if heard is None:
             raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
         agreeing, sure = confidence(models, heard), line_confidence(heard)
         words = ""
-        if reader.own and min(agreeing - MIN_AGREEMENT, sure - DOUBTFUL) < 0:
+        if (
+            reader.own
+            and models.language_model
+            and min(agreeing - MIN_AGREEMENT, sure - DOUBTFUL) < 0
+        ):
             told = decoded_words(models, sound[:MAX_HEARD_SAMPLES])
             words = (" ".join(word.text for word in told) or "no word")[:MAX_SHOWN_TEXT]
         if agreeing < MIN_AGREEMENT:
@@ -122,7 +121,7 @@ class PocketsphinxAligner(BatchAligner):
             )
         found = timed_labels(models, heard, sayings, audio.seconds)
         manner = speaker.manner
-        notation = manner.audio.notation or manner.notation
+        notation = manner.audio.notation if reader.own else manner.notation
         return Schedule(
             *found,
             notation=notation,
@@ -134,6 +133,16 @@ class PocketsphinxAligner(BatchAligner):
             remarks=(*([f"heard instead: '{words}'"] if words else []), *doubts(heard, sayings)),
             confidence=sure,
         )
+
+
+def models_of(name: str | None) -> Models:
+    """Find models by name or folder; None for those that hear every language."""
+    from lipsync_lang.resolver.nearest_phonemes import model_phones
+
+    if not name:
+        known = model_phones()
+        name = known.model if known else None
+    return find_models(name)
 
 
 def laid(
@@ -171,7 +180,9 @@ class WordReader:
         self.models = models
         self.speaker = speaker
         manner = speaker.manner
-        self.own = bool(manner.audio.notation)
+        own = speaker.notations.get(manner.audio.notation or "")
+        # a model of other phones than those of the pack's notation is heard as a foreign one
+        self.own = own is not None and all(map(own.find, models.numbers))
         self.labels = speaker.notations.get(manner.notation, Notation({}))
         ipa = speaker.notations.get(IPA)
         self.typical = {
@@ -237,13 +248,18 @@ class WordReader:
 
     @cached_property
     def by_ear(self) -> "Callable[[str], Value]":
-        """The model's phones for a label of the IPA."""
-        from lipsync_lang.resolver.nearest_phonemes import model_phones
+        """The model's phones for a label of the IPA; signs that are no IPA are mute."""
+        known = self.models.phones
+        if known is None:
+            return self._unmapped
+        return lambda label: known.nearest.nearest(label).value
 
-        known = model_phones()
-        if known is None or known.model != self.models.folder.name:
-            return lambda _: ()
-        return lambda label: known.nearest.nearest(label).value  # signs that are no IPA are mute
+    def _unmapped(self, label: str) -> "Value":
+        raise SpeechError(
+            f"{self.models.acoustic}: no phone of the model is known for '{label}': write "
+            f"{self.models.acoustic / 'phones.yaml'} with a line `PHONE: LETTERS` for each phone, "
+            "or `audio: {phones: ...}` in the language's pack"
+        )
 
 
 def _is_joined(said: "SpokenWord") -> bool:

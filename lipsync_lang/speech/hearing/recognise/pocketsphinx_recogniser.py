@@ -20,7 +20,7 @@ from lipsync_lang.speech.hearing.recognise.recognisers import (
 )
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.hearing.sphinx.decoders import decoded_phones, decoded_words, parts
-from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, HOP_SAMPLES, features
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, HOP_SAMPLES
 from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme, lay
 from lipsync_lang.speech.hearing.sphinx.scheduling import Saying, logistic, prepared, timed_labels
@@ -58,6 +58,11 @@ class PocketsphinxRecogniser:
                 f"{speaker.manner.language} is not the language of the model '{models.folder.name}'"
                 ", or its pack does not name the notation of the model's phones "
                 "(`audio: {notation: ...}`); `sound` hears any language"
+            )
+        if models.language_model is None or models.dictionary is None:
+            raise SpeechError(
+                f"{models.folder}: words need a dictionary (*.dict) and a language model "
+                f"({models.folder.name}.lm.bin) beside the acoustic model; `sound` needs neither"
             )
         sound = prepared(audio)
         heard: list[HeardPhoneme] = []
@@ -104,7 +109,11 @@ def _heard(models: Models, sound: Floats) -> tuple[list[Saying], list[float], li
     words = decoded_words(models, sound)
     texts = [word.text for word in words]
     sayings = [Saying(*one) for one in zip(texts, models.ways(texts), strict=True)]
-    found = lay(models.model, features(sound), [one.ways for one in sayings]) if sayings else None
+    found = (
+        lay(models.model, models.model.front_end(sound), [one.ways for one in sayings])
+        if sayings
+        else None
+    )
     if found is not None:
         fits: list[list[HeardPhoneme]] = [[] for _ in words]
         for one in found:

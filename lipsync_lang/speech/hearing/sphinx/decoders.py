@@ -73,7 +73,7 @@ def parts(
 
 def decoded_words(models: Models, sound: Floats) -> list[DecodedWord]:
     """Return the recognised words; entries outside the dictionary are pauses or noises."""
-    language = str(models.folder / f"{models.folder.name}.lm.bin")
+    language = str(models.language_model)
     found = _segments(models, sound, "words", lm=language, maxhmmpf=MAX_ACTIVE_STATES)
     named = [DecodedWord(VARIANT.sub("", one.word), min(one.prob, 1.0)) for one in found]
     ways = models.ways(word.text for word in named)

@@ -4,6 +4,7 @@ Processing steps and constants match the training of the CMU Sphinx models.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -26,11 +27,7 @@ FFT_POINTS = 512
 
 PRE_EMPHASIS = 0.97
 
-BANDS, LOWEST, HIGHEST = 25, 130.0, 6800.0
-"""Number of mel bands, and their limits in hertz."""
-
 CEPSTRA = 13
-LIFTER = 22
 
 
 DELTA_FRAMES = 3
@@ -49,45 +46,65 @@ GAIN_FRAMES = 2
 """Frames on each side of a frame on whose mean power its gain depends."""
 
 
-def features(samples: Floats) -> Floats:
-    """Return three streams of features for each frame of a sound.
+@dataclass(frozen=True)
+class SphinxFrontEnd:
+    """Settings of features; unless stated, those of a model that states none.
 
     Parameters
     ----------
-    samples : (N,) at `SPEECH_RATE`
-
-    Returns
-    -------
-    (T, 3, 13): cepstra less their mean, first and second derivatives; T = N / `HOP_SAMPLES`
+    bands, lowest, highest : number of mel bands, and their limits in hertz
+    transform : of the bands' logarithms to cepstra: `legacy`, `dct` or `htk`
+    lifter : weight of high cepstra, 0 for none
+    quieted : True for the subtraction of noise from each band
     """
-    return next(hearings(samples))
+
+    bands: int = 40
+    lowest: float = 133.33334
+    highest: float = 6855.4976
+    transform: str = "legacy"
+    lifter: int = 0
+    quieted: bool = False
+
+    def __call__(self, samples: Floats) -> Floats:
+        """Return three streams of features for each frame of a sound.
+
+        Parameters
+        ----------
+        samples : (N,) at `SPEECH_RATE`
+
+        Returns
+        -------
+        (T, 3, 13): cepstra less their mean, first and second derivatives; T = N / `HOP_SAMPLES`
+        """
+        return next(self.hearings(samples))
+
+    def hearings(self, samples: Floats) -> Iterator[Floats]:
+        """Yield the features of a sound, and those with less noise if it has a steady one.
+
+        Less noise keeps words of a foreign language in their place; where music stops and starts,
+        it costs more of the voice than of the music. The alignment tells what fits better.
+        """
+        spectra = CepstralFrames(self).last(samples)
+        loud = spectra.sum(axis=1)
+        noise = spectra[loud <= np.percentile(loud, QUIET_PERCENT)].mean(axis=0)
+        yield self._normalised(spectra)
+        if loud.mean() <= CLEAR_RATIO * noise.sum():
+            # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over yet.
+            wide = np.pad(spectra, ((GAIN_FRAMES, GAIN_FRAMES), (0, 0)), mode="edge")
+            smooth = sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
+            gain = np.maximum(1 - noise / np.maximum(smooth, 1e-9), LEAST_GAIN)
+            yield self._normalised(spectra * gain**2)
+
+    def _normalised(self, spectra: Floats) -> Floats:
+        """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
+        cepstra = CepstralFrames(self).cepstra(spectra)
+        # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
+        cepstra -= cepstra.mean(axis=0)
+        return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
 
 
-def hearings(samples: Floats) -> Iterator[Floats]:
-    """Yield the features of a sound, and those with less noise if it has a steady one.
-
-    Each is as of `features`. Less noise keeps words of a foreign language in their place; where
-    music stops and starts, it costs more of the voice than of the music. What fits better is known
-    after the alignment alone.
-    """
-    spectra = CepstralFrames().last(samples)
-    loud = spectra.sum(axis=1)
-    noise = spectra[loud <= np.percentile(loud, QUIET_PERCENT)].mean(axis=0)
-    yield _normalised(spectra)
-    if loud.mean() <= CLEAR_RATIO * noise.sum():
-        # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over yet.
-        wide = np.pad(spectra, ((GAIN_FRAMES, GAIN_FRAMES), (0, 0)), mode="edge")
-        smooth = sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
-        gain = np.maximum(1 - noise / np.maximum(smooth, 1e-9), LEAST_GAIN)
-        yield _normalised(spectra * gain**2)
-
-
-def _normalised(spectra: Floats) -> Floats:
-    """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
-    cepstra = CepstralFrames().cepstra(spectra)
-    # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
-    cepstra -= cepstra.mean(axis=0)
-    return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
+features = SphinxFrontEnd(25, 130.0, 6800.0, "dct", 22, quieted=True)
+"""The front end of the model that hears every language."""
 
 
 def derived(wide: Floats) -> Floats:
@@ -107,7 +124,8 @@ def derived(wide: Floats) -> Floats:
 class CepstralFrames:
     """Cepstra of a sound that arrives in parts, before any mean is taken away."""
 
-    def __init__(self) -> None:
+    def __init__(self, settings: SphinxFrontEnd = features) -> None:
+        self._settings = settings
         self._sound = np.zeros(0)
         self._before = 0.0
         self._noise: _BandNoise | None = None
@@ -124,16 +142,17 @@ class CepstralFrames:
         sound = np.concatenate([self._sound, samples - PRE_EMPHASIS * earlier[:-1]])
         count = max((len(sound) - WINDOW_SAMPLES) // HOP_SAMPLES + 1, 0)
         self._sound = sound[count * HOP_SAMPLES :]
-        return _spectra(sound, count)
+        return _spectra(sound, count, self._settings)
 
     def cepstra(self, spectra: Floats) -> Floats:
         """Return the cepstra of the next frames, (k, 13), from the power of their bands."""
         if not len(spectra):
             return np.zeros((0, CEPSTRA))
-        if self._noise is None:
-            self._noise = _BandNoise(spectra[0])
-        waves, lifter = _cosines()
-        cepstra: Floats = (np.log(self._noise.quieted(spectra) + 1e-4) @ waves.T) * lifter
+        if self._settings.quieted:
+            if self._noise is None:
+                self._noise = _BandNoise(spectra[0])
+            spectra = self._noise.quieted(spectra)
+        cepstra: Floats = np.log(spectra + 1e-4) @ _cosines(self._settings).T
         return cepstra
 
     def last(self, samples: Floats) -> Floats:
@@ -146,36 +165,50 @@ class CepstralFrames:
 
 
 @cache
-def _cosines() -> tuple[Floats, Floats]:
-    """Return the cosine transform of bands to cepstra, and the factor of each cepstrum."""
+def _cosines(settings: SphinxFrontEnd) -> Floats:
+    """Return the transform of bands to liftered cepstra: (`CEPSTRA`, bands)."""
+    bands, lifter = settings.bands, settings.lifter
     order = np.arange(CEPSTRA)[:, None]
-    waves = np.cos(np.pi * order * (np.arange(BANDS) + 0.5) / BANDS) * np.sqrt(2 / BANDS)
-    # The unitary cosine transform has another factor for the constant.
-    waves[0] = np.sqrt(1 / BANDS)
-    return waves, 1 + LIFTER / 2 * np.sin(np.pi * np.arange(CEPSTRA) / LIFTER)
+    waves = np.cos(np.pi * order * (np.arange(bands) + 0.5) / bands)
+    if settings.transform == "legacy":
+        waves /= bands
+        waves[:, 0] /= 2  # the first band counts half
+    else:
+        waves *= np.sqrt(2 / bands)
+        if settings.transform == "dct":  # unitary: the constant has another factor
+            waves[0] = np.sqrt(1 / bands)
+    if lifter:
+        waves *= 1 + lifter / 2 * np.sin(np.pi * order / lifter)
+    return waves
 
 
 @cache
-def _filters() -> tuple[Floats, Floats]:
+def _filters(settings: SphinxFrontEnd) -> tuple[Floats, Floats]:
     """Return the Hamming window of a frame, and the filter of each band."""
     window = 0.54 - 0.46 * np.cos(2 * np.pi * np.arange(WINDOW_SAMPLES) / (WINDOW_SAMPLES - 1))
-    spacing = SPEECH_RATE / FFT_POINTS
-    # The trainer rounds the corners of the filters to bins of the Fourier transform, and gives all
-    # filters one area.
-    edges = np.floor(mel_edges(LOWEST, HIGHEST, BANDS) / spacing + 0.5) * spacing
+    # the trainer gives all filters one area
+    edges = band_edges(settings)
     return window, triangles(edges) * (2 / (edges[2:] - edges[:-2]))
 
 
-def _spectra(sound: Floats, count: int) -> Floats:
-    """Return the power of each band in some frames: (`count`, `BANDS`)."""
-    window, bands = _filters()
+def _spectra(sound: Floats, count: int, settings: SphinxFrontEnd) -> Floats:
+    """Return the power of each band in some frames: (`count`, bands)."""
+    window, bands = _filters(settings)
     starts, within = np.arange(count)[:, None] * HOP_SAMPLES, np.arange(WINDOW_SAMPLES)
-    spectra = np.empty((count, BANDS))
+    spectra = np.empty((count, settings.bands))
     for start in range(0, count, 1000):  # in blocks, to bound memory
         block = slice(start, start + 1000)
         frames = sound[starts[block] + within]
         spectra[block] = (np.abs(np.fft.rfft(frames * window, FFT_POINTS)) ** 2) @ bands
     return spectra
+
+
+def band_edges(settings: SphinxFrontEnd) -> Floats:
+    """Return the corners of bands in hertz, which the trainer rounds to bins of the spectrum."""
+    spacing = SPEECH_RATE / FFT_POINTS
+    corners = mel_edges(settings.lowest, settings.highest, settings.bands)
+    edges: Floats = np.floor(corners / spacing + 0.5) * spacing
+    return edges
 
 
 def mel_edges(lowest: float, highest: float, bands: int) -> Floats:
@@ -201,14 +234,14 @@ class _BandNoise:
         # The start of a sound counts as 13 dB above its noise, until the envelopes have settled.
         self.noise = first / 20
         self.floor = self.noise.copy()
-        self.peak = np.zeros(BANDS)
+        self.peak = np.zeros(len(first))
 
     def quieted(self, spectra: Floats) -> Floats:
-        """Subtract the noise from the next frames: (k, `BANDS`)."""
+        """Subtract the noise from the next frames: (k, bands)."""
         quieted = np.empty_like(spectra)
         power, noise, floor, peak = self.power, self.noise, self.floor, self.peak
-        sums = np.arange(BANDS)
-        first, last = np.maximum(sums - 4, 0), np.minimum(sums + 5, BANDS)
+        sums = np.arange(len(power))
+        first, last = np.maximum(sums - 4, 0), np.minimum(sums + 5, len(power))
         for number, here in enumerate(spectra):
             power = 0.7 * power + 0.3 * here
             noise = _envelope(power, noise)

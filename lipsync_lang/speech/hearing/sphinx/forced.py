@@ -253,7 +253,7 @@ def _window(
     elif anchored and near < stop:
         ends = range([node.word for node in graph.nodes].index(near), len(graph.nodes))
     best = sound.scores(model.alone).max(axis=2)
-    quiet = np.array([phone.book in model.fillers for phone in model.alone])
+    quiet = np.array([phone.number in model.fillers for phone in model.alone])
     loop = _Loop(best[:, ~quiet].max(axis=1), best[:, quiet].max(axis=1))
     scores = sound.scores(model.phones(graph.contexts))
     way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends)

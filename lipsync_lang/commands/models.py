@@ -1,0 +1,65 @@
+"""The command that adapts an acoustic model to recordings."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from lipsync_lang.commands.output import FAULTS, SOUND, count, listening, tell_written
+from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.shared_options import add_language, add_path
+
+
+@command("models")
+def add_models(add: Add) -> None:
+    """Add `models`."""
+    made = add(
+        "models",
+        adapt,
+        "adapt an acoustic model to the voices of a game",
+        "models adapt vo/anna -l english -o models/anna",
+    )
+    add_actions(made, "models")
+
+
+@command("models adapt")
+def _add_adapt(action: Add) -> None:
+    made = action(
+        "adapt",
+        adapt,
+        "adapt an acoustic model to recordings and their texts",
+        "models adapt vo/anna -l english -o models/anna",
+        more=", without labels; it is written only if held-out lines become likelier",
+    )
+    made.add_argument(
+        "folder", metavar="FOLDER", type=Path, help="recordings with texts: a.wav beside a.txt"
+    )
+    add_language(made)
+    add_path(made)
+    made.add_argument("--model", metavar="MODEL", help="name or folder [the language's]")
+    made.add_argument(
+        "-o", "--output", metavar="FOLDER", type=Path, required=True,
+        help="folder of the adapted model, a copy under the same terms",
+    )  # fmt: skip
+
+
+def adapt(options: Namespace) -> int:
+    """Adapt a model, and write it if it gains."""
+    from lipsync_lang.speech.hearing.adaptation import adapt, spoken_files, write_adapted
+    from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import models_of
+    from lipsync_lang.speech.speaking.speaker import Speaker
+
+    speaker = Speaker.of(options.language, options.path)
+    models = models_of(options.model or speaker.manner.audio.model)
+    lines = spoken_files(options.folder)
+    with listening("adapting"):
+        found = adapt(speaker, lines, models)
+    for line in found.left_out:
+        print(f"left out: {line}", file=sys.stderr)
+    rise = f"{found.before:.2f} to {found.after:.2f}"
+    print(f"{count(found.lines, 'line')}; log likelihood of held-out frames: {rise}")
+    if not found.gains:
+        print("the held-out lines gained nothing; no model was written", file=sys.stderr)
+        return FAULTS
+    write_adapted(models, found.model, options.output)
+    tell_written(options.output)
+    return SOUND
