@@ -78,6 +78,7 @@ def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
         options.fps = parse_rate(project.fps)
     offset = None if project.offset is None else str(project.offset)
     plain = {"offset": offset, "shades": project.shades, "gestures": project.gestures}
+    plain["idle"] = project.idle
     for name, value in plain.items():
         if getattr(options, name, "") is None:
             setattr(options, name, value)

@@ -58,6 +58,8 @@ class GestureSet:
     """(G,) greatest amount."""
     speed: Floats
     """(G,) greatest speed, in amount per second."""
+    words: dict[str, tuple[str, ...]]
+    """Facts that each word of the language, in lower case, is."""
     _laid: dict[tuple[int, float], LaidCurve] = field(default_factory=dict)
 
     @classmethod
@@ -74,6 +76,7 @@ class GestureSet:
                     "poses": tuple((number[pose], by) for pose, by in one["poses"].items()),
                     "rates": tuple(one["rates"]) if one["rates"] else None,
                     "at": tuple(one["at"]),
+                    "on": tuple(one["on"]),
                 }
             )
             for one in data["gestures"]
@@ -88,6 +91,11 @@ class GestureSet:
             np.where([pose["channel"]["node"] is None for pose in poses], 0.0, -high),
             high,
             np.array([pose["speed_limit"] for pose in poses], float),
+            {
+                word: tuple(trigger for trigger, said in data["words"].items() if word in said)
+                for said in data["words"].values()
+                for word in said
+            },
         )
 
     @cached_property
@@ -99,7 +107,7 @@ class GestureSet:
     @cached_property
     def triggers(self) -> frozenset[str]:
         """The facts that any gesture asks for."""
-        return frozenset(name for one in self.shapes for name in (one.on or "", *one.at))
+        return frozenset(name for one in self.shapes for name in (*one.on, *one.at))
 
     @cached_property
     def by_pitch(self) -> bool:
@@ -115,7 +123,7 @@ class GestureSet:
 
     def _sampled(self, shape: GestureShape, fps: float) -> LaidCurve:
         times, values = np.array(shape.curve, float).T
-        tops = times[values == values.max()]
+        tops = times[values == values[np.abs(values).argmax()]]
         peak = float(tops[0] + tops[-1]) / 2
         before = ceil(peak * fps - 1e-9) - 1
         after = ceil((shape.seconds - peak) * fps - 1e-9) - 1
