@@ -21,6 +21,7 @@ from lipsync_lang.packs.models import (
     Gesture,
     GesturePose,
     Language,
+    LineEdits,
     Phonemes,
     PoseSet,
     RigPack,
