@@ -1,6 +1,8 @@
 # ruff: noqa: INP001 - a script, not a package
 r"""Build the head that shows the FaceFX speech poses: one morph target for each pose.
 
+A few more are for lids, brows and eyes, which gestures move.
+
     python docs/models/head.py [posesets/facefx/model.glb]
 
 The picture of its poses, docs/images/facefx-poses.png, then has its colours reduced to 256:
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
 
 OUT = Path(__file__).parents[2] / "posesets/facefx/model.glb"
 TARGETS = ["open", "W", "ShCh", "PBM", "FV", "wide", "tBack", "tRoof", "tTeeth"]
+GESTURES = ["blink", "browUp", "eyesLeft", "eyesRight"]
 
 SKIN = srgb("#f3c3a3")
 LIP = srgb("#e59a8c")
@@ -581,6 +584,11 @@ def mouth_parts() -> list[Part]:
 
 EYE, EYE_RADIUS, LID = np.array([3.05, 1.25, 5.9]), 2.0, 0.13
 UPPER_LID, LOWER_LID = 0.54, -0.54  # where the edges of the lids are, in radians above the middle
+SHUT = -0.22  # where they meet
+BULGE = (
+    0.08  # how far they stand out there: halfway a point moves straight, and so closer to the eye
+)
+GAZE = 0.36  # how far the eyes turn to a side, in radians
 
 
 def eye_turn() -> Points:
@@ -603,31 +611,48 @@ def lid_edge(across: Points, middle: float) -> Points:
     return middle * (1 - 0.10 * np.cos(across + 0.6))
 
 
-def lid(middle: float, end: float) -> Part:
-    """A lid as part of a ball about the eyeball, with a thick edge. `end` is where it ends."""
+LID_ROWS = np.array([0.0, 0.0, 0.05, 0.18, 0.45, 0.75, 1.0])[:, None] * np.ones(15)
+
+
+def lid_points(middle: float, end: float, out: float = 0.0) -> Points:
+    """A lid with its edge at `middle`, as a grid: part of a ball about the eyeball."""
     across = np.linspace(0.02, np.pi - 0.02, 15)
-    rows = np.array([0.0, 0.0, 0.05, 0.18, 0.45, 0.75, 1.0])[:, None] * np.ones(15)
     edge = lid_edge(across, middle)
     sink = 0.9 if end > middle else -1.2  # below, the lid sinks into the cheek
-    depth = np.interp(rows, [0, 0.05, 0.18, 1], [0.6, 1.0, 1.05, sink])
+    depth = np.interp(LID_ROWS, [0, 0.05, 0.18, 1], [0.6, 1.0, 1.05, sink])
     depth[0] = -0.02
-    points = on_ball(across + 0 * rows, edge + (end - edge) * rows, EYE_RADIUS + LID * depth)
-    shade = 0.16 * smoothstep(0.9, 0.0, rows)
+    radius = EYE_RADIUS + LID * depth + out * smoothstep(1.0, 0.6, LID_ROWS)
+    return on_ball(across + 0 * LID_ROWS, edge + (end - edge) * LID_ROWS, radius)
+
+
+def lid(middle: float, end: float) -> Part:
+    """A lid with a thick edge, which shuts. `end` is where it ends."""
+    points = lid_points(middle, end)
+    shut = lid_points(SHUT, end, BULGE) - points
+    shade = 0.16 * smoothstep(0.9, 0.0, LID_ROWS)
     upwards = slice(None, None, 1 if end > middle else -1)
     part = Part("lids", *mesh.patch(points[upwards]), SKIN, 0.62)
+    part.targets = {"blink": shut[upwards].reshape(-1, 3)}
     part.colors = 1 - shade[upwards].reshape(-1, 1) * np.array([0.5, 1.2, 1.2])
     return part
 
 
 def lash() -> Part:
-    """The dark line on the edge of the upper lid."""
+    """The dark line on the edge of the upper lid, which goes down with it."""
     across = np.linspace(0.35, np.pi - 0.22, 12)
-    path = on_ball(across, lid_edge(across, UPPER_LID) + 0.01, EYE_RADIUS + LID * 0.9)
     thick = np.interp(
         np.linspace(0, 1, 12), [0, 0.25, 0.75, 0.93, 1], [0.02, 0.07, 0.12, 0.12, 0.02]
     )
-    path[-2:] += np.array([[0.03, 0.05, 0.04], [0.12, 0.16, 0.08]])
-    return Part("lashes", *mesh.tube(path, thick, 6), LASH, 0.6)
+
+    def shape(middle: float, out: float) -> mesh.Shape:
+        radius = EYE_RADIUS + LID * 0.9 + out
+        path = on_ball(across, lid_edge(across, middle) + 0.01, radius)
+        path[-2:] += np.array([[0.03, 0.05, 0.04], [0.12, 0.16, 0.08]])
+        return mesh.tube(path, thick, 6)
+
+    points, triangles = shape(UPPER_LID, 0.0)
+    shut = shape(SHUT, BULGE)[0] - points
+    return Part("lashes", points, triangles, LASH, 0.6, {"blink": shut})
 
 
 def disc(radius: float, at: float, segments: int, rings: int) -> mesh.Shape:
@@ -653,6 +678,26 @@ def iris() -> Part:
     return part
 
 
+def turning(part: Part) -> Part:
+    """A part of an eyeball, which turns to both sides and gives way to the lids."""
+    shifts = {
+        name: part.positions @ (mesh.rotation((0, 1, 0), way * GAZE) - np.eye(3)).T
+        for name, way in (("eyesLeft", 1), ("eyesRight", -1))
+    }
+    back = np.tile([0.0, 0.0, -BULGE], (len(part.positions), 1))
+    return replace(part, targets={**shifts, "blink": back})
+
+
+def swapped(part: Part) -> Part:
+    """The part of the other eye: a mirror swaps left and right."""
+    other = {"eyesLeft": "eyesRight", "eyesRight": "eyesLeft"}
+    shifts, normals = (
+        {other.get(name, name): value for name, value in shapes.items()}
+        for shapes in (part.targets, part.target_normals or {})
+    )
+    return replace(part, targets=shifts, target_normals=normals)
+
+
 def eye_parts() -> list[Part]:
     """Both eyes with their lids and lashes."""
     ball = Part("eyes", *disc(1.7, EYE_RADIUS, 24, 7), EYEBALL, 0.22)
@@ -660,9 +705,10 @@ def eye_parts() -> list[Part]:
     pupil = Part("pupils", *disc(0.29, EYE_RADIUS + 0.03, 20, 2), PUPIL, 0.2)
     lids = mesh.merged([lid(UPPER_LID, 1.9), lid(LOWER_LID, -1.5)], "lids")
     parts = []
-    for part in (ball, iris(), pupil, lids, lash()):
+    for part in (turning(ball), turning(iris()), turning(pupil), lids, lash()):
         left = mesh.transformed(mesh.with_normals(part), turn=eye_turn(), move=EYE)
-        parts.append(mesh.merged([left, mesh.mirrored(left, part.name)], part.name))
+        right = swapped(mesh.mirrored(left, part.name))
+        parts.append(mesh.merged([left, right], part.name))
     glints = [glint(side) for side in (-1, 1)]
     return [*parts, mesh.merged(glints, "glints")]
 
@@ -672,20 +718,31 @@ def glint(side: int) -> Part:
     turn = eye_turn() if side > 0 else np.diag([-1.0, 1, 1]) @ eye_turn() @ np.diag([-1.0, 1, 1])
     aim = turn @ mesh.rotation((0, 1, 0), -0.22) @ mesh.rotation((1, 0, 0), -0.24)
     spot = Part("glints", *disc(0.085, EYE_RADIUS + 0.05, 12, 2), EYEBALL, 0.3)
+    spot.targets = {"blink": np.tile([0.0, 0.0, -2 * BULGE], (len(spot.positions), 1))}
     return mesh.transformed(spot, turn=aim, move=EYE * [side, 1, 1])
 
 
-def brow_parts() -> list[Part]:
-    """Brows: tapered rolls on the skin."""
-    at = mesh.catmull_rom(np.array([[1.3, 4.0], [2.4, 4.62], [3.9, 4.7], [5.35, 3.7]]), 15)
+BROW = np.array([[1.3, 4.0], [2.4, 4.62], [3.9, 4.7], [5.35, 3.7]])
+RAISED = np.array([[0.0, 0.8], [0.0, 1.05], [0.05, 1.1], [0.1, 0.7]])
+
+
+def brow_shape(line: Points) -> mesh.Shape:
+    """A tapered roll on the skin along a line seen from the front."""
+    at = mesh.catmull_rom(line, 15)
     start = np.array([0.0, 2.0, -1.0])
     path = on_skin(np.stack([at[:, 0], at[:, 1] - 1.2, np.sqrt(70 - at[:, 0] ** 2)], 1), start)
     grow = np.interp(np.linspace(0, 1, 15), [0, 0.12, 0.4, 0.8, 1], [0.25, 0.8, 1, 0.65, 0.08])
     radii = np.stack([0.42 * grow, 0.22 * grow], 1)
     ahead = np.gradient(path, axis=0)
     side = np.cross(ahead, path - start)
-    shape = mesh.tube(path + np.array([0, 0, 0.1]), radii, 8, side=side)
-    left = Part("brows", *shape, HAIR, 0.7)
+    return mesh.tube(path + np.array([0, 0, 0.1]), radii, 8, side=side)
+
+
+def brow_parts() -> list[Part]:
+    """Brows, which rise."""
+    points, triangles = brow_shape(BROW)
+    up = brow_shape(BROW + RAISED)[0] - points
+    left = Part("brows", points, triangles, HAIR, 0.7, {"browUp": up})
     return [mesh.merged([left, mesh.mirrored(left, "brows")], "brows")]
 
 
@@ -853,7 +910,7 @@ def build() -> list[Part]:
 def main() -> None:
     """Write the model to the path on the command line, or where it belongs."""
     out = Path(sys.argv[1]) if sys.argv[1:] else OUT
-    mesh.write_glb(out, build(), TARGETS, "head", "The lipsync_lang authors, Apache-2.0")
+    mesh.write_glb(out, build(), TARGETS + GESTURES, "head", "The lipsync_lang authors, Apache-2.0")
 
 
 if __name__ == "__main__":

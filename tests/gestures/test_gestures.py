@@ -1,5 +1,6 @@
 """Gestures: placed by the facts of a line, the same in every build, within bounds and speed."""
 
+import json
 from dataclasses import replace
 from itertools import pairwise
 
@@ -375,3 +376,16 @@ def test_breaths_are_more_regular_than_blinks():
 
     assert irregular(spread=0.15) < 0.25
     assert irregular() > 0.5
+
+
+@pytest.mark.parametrize("name", ["facefx", "crab"])
+def test_a_shipped_model_has_what_its_gestures_move(name):
+    own = ll.resolve("english", name)
+    content = own.model.read_bytes()
+    size = int.from_bytes(content[12:16], "little")
+    document = json.loads(content[20 : 20 + size])
+    shapes = document["meshes"][0]["extras"]["targetNames"]
+    nodes = [node["name"] for node in document["nodes"]]
+    for channel in own.gesture_channels:
+        assert channel.name in shapes if channel.node is None else channel.node in nodes
+    assert len(content) < 2**20
