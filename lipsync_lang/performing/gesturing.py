@@ -130,7 +130,7 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
     """Return the curves of gestures over (T,) frames, (T, G), and the gestures."""
     own = performer.gesture_set
     start, end = float(times[0]), float(times[-1])
-    facts = _line_facts(performer, schedule, sounds, (start, end), line)
+    facts = line_facts(performer, schedule, sounds, (start, end), line)
     return own.lay(place(own.shapes, scales, facts), start, len(times), fps)
 
 
@@ -205,15 +205,24 @@ def _seeds(schedule: "Schedule", line: str | None) -> tuple[list[float], list[in
     return [start for start, _ in words], seeds
 
 
-def _line_facts(
+def line_facts(
     performer: "Performer",
     schedule: "Schedule",
-    sounds: "LabelSounds",
-    ends: tuple[float, float],
-    line: str | None,
+    sounds: "LabelSounds | None" = None,
+    ends: tuple[float, float] | None = None,
+    line: str | None = None,
 ) -> LineFacts:
-    """Return a line as far as its gestures ask for it; `ends` are its first and last frame."""
+    """Return a line as far as its gestures ask for it.
+
+    Parameters
+    ----------
+    sounds : the sounds of its labels, if they are read already
+    ends : times of its first and last frame; None for those of the schedule
+    line : name of the line in the character's file
+    """
     own = performer.gesture_set
+    if sounds is None:
+        (sounds,) = performer.labels.read([schedule])
     phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
     facts = {
         "phrase_end": [LineFact(end) for _, end in phrases],
@@ -227,7 +236,9 @@ def _line_facts(
     if "rise" in own.triggers and schedule.audio is not None:
         facts["rise"] = _rising(schedule.audio, phrases)
     placed = _by_hand(performer, schedule, line)
-    return LineFacts(*ends, phrases, facts, *_seeds(schedule, line), placed)
+    return LineFacts(
+        *(ends or (schedule.start, schedule.end)), phrases, facts, *_seeds(schedule, line), placed
+    )
 
 
 def _by_hand(performer: "Performer", schedule: "Schedule", line: str | None) -> list[PlacedGesture]:
