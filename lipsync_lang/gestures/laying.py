@@ -148,7 +148,7 @@ class GestureSet:
         """
         out = np.zeros((count, len(self.poses)))
         laid: list[LaidGesture] = []
-        guarded = False
+        guarded: set[int] = set()
         for gesture in placed:
             number = gesture.number
             peak, before, block = self.laid(number, fps)
@@ -158,29 +158,30 @@ class GestureSet:
                 continue
             stop = first + len(block)
             mates = self.mates[number]
-            guarded = (
-                guarded
-                or gesture.height > 1
-                or any(
-                    one.first <= stop and first <= one.stop and one.gesture.number in mates
-                    for one in laid
-                )
-            )
+            if gesture.height > 1 or any(
+                one.first <= stop and first <= one.stop and one.gesture.number in mates
+                for one in laid
+            ):
+                guarded.update(pose for pose, _ in self.shapes[number].poses)
             out[first:stop] += block if gesture.height == 1 else gesture.height * block
             laid.append(LaidGesture(gesture, first, stop))
-        return (self._guard(out, fps) if guarded else out), laid
+        if guarded:
+            poses = sorted(guarded)
+            out[:, poses] = self._guard(out[:, poses], poses, fps)
+        return out, laid
 
-    def _guard(self, curves: Floats, fps: float) -> Floats:
-        """Keep a sum of gestures to the bounds and the speed of its poses.
+    def _guard(self, curves: Floats, poses: list[int], fps: float) -> Floats:
+        """Keep sums of gestures, (T, len(poses)), to the bounds and the speed of their poses.
 
         The mean of the smallest slow curve above and the largest below is slow, and is the curve
         itself where that is slow. So is the middle one of it and two ramps from rest.
         """
-        bound = np.clip(curves, self.low, self.high)
-        slope = np.arange(len(bound))[:, None] * (self.speed / fps)
+        low, high = self.low[poses], self.high[poses]
+        bound = np.clip(curves, low, high)
+        slope = np.arange(len(bound))[:, None] * (self.speed[poses] / fps)
         slow = (_below(bound, slope) - _below(-bound, slope)) / 2
         ramp = np.minimum(slope, slope[::-1])
-        out: Floats = np.clip(slow, np.maximum(-ramp, self.low), np.minimum(ramp, self.high))
+        out: Floats = np.clip(slow, np.maximum(-ramp, low), np.minimum(ramp, high))
         return out
 
 

@@ -113,8 +113,8 @@ def place(
         free = -1e9  # time from which the next one may begin
         for trigger, fact in drawn(number, gesture, line):
             begin = fact.seconds - gesture.lead
-            clear = all(abs(begin - one.begin) >= gesture.room for one in stated)
-            if begin >= free and clear:
+            near = stated and any(abs(begin - one.begin) < gesture.room for one in stated)
+            if begin >= free and not near:
                 height = fact.height if gesture.by_pitch else 1.0
                 found.append(PlacedGesture(number, begin, scale * height, trigger, fact.seconds))
                 free = begin + gesture.room
@@ -160,16 +160,11 @@ def _by_itself(
 def _clock(rates: tuple[float, float], line: LineFacts) -> tuple[list[float], list[float]]:
     """Return times at which the rate changes, and the mean number of gestures until each."""
     at, clock = [line.start], [0.0]
-
-    def run(until: float, rate: float) -> None:
+    edges = [edge for phrase in line.phrases for edge in phrase]
+    for number, until in enumerate((*edges, line.end)):
         if until > at[-1]:
-            clock.append(clock[-1] + (until - at[-1]) * rate / 60)
+            clock.append(clock[-1] + (until - at[-1]) * rates[number % 2 == 0] / 60)
             at.append(until)
-
-    for begin, end in line.phrases:
-        run(begin, rates[1])
-        run(end, rates[0])
-    run(line.end, rates[1])
     return at, clock
 
 
