@@ -24,6 +24,9 @@ from lipsync_lang.gestures.placing import GestureShape, PlacedGesture
 SHIFT_SECONDS = 0.25
 """Longest move of a gesture that would leave the frames of its line."""
 
+ROUNDED_AMOUNT = 1e-9
+"""Difference of two amounts that is rounding."""
+
 
 class LaidCurve(NamedTuple):
     """A gesture at a frame rate."""
@@ -167,7 +170,10 @@ class GestureSet:
             laid.append(LaidGesture(gesture, first, stop))
         if guarded:
             poses = sorted(guarded)
-            out[:, poses] = self._guard(out[:, poses], poses, fps)
+            summed = out[:, poses]
+            kept = self._guard(summed, poses, fps)
+            # a frame that is slow anyway keeps its bits, whatever comes later
+            out[:, poses] = np.where(np.abs(kept - summed) < ROUNDED_AMOUNT, summed, kept)
         return out, laid
 
     def _guard(self, curves: Floats, poses: list[int], fps: float) -> Floats:
