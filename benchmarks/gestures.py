@@ -2,10 +2,10 @@ r"""Print how often faces make gestures, and what they cost, beside published fi
 
     python benchmarks/gestures.py [TEXTS] [-c POSESET ...] [--json FILE]
 
-TEXTS has a line of text per line, of which the first 20 are spoken by eSpeak NG; by default the
+TEXTS has a line of text per line, of which the first 100 are spoken by eSpeak NG; by default the
 eight lines of `motion.py`, and twelve questions and answers. Silence is ten minutes of rest.
 
-talking, silent   gestures a minute of speech (pauses within a line included), and of rest
+talking, silent   gestures a minute of lines, with lead-in and tail, and of rest
 head              two standard deviations of the turns of bones in speech, in degrees
 same              share of the lines that repeat with the same bytes
 before            share of the lines whose gestures stay up to 1 s before a changed last word
@@ -33,19 +33,19 @@ TALK = (
     "Why should I believe you?", "Because I have never lied to you.", "Well, that is true.",
     "Do you want to stay for dinner?", "Nothing would make me happier.",
 )  # fmt: skip
-LINES, FPS, REST_SECONDS, ROUNDS = 20, 60, 600.0, 200
+LINES, FPS, REST_SECONDS, ROUNDS = 100, 60, 600.0, 200
 
 
 def laid(performer: ll.Performer, line: ll.Schedule) -> tuple[np.ndarray, Counter[str], float]:
     """Return the turns of a line's gestures, their number by name, and its minutes."""
-    times = np.arange(line.start, line.end, 1 / FPS)
+    times = performer.perform(line, FPS).times
     (sounds,) = performer.labels.read([line])
     scales = [1.0] * len(performer.gesture_set.shapes)
     curves, found = gesture_curves(performer, line, sounds, times, FPS, scales, None)
     own = performer.gesture_set
     turns = curves[:, [channel["node"] is not None for channel in own.channels]]
     counts = Counter(own.shapes[one.gesture.number].name for one in found)
-    return turns, counts, (line.end - line.start) / 60
+    return turns, counts, float(times[-1] - times[0]) / 60
 
 
 def rates(performer: ll.Performer, lines: Sequence[ll.Schedule]) -> dict[str, float]:

@@ -144,17 +144,19 @@ def _by_itself(
     seed, salt = line.seed(line.start + OPENING_SECONDS), 2 * number
     # the line begins at a random place within a gap, and long gaps cover more places
     passed = _uniform(seed, salt + 97) * _gap(seed, salt, gesture.spread, gesture.spread / 2)
-    taken = None
+    free = line.start
     while passed < clock[-1]:
         part = bisect_right(clock, passed) - 1
         share = (passed - clock[part]) / (clock[part + 1] - clock[part])
         time = at[part] + share * (at[part + 1] - at[part])
-        near = min(drawing, key=lambda one: abs(one[0].seconds - time), default=None)
-        if near not in {None, taken} and abs(near[0].seconds - time) <= DRAWING_SECONDS:
-            taken = near
-            yield near[1], near[0]
-        else:
-            yield "", LineFact(time)
+        near = [
+            (abs(fact.seconds - time), fact, trigger)
+            for fact, trigger in drawing
+            if fact.seconds >= free and abs(fact.seconds - time) <= DRAWING_SECONDS
+        ]
+        _, fact, trigger = min(near, default=(0.0, LineFact(time), ""))
+        yield trigger, fact
+        free = max(free, fact.seconds + gesture.room)
         salt += 1000
         passed += _gap(line.seed(time), salt, gesture.spread, -gesture.spread / 2)
 
