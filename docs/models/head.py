@@ -451,18 +451,59 @@ def arch(samples: int, y: float, back: float) -> Points:
     return np.stack([x, y - 1.2 * back * (1 - np.cos(angle)), z], 1)
 
 
+# half the width, the height and the sharpness of each tooth, from the middle to the side
+UPPER_TEETH = [
+    (0.43, 1.0, 0.0),
+    (0.33, 0.92, 0.0),
+    (0.36, 1.0, 0.5),
+    (0.34, 0.86, 0.2),
+    (0.36, 0.8, 0.1),
+]
+LOWER_TEETH = [
+    (0.27, 0.92, 0.0),
+    (0.29, 0.94, 0.0),
+    (0.33, 1.0, 0.4),
+    (0.34, 0.9, 0.2),
+    (0.38, 0.85, 0.1),
+]
+TOOTH_GAP = 0.015
+
+
+def tooth(wide: float, high: float, sharp: float, edge: int) -> mesh.Shape:
+    """A tooth that stands at the origin, with its edge `high` above or below its middle.
+
+    It is narrow at the gum, wide and flat at its edge; `edge` is 1 if that points up.
+    """
+    at = np.array([-1.0, -0.55, 0.0, 0.5, 0.82, 1.0])
+    path = np.stack([0 * at, high * at * edge, -0.05 * at**2], 1)
+    across = wide * np.array([0.68, 0.84, 0.97, 1.0, 0.95 - 0.3 * sharp, 0.72 - 0.45 * sharp])
+    deep = np.array([0.22, 0.24, 0.22, 0.17, 0.12, 0.06])
+    return mesh.tube(path, np.stack([across, deep], 1), 10, exponent=2.8)
+
+
 def tooth_row(name: str, y: float, height: float, *, back: float = 0.0) -> Part:
-    """A row of ten teeth, as one bar with soft notches. `height` is half the height of a tooth."""
-    each, around = 3, 8
-    path = arch(10 * each + 1, y, back)
-    number = np.arange(len(path))
-    between = number % each == 0
-    end = np.where(np.minimum(number, number[::-1]) == 0, 0.5, 1.0)
-    radii = np.stack([height * np.where(between, 0.87, 1), 0.17 * np.where(between, 0.72, 1)], 1)
-    shape = mesh.tube(path, radii * end[:, None], around, exponent=3.2, side=(0, 1, 0))
-    part = Part(name, *shape, TOOTH, 0.28)
-    part.colors = in_the_dark(part.positions, 6.9, 4.2)
-    return part
+    """A row of ten teeth; `height` is half the height of a tooth. Lower teeth are set `back`."""
+    shapes, edge = (LOWER_TEETH, 1) if back else (UPPER_TEETH, -1)
+    line = arch(401, y, back)
+    along = np.concatenate([[0.0], np.cumsum(norm(np.diff(line, axis=0)))])
+    middle, teeth = along[-1] / 2, []
+    place = TOOTH_GAP
+    for wide, high, sharp in shapes:
+        for side in (1, -1):
+            spot = middle + side * (place + wide)
+            at = np.array([np.interp(spot, along, line[:, axis]) for axis in range(3)])
+            ahead = np.array([np.interp(spot + d, along, line[:, 2]) for d in (-0.1, 0.1)])
+            sideways = np.array([np.interp(spot + d, along, line[:, 0]) for d in (-0.1, 0.1)])
+            turn = mesh.rotation(
+                (0, 1, 0), np.arctan2(ahead[0] - ahead[1], sideways[1] - sideways[0])
+            )
+            part = Part(name, *tooth(wide, high * height, sharp, edge), TOOTH, 0.28)
+            grown = at - [0, edge * height * (1 - high), 0]  # all stand in the gum alike
+            teeth.append(mesh.transformed(mesh.with_normals(part), turn=turn, move=grown))
+        place += 2 * wide + TOOTH_GAP
+    row = mesh.merged(teeth, name)
+    row.colors = in_the_dark(row.positions, 6.9, 4.2)
+    return row
 
 
 def in_the_dark(p: Points, light: float, dark: float) -> Points:
@@ -471,11 +512,16 @@ def in_the_dark(p: Points, light: float, dark: float) -> Points:
 
 
 def gum(name: str, y: float, height: float, *, back: float = 0.0) -> Part:
-    """The flesh that a row of teeth stands in."""
-    path = arch(15, y, back)
-    end = np.where(np.minimum(np.arange(15), np.arange(15)[::-1]) == 0, 0.5, 1.0)
-    radii = np.array([height, 0.24]) * end[:, None]
-    return Part(name, *mesh.tube(path, radii, 6, side=(0, 1, 0)), GUM, 0.45)
+    """The flesh that a row of teeth stands in, scalloped over each tooth."""
+    each = 4
+    path = arch(10 * each + 1, y, back)
+    number = np.arange(len(path))
+    end = np.where(np.minimum(number, number[::-1]) == 0, 0.5, 1.0)
+    scallop = 1 + 0.16 * np.cos(2 * np.pi * number / each)
+    radii = np.stack([height * scallop, np.full(len(path), 0.27)], 1) * end[:, None]
+    part = Part(name, *mesh.tube(path, radii, 8, side=(0, 1, 0)), GUM, 0.4)
+    part.colors = in_the_dark(part.positions, 6.9, 4.0)
+    return part
 
 
 def on_jaw(part: Part) -> Part:
@@ -491,9 +537,9 @@ TONGUES = {
         (-2.1, 5.1, 1.5, 0.9),
         (-1.35, 4.2, 1.65, 0.85),
         (-0.95, 2.9, 1.55, 0.7),
-        (-0.88, 1.85, 1.3, 0.5),
-        (-0.9, 1.2, 1.1, 0.36),
-        (-0.92, 0.8, 0.9, 0.28),
+        (-0.8, 1.75, 1.35, 0.5),
+        (-0.7, 1.05, 1.2, 0.38),
+        (-0.64, 0.62, 1.0, 0.3),
     ],
     "tBack": [
         (-2.7, 5.9, 1.4, 0.8),
@@ -517,10 +563,10 @@ TONGUES = {
         (-2.9, 5.5, 1.3, 0.8),
         (-2.1, 4.8, 1.5, 0.9),
         (-1.2, 3.7, 1.6, 0.85),
-        (-0.4, 2.2, 1.5, 0.62),
-        (0.0, 0.8, 1.35, 0.4),
-        (0.2, -0.3, 1.2, 0.27),
-        (0.14, -1.1, 1.05, 0.22),
+        (-0.4, 2.2, 1.5, 0.6),
+        (0.15, 0.8, 1.4, 0.38),
+        (0.34, -0.5, 1.3, 0.28),
+        (0.18, -1.7, 1.15, 0.24),
     ],
 }
 
@@ -777,7 +823,7 @@ def ear_parts() -> list[Part]:
 
 def neck_parts() -> list[Part]:
     """A neck, and a collar to end it."""
-    profile = [(3.3, -14.5), (3.3, -12.5), (3.3, -10.5), (3.5, -8.0), (3.5, -6.0), (3.2, -3.5)]
+    profile = [(3.3, -15.8), (3.3, -12.5), (3.3, -10.5), (3.5, -8.0), (3.5, -6.0), (3.2, -3.5)]
     neck = Part("neck", *mesh.revolved(profile, 28), SKIN, 0.62)
     neck = mesh.transformed(neck, move=(0, 0, -2.2))
     low = smoothstep(-13.0, -9.0, neck.positions[:, 1:2])
@@ -787,7 +833,7 @@ def neck_parts() -> list[Part]:
     smooth = mesh.catmull_rom(np.array(roll), 18)
     smooth[0, 0] = 0
     collar = Part("collar", *mesh.revolved(smooth, 24), WOOL, 0.9)
-    return [neck, mesh.transformed(collar, move=(0, 0, -1.9))]
+    return [neck, mesh.transformed(collar, move=(0, -1.3, -1.9))]  # clear of the lowest chin
 
 
 HAIR_CENTRE = np.array([0.0, 1.0, -1.0])
