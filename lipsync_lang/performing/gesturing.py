@@ -159,7 +159,8 @@ def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
     told = []
     for number, shape in enumerate(own.shapes):
         aim = " ({:g} in speech, {:g} in silence)".format(*shape.rates) if shape.rates else ""
-        told.append(f"{shape.name} {counts[number] / minutes:.0f}{aim}")
+        if aim or counts[number]:
+            told.append(f"{shape.name} {counts[number] / minutes:.0f}{aim}")
     turns = curves[:, [channel["node"] is not None for channel in own.channels]]
     degrees = 2 * float(np.sqrt(turns.var(axis=0).sum()))
     turned = f"; turns of {degrees:.1f} degrees (2 standard deviations)" if turns.size else ""
