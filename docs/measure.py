@@ -56,6 +56,11 @@ PARTS = {
         ["DATA/articulography", "--contacts", "--set", "preset=paper"],
         "eight English lines of the project's own, spoken by eSpeak NG",
     ),
+    "gestures": Part(
+        "gestures.py",
+        ["DATA/text/harvard-sentences.txt", "-c", "arkit", "-c", "facefx"],
+        "a hundred Harvard sentences spoken by eSpeak NG, and ten minutes of silence",
+    ),
     "languages": Part(
         "by_language.py",
         ["DATA/text/udhr"],

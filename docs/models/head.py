@@ -1,6 +1,8 @@
 # ruff: noqa: INP001 - a script, not a package
 r"""Build the head that shows the FaceFX speech poses: one morph target for each pose.
 
+A few more are for lids, brows and eyes, which gestures move.
+
     python docs/models/head.py [posesets/facefx/model.glb]
 
 The picture of its poses, docs/images/facefx-poses.png, then has its colours reduced to 256:
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
 
 OUT = Path(__file__).parents[2] / "posesets/facefx/model.glb"
 TARGETS = ["open", "W", "ShCh", "PBM", "FV", "wide", "tBack", "tRoof", "tTeeth"]
+GESTURES = ["blink", "browUp", "eyesLeft", "eyesRight"]
 
 SKIN = srgb("#f3c3a3")
 LIP = srgb("#e59a8c")
@@ -448,18 +451,59 @@ def arch(samples: int, y: float, back: float) -> Points:
     return np.stack([x, y - 1.2 * back * (1 - np.cos(angle)), z], 1)
 
 
+# half the width, the height and the sharpness of each tooth, from the middle to the side
+UPPER_TEETH = [
+    (0.43, 1.0, 0.0),
+    (0.33, 0.92, 0.0),
+    (0.36, 1.0, 0.5),
+    (0.34, 0.86, 0.2),
+    (0.36, 0.8, 0.1),
+]
+LOWER_TEETH = [
+    (0.27, 0.92, 0.0),
+    (0.29, 0.94, 0.0),
+    (0.33, 1.0, 0.4),
+    (0.34, 0.9, 0.2),
+    (0.38, 0.85, 0.1),
+]
+TOOTH_GAP = 0.015
+
+
+def tooth(wide: float, high: float, sharp: float, edge: int) -> mesh.Shape:
+    """A tooth that stands at the origin, with its edge `high` above or below its middle.
+
+    It is narrow at the gum, wide and flat at its edge; `edge` is 1 if that points up.
+    """
+    at = np.array([-1.0, -0.55, 0.0, 0.5, 0.82, 1.0])
+    path = np.stack([0 * at, high * at * edge, -0.05 * at**2], 1)
+    across = wide * np.array([0.68, 0.84, 0.97, 1.0, 0.95 - 0.3 * sharp, 0.72 - 0.45 * sharp])
+    deep = np.array([0.22, 0.24, 0.22, 0.17, 0.12, 0.06])
+    return mesh.tube(path, np.stack([across, deep], 1), 10, exponent=2.8)
+
+
 def tooth_row(name: str, y: float, height: float, *, back: float = 0.0) -> Part:
-    """A row of ten teeth, as one bar with soft notches. `height` is half the height of a tooth."""
-    each, around = 3, 8
-    path = arch(10 * each + 1, y, back)
-    number = np.arange(len(path))
-    between = number % each == 0
-    end = np.where(np.minimum(number, number[::-1]) == 0, 0.5, 1.0)
-    radii = np.stack([height * np.where(between, 0.87, 1), 0.17 * np.where(between, 0.72, 1)], 1)
-    shape = mesh.tube(path, radii * end[:, None], around, exponent=3.2, side=(0, 1, 0))
-    part = Part(name, *shape, TOOTH, 0.28)
-    part.colors = in_the_dark(part.positions, 6.9, 4.2)
-    return part
+    """A row of ten teeth; `height` is half the height of a tooth. Lower teeth are set `back`."""
+    shapes, edge = (LOWER_TEETH, 1) if back else (UPPER_TEETH, -1)
+    line = arch(401, y, back)
+    along = np.concatenate([[0.0], np.cumsum(norm(np.diff(line, axis=0)))])
+    middle, teeth = along[-1] / 2, []
+    place = TOOTH_GAP
+    for wide, high, sharp in shapes:
+        for side in (1, -1):
+            spot = middle + side * (place + wide)
+            at = np.array([np.interp(spot, along, line[:, axis]) for axis in range(3)])
+            ahead = np.array([np.interp(spot + d, along, line[:, 2]) for d in (-0.1, 0.1)])
+            sideways = np.array([np.interp(spot + d, along, line[:, 0]) for d in (-0.1, 0.1)])
+            turn = mesh.rotation(
+                (0, 1, 0), np.arctan2(ahead[0] - ahead[1], sideways[1] - sideways[0])
+            )
+            part = Part(name, *tooth(wide, high * height, sharp, edge), TOOTH, 0.28)
+            grown = at - [0, edge * height * (1 - high), 0]  # all stand in the gum alike
+            teeth.append(mesh.transformed(mesh.with_normals(part), turn=turn, move=grown))
+        place += 2 * wide + TOOTH_GAP
+    row = mesh.merged(teeth, name)
+    row.colors = in_the_dark(row.positions, 6.9, 4.2)
+    return row
 
 
 def in_the_dark(p: Points, light: float, dark: float) -> Points:
@@ -468,11 +512,16 @@ def in_the_dark(p: Points, light: float, dark: float) -> Points:
 
 
 def gum(name: str, y: float, height: float, *, back: float = 0.0) -> Part:
-    """The flesh that a row of teeth stands in."""
-    path = arch(15, y, back)
-    end = np.where(np.minimum(np.arange(15), np.arange(15)[::-1]) == 0, 0.5, 1.0)
-    radii = np.array([height, 0.24]) * end[:, None]
-    return Part(name, *mesh.tube(path, radii, 6, side=(0, 1, 0)), GUM, 0.45)
+    """The flesh that a row of teeth stands in, scalloped over each tooth."""
+    each = 4
+    path = arch(10 * each + 1, y, back)
+    number = np.arange(len(path))
+    end = np.where(np.minimum(number, number[::-1]) == 0, 0.5, 1.0)
+    scallop = 1 + 0.16 * np.cos(2 * np.pi * number / each)
+    radii = np.stack([height * scallop, np.full(len(path), 0.27)], 1) * end[:, None]
+    part = Part(name, *mesh.tube(path, radii, 8, side=(0, 1, 0)), GUM, 0.4)
+    part.colors = in_the_dark(part.positions, 6.9, 4.0)
+    return part
 
 
 def on_jaw(part: Part) -> Part:
@@ -488,9 +537,9 @@ TONGUES = {
         (-2.1, 5.1, 1.5, 0.9),
         (-1.35, 4.2, 1.65, 0.85),
         (-0.95, 2.9, 1.55, 0.7),
-        (-0.88, 1.85, 1.3, 0.5),
-        (-0.9, 1.2, 1.1, 0.36),
-        (-0.92, 0.8, 0.9, 0.28),
+        (-0.8, 1.75, 1.35, 0.5),
+        (-0.7, 1.05, 1.2, 0.38),
+        (-0.64, 0.62, 1.0, 0.3),
     ],
     "tBack": [
         (-2.7, 5.9, 1.4, 0.8),
@@ -514,10 +563,10 @@ TONGUES = {
         (-2.9, 5.5, 1.3, 0.8),
         (-2.1, 4.8, 1.5, 0.9),
         (-1.2, 3.7, 1.6, 0.85),
-        (-0.4, 2.2, 1.5, 0.62),
-        (0.0, 0.8, 1.35, 0.4),
-        (0.2, -0.3, 1.2, 0.27),
-        (0.14, -1.1, 1.05, 0.22),
+        (-0.4, 2.2, 1.5, 0.6),
+        (0.15, 0.8, 1.4, 0.38),
+        (0.34, -0.5, 1.3, 0.28),
+        (0.18, -1.7, 1.15, 0.24),
     ],
 }
 
@@ -581,6 +630,11 @@ def mouth_parts() -> list[Part]:
 
 EYE, EYE_RADIUS, LID = np.array([3.05, 1.25, 5.9]), 2.0, 0.13
 UPPER_LID, LOWER_LID = 0.54, -0.54  # where the edges of the lids are, in radians above the middle
+SHUT = -0.22  # where they meet
+BULGE = (
+    0.08  # how far they stand out there: halfway a point moves straight, and so closer to the eye
+)
+GAZE = 0.36  # how far the eyes turn to a side, in radians
 
 
 def eye_turn() -> Points:
@@ -603,31 +657,48 @@ def lid_edge(across: Points, middle: float) -> Points:
     return middle * (1 - 0.10 * np.cos(across + 0.6))
 
 
-def lid(middle: float, end: float) -> Part:
-    """A lid as part of a ball about the eyeball, with a thick edge. `end` is where it ends."""
+LID_ROWS = np.array([0.0, 0.0, 0.05, 0.18, 0.45, 0.75, 1.0])[:, None] * np.ones(15)
+
+
+def lid_points(middle: float, end: float, out: float = 0.0) -> Points:
+    """A lid with its edge at `middle`, as a grid: part of a ball about the eyeball."""
     across = np.linspace(0.02, np.pi - 0.02, 15)
-    rows = np.array([0.0, 0.0, 0.05, 0.18, 0.45, 0.75, 1.0])[:, None] * np.ones(15)
     edge = lid_edge(across, middle)
     sink = 0.9 if end > middle else -1.2  # below, the lid sinks into the cheek
-    depth = np.interp(rows, [0, 0.05, 0.18, 1], [0.6, 1.0, 1.05, sink])
+    depth = np.interp(LID_ROWS, [0, 0.05, 0.18, 1], [0.6, 1.0, 1.05, sink])
     depth[0] = -0.02
-    points = on_ball(across + 0 * rows, edge + (end - edge) * rows, EYE_RADIUS + LID * depth)
-    shade = 0.16 * smoothstep(0.9, 0.0, rows)
+    radius = EYE_RADIUS + LID * depth + out * smoothstep(1.0, 0.6, LID_ROWS)
+    return on_ball(across + 0 * LID_ROWS, edge + (end - edge) * LID_ROWS, radius)
+
+
+def lid(middle: float, end: float) -> Part:
+    """A lid with a thick edge, which shuts. `end` is where it ends."""
+    points = lid_points(middle, end)
+    shut = lid_points(SHUT, end, BULGE) - points
+    shade = 0.16 * smoothstep(0.9, 0.0, LID_ROWS)
     upwards = slice(None, None, 1 if end > middle else -1)
     part = Part("lids", *mesh.patch(points[upwards]), SKIN, 0.62)
+    part.targets = {"blink": shut[upwards].reshape(-1, 3)}
     part.colors = 1 - shade[upwards].reshape(-1, 1) * np.array([0.5, 1.2, 1.2])
     return part
 
 
 def lash() -> Part:
-    """The dark line on the edge of the upper lid."""
+    """The dark line on the edge of the upper lid, which goes down with it."""
     across = np.linspace(0.35, np.pi - 0.22, 12)
-    path = on_ball(across, lid_edge(across, UPPER_LID) + 0.01, EYE_RADIUS + LID * 0.9)
     thick = np.interp(
         np.linspace(0, 1, 12), [0, 0.25, 0.75, 0.93, 1], [0.02, 0.07, 0.12, 0.12, 0.02]
     )
-    path[-2:] += np.array([[0.03, 0.05, 0.04], [0.12, 0.16, 0.08]])
-    return Part("lashes", *mesh.tube(path, thick, 6), LASH, 0.6)
+
+    def shape(middle: float, out: float) -> mesh.Shape:
+        radius = EYE_RADIUS + LID * 0.9 + out
+        path = on_ball(across, lid_edge(across, middle) + 0.01, radius)
+        path[-2:] += np.array([[0.03, 0.05, 0.04], [0.12, 0.16, 0.08]])
+        return mesh.tube(path, thick, 6)
+
+    points, triangles = shape(UPPER_LID, 0.0)
+    shut = shape(SHUT, BULGE)[0] - points
+    return Part("lashes", points, triangles, LASH, 0.6, {"blink": shut})
 
 
 def disc(radius: float, at: float, segments: int, rings: int) -> mesh.Shape:
@@ -653,6 +724,26 @@ def iris() -> Part:
     return part
 
 
+def turning(part: Part) -> Part:
+    """A part of an eyeball, which turns to both sides and gives way to the lids."""
+    shifts = {
+        name: part.positions @ (mesh.rotation((0, 1, 0), way * GAZE) - np.eye(3)).T
+        for name, way in (("eyesLeft", 1), ("eyesRight", -1))
+    }
+    back = np.tile([0.0, 0.0, -BULGE], (len(part.positions), 1))
+    return replace(part, targets={**shifts, "blink": back})
+
+
+def swapped(part: Part) -> Part:
+    """The part of the other eye: a mirror swaps left and right."""
+    other = {"eyesLeft": "eyesRight", "eyesRight": "eyesLeft"}
+    shifts, normals = (
+        {other.get(name, name): value for name, value in shapes.items()}
+        for shapes in (part.targets, part.target_normals or {})
+    )
+    return replace(part, targets=shifts, target_normals=normals)
+
+
 def eye_parts() -> list[Part]:
     """Both eyes with their lids and lashes."""
     ball = Part("eyes", *disc(1.7, EYE_RADIUS, 24, 7), EYEBALL, 0.22)
@@ -660,9 +751,10 @@ def eye_parts() -> list[Part]:
     pupil = Part("pupils", *disc(0.29, EYE_RADIUS + 0.03, 20, 2), PUPIL, 0.2)
     lids = mesh.merged([lid(UPPER_LID, 1.9), lid(LOWER_LID, -1.5)], "lids")
     parts = []
-    for part in (ball, iris(), pupil, lids, lash()):
+    for part in (turning(ball), turning(iris()), turning(pupil), lids, lash()):
         left = mesh.transformed(mesh.with_normals(part), turn=eye_turn(), move=EYE)
-        parts.append(mesh.merged([left, mesh.mirrored(left, part.name)], part.name))
+        right = swapped(mesh.mirrored(left, part.name))
+        parts.append(mesh.merged([left, right], part.name))
     glints = [glint(side) for side in (-1, 1)]
     return [*parts, mesh.merged(glints, "glints")]
 
@@ -672,20 +764,31 @@ def glint(side: int) -> Part:
     turn = eye_turn() if side > 0 else np.diag([-1.0, 1, 1]) @ eye_turn() @ np.diag([-1.0, 1, 1])
     aim = turn @ mesh.rotation((0, 1, 0), -0.22) @ mesh.rotation((1, 0, 0), -0.24)
     spot = Part("glints", *disc(0.085, EYE_RADIUS + 0.05, 12, 2), EYEBALL, 0.3)
+    spot.targets = {"blink": np.tile([0.0, 0.0, -2 * BULGE], (len(spot.positions), 1))}
     return mesh.transformed(spot, turn=aim, move=EYE * [side, 1, 1])
 
 
-def brow_parts() -> list[Part]:
-    """Brows: tapered rolls on the skin."""
-    at = mesh.catmull_rom(np.array([[1.3, 4.0], [2.4, 4.62], [3.9, 4.7], [5.35, 3.7]]), 15)
+BROW = np.array([[1.3, 4.0], [2.4, 4.62], [3.9, 4.7], [5.35, 3.7]])
+RAISED = np.array([[0.0, 0.8], [0.0, 1.05], [0.05, 1.1], [0.1, 0.7]])
+
+
+def brow_shape(line: Points) -> mesh.Shape:
+    """A tapered roll on the skin along a line seen from the front."""
+    at = mesh.catmull_rom(line, 15)
     start = np.array([0.0, 2.0, -1.0])
     path = on_skin(np.stack([at[:, 0], at[:, 1] - 1.2, np.sqrt(70 - at[:, 0] ** 2)], 1), start)
     grow = np.interp(np.linspace(0, 1, 15), [0, 0.12, 0.4, 0.8, 1], [0.25, 0.8, 1, 0.65, 0.08])
     radii = np.stack([0.42 * grow, 0.22 * grow], 1)
     ahead = np.gradient(path, axis=0)
     side = np.cross(ahead, path - start)
-    shape = mesh.tube(path + np.array([0, 0, 0.1]), radii, 8, side=side)
-    left = Part("brows", *shape, HAIR, 0.7)
+    return mesh.tube(path + np.array([0, 0, 0.1]), radii, 8, side=side)
+
+
+def brow_parts() -> list[Part]:
+    """Brows, which rise."""
+    points, triangles = brow_shape(BROW)
+    up = brow_shape(BROW + RAISED)[0] - points
+    left = Part("brows", points, triangles, HAIR, 0.7, {"browUp": up})
     return [mesh.merged([left, mesh.mirrored(left, "brows")], "brows")]
 
 
@@ -720,7 +823,7 @@ def ear_parts() -> list[Part]:
 
 def neck_parts() -> list[Part]:
     """A neck, and a collar to end it."""
-    profile = [(3.3, -14.5), (3.3, -12.5), (3.3, -10.5), (3.5, -8.0), (3.5, -6.0), (3.2, -3.5)]
+    profile = [(3.3, -15.8), (3.3, -12.5), (3.3, -10.5), (3.5, -8.0), (3.5, -6.0), (3.2, -3.5)]
     neck = Part("neck", *mesh.revolved(profile, 28), SKIN, 0.62)
     neck = mesh.transformed(neck, move=(0, 0, -2.2))
     low = smoothstep(-13.0, -9.0, neck.positions[:, 1:2])
@@ -730,7 +833,7 @@ def neck_parts() -> list[Part]:
     smooth = mesh.catmull_rom(np.array(roll), 18)
     smooth[0, 0] = 0
     collar = Part("collar", *mesh.revolved(smooth, 24), WOOL, 0.9)
-    return [neck, mesh.transformed(collar, move=(0, 0, -1.9))]
+    return [neck, mesh.transformed(collar, move=(0, -1.3, -1.9))]  # clear of the lowest chin
 
 
 HAIR_CENTRE = np.array([0.0, 1.0, -1.0])
@@ -853,7 +956,7 @@ def build() -> list[Part]:
 def main() -> None:
     """Write the model to the path on the command line, or where it belongs."""
     out = Path(sys.argv[1]) if sys.argv[1:] else OUT
-    mesh.write_glb(out, build(), TARGETS, "head", "The lipsync_lang authors, Apache-2.0")
+    mesh.write_glb(out, build(), TARGETS + GESTURES, "head", "The lipsync_lang authors, Apache-2.0")
 
 
 if __name__ == "__main__":

@@ -152,7 +152,8 @@ class LineMaker:
         self, performer: Performer, timed: Sequence[tuple[PlannedLine, ScheduleOrError]]
     ) -> Iterator[tuple[PlannedLine, Animation | Exception]]:
         """Yield the animation of each line, or its error; all at once if no line fails."""
-        sound = [(line, said) for line, said in timed if isinstance(said, Schedule)]
+        rest = self.settings.idle
+        sound = [(line, s.resting(rest)) for line, s in timed if isinstance(s, Schedule)]
         edited = performer.compiled.line_edits
         asked: dict[str, Any] = {"fps": self.settings.fps, "gestures": self.settings.gestures}
         names = [line.name if line.name in edited else None for line, _ in sound]

@@ -53,6 +53,7 @@ class BuildSettings(NamedTuple):
     limits: Mapping[str, float]
     tts: str | None = None
     gestures: str | None = None
+    idle: float = 0.0
     offset: float = 0.0
     face_once: bool = False
     """True if the lines of a character share the data of its model."""
@@ -167,7 +168,7 @@ class PairNeeds:
         ]
         made = compiled.gestures["gestures"]
         places |= {one["name"]: one["place"] for one in made}
-        face["gestures"] = compiled.gestures["poses"], [one | {"place": ""} for one in made]
+        face["gestures"] = compiled.gestures | {"gestures": [one | {"place": ""} for one in made]}
         tables = {name: value for name, value in rules.items() if name not in OF_ROWS}
         held = [(one.floor, one.ceiling) for one in compiled.tables.contacts]
         said = performer.motion, performer.shades, performer.unknown
@@ -176,7 +177,13 @@ class PairNeeds:
         return {
             "program": digest(__version__),
             "settings": digest(
-                *said, chosen.fps, chosen.limits, chosen.offset, chosen.face_once, chosen.gestures
+                *said,
+                chosen.fps,
+                chosen.limits,
+                chosen.offset,
+                chosen.face_once,
+                chosen.gestures,
+                chosen.idle,
             ),
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
             "model": digest(self.model_digest),

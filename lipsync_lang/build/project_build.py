@@ -126,8 +126,9 @@ class ProjectBuild:
         fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
         once = project.glb.face == "once"
         settings = BuildSettings(
-            fps, dict(project.limits), tts, project.gestures, project.offset or 0.0, once
-        )
+            fps, dict(project.limits), tts, project.gestures, project.idle or 0.0,
+            project.offset or 0.0, once,
+        )  # fmt: skip
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))
         if adapt and project.adapt:

@@ -77,7 +77,8 @@ def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
 
         options.fps = parse_rate(project.fps)
     offset = None if project.offset is None else str(project.offset)
-    plain = {"offset": offset, "shades": project.shades, "gestures": project.gestures}
+    plain = {"offset": offset, "shades": project.shades, "gestures": project.gestures,
+             "idle": project.idle}  # fmt: skip
     for name, value in plain.items():
         if getattr(options, name, "") is None:
             setattr(options, name, value)

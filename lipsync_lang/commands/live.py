@@ -15,11 +15,12 @@ from lipsync_lang.commands.shared_options import add_manner, add_pair, add_value
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection
 
     from starlette.types import ASGIApp
 
     from lipsync_lang.listening.listener import Listener
+    from lipsync_lang.live.live_gestures import LiveGestures
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.outlets import LiveAddress
     from lipsync_lang.live.sound_bytes import Pcm
@@ -85,6 +86,11 @@ def add_live(add: Add) -> None:
     )  # fmt: skip
     heard.add_argument("--list", action="store_true", dest="choosing", help="list the microphones")
     add_manner(live_)
+    live_.add_argument(
+        "--gestures", metavar="NAME[:FACTOR],...",
+        help="make these gestures of the pose set: all, none, or such as blink,nod:0.5 [the "
+        "project's, or all on the page alone]",
+    )  # fmt: skip
     add_serving(live_.add_argument_group("page"))
 
 
@@ -112,20 +118,36 @@ def live(options: Namespace) -> int:
     voice = LiveVoice(listen, fps, _complain, paced=not live_source)
     if source is not None or options.page:  # a model that is missing is told here
         delay = listen(options.rate or SPEECH_RATE).delay
-    player = LivePlayer(performer, fps, [], how, voice=voice, wait=voice.wait)
+    open_gestures = _gestures(options, performer)
+    player = LivePlayer(
+        performer, fps, [], how, voice=voice, gestures=open_gestures(), wait=voice.wait
+    )
     speaker = TextSpeaker(
         lambda text: performer.speaker.speak(text, engine=options.tts), player.say, _complain
     )
-    greeting = {"poses": performer.poses, "fps": fps, "delay": round(delay, 4)}
+    poses = performer.poses + (performer.gesture_set.poses if player.gestures else ())
+    greeting = {"poses": poses, "fps": fps, "delay": round(delay, 4)}
     session = Session(
         greeting, speaker.say, lambda notation: performer.stream(fps, notation=notation, **how),
-        listen, voice,
+        listen, voice, open_gestures,
     )  # fmt: skip
     if options.page:
         _serve_page(options, performer, session)
     else:
         _send(options, addresses, player, speaker, session=session, source=source)
     return SOUND
+
+
+def _gestures(options: Namespace, performer: "Performer") -> "Callable[[], LiveGestures | None]":
+    """Return a function that opens gestures: those asked for, and on the page all."""
+    from lipsync_lang.live.live_gestures import LiveGestures
+    from lipsync_lang.performing.gesturing import ALL, scales_of
+
+    asked = options.gestures or (ALL if options.page else None)
+    scales = scales_of(performer.compiled, asked)
+    if scales is None:
+        return lambda: None
+    return lambda: LiveGestures(performer.gesture_set, scales, options.fps)
 
 
 def _serve_page(options: Namespace, performer: "Performer", session: "Session") -> None:
@@ -164,7 +186,7 @@ def _send(  # noqa: PLR0913 who speaks, and who receives it
         for address in addresses:
             receiver = outlet(
                 address, player.performer, player.fps, session, subject=options.subject,
-                renamed=renamed, complain=_complain,
+                renamed=renamed, gestures=player.gestures is not None, complain=_complain,
             )  # fmt: skip
             player.outlets.append(receiver)
         for one in player.outlets:
@@ -240,7 +262,7 @@ def _play(
         try:
             player.run(more)
         finally:
-            player.rest()
+            player.end()
 
 
 def _read(speaker: "TextSpeaker") -> None:

@@ -38,7 +38,8 @@ def perform_line(
 ) -> "Animation":
     """Perform a line with the requested delivery options; `gestures` if no option states any."""
     return performer.perform(
-        schedule, fps=options.fps, line=options.line, styles=levels("--style", options.styles),
+        schedule.resting(options.idle or 0.0), fps=options.fps, line=options.line,
+        styles=levels("--style", options.styles),
         dials=levels("--dial", options.dials), intensity=options.intensity,
         gestures=gestures if options.gestures is None else options.gestures,
     )  # fmt: skip

@@ -125,6 +125,10 @@ def add_line(made: argparse.ArgumentParser) -> None:
         help="make these gestures of the pose set: all, none, or such as blink,accent:0.5 [the "
         "project's, or all in pages and videos alone]",
     )  # fmt: skip
+    how.add_argument(
+        "--idle", metavar="SECONDS", type=float,
+        help="rest so long after the line, with gestures of silence [the project's, or 0]",
+    )  # fmt: skip
 
 
 def add_manner(how: Options) -> None:

@@ -24,6 +24,9 @@ from lipsync_lang.gestures.placing import GestureShape, PlacedGesture
 SHIFT_SECONDS = 0.25
 """Longest move of a gesture that would leave the frames of its line."""
 
+ROUNDED_AMOUNT = 1e-9
+"""Difference of two amounts that is rounding."""
+
 
 class LaidCurve(NamedTuple):
     """A gesture at a frame rate."""
@@ -58,6 +61,8 @@ class GestureSet:
     """(G,) greatest amount."""
     speed: Floats
     """(G,) greatest speed, in amount per second."""
+    words: dict[str, tuple[str, ...]]
+    """Facts that each word of the language, in lower case, is."""
     _laid: dict[tuple[int, float], LaidCurve] = field(default_factory=dict)
 
     @classmethod
@@ -74,6 +79,7 @@ class GestureSet:
                     "poses": tuple((number[pose], by) for pose, by in one["poses"].items()),
                     "rates": tuple(one["rates"]) if one["rates"] else None,
                     "at": tuple(one["at"]),
+                    "on": tuple(one["on"]),
                 }
             )
             for one in data["gestures"]
@@ -88,6 +94,11 @@ class GestureSet:
             np.where([pose["channel"]["node"] is None for pose in poses], 0.0, -high),
             high,
             np.array([pose["speed_limit"] for pose in poses], float),
+            {
+                word: tuple(trigger for trigger, said in data["words"].items() if word in said)
+                for said in data["words"].values()
+                for word in said
+            },
         )
 
     @cached_property
@@ -99,7 +110,7 @@ class GestureSet:
     @cached_property
     def triggers(self) -> frozenset[str]:
         """The facts that any gesture asks for."""
-        return frozenset(name for one in self.shapes for name in (one.on or "", *one.at))
+        return frozenset(name for one in self.shapes for name in (*one.on, *one.at))
 
     @cached_property
     def by_pitch(self) -> bool:
@@ -115,7 +126,7 @@ class GestureSet:
 
     def _sampled(self, shape: GestureShape, fps: float) -> LaidCurve:
         times, values = np.array(shape.curve, float).T
-        tops = times[values == values.max()]
+        tops = times[values == values[np.abs(values).argmax()]]
         peak = float(tops[0] + tops[-1]) / 2
         before = ceil(peak * fps - 1e-9) - 1
         after = ceil((shape.seconds - peak) * fps - 1e-9) - 1
@@ -140,7 +151,7 @@ class GestureSet:
         """
         out = np.zeros((count, len(self.poses)))
         laid: list[LaidGesture] = []
-        guarded = False
+        guarded: set[int] = set()
         for gesture in placed:
             number = gesture.number
             peak, before, block = self.laid(number, fps)
@@ -150,29 +161,33 @@ class GestureSet:
                 continue
             stop = first + len(block)
             mates = self.mates[number]
-            guarded = (
-                guarded
-                or gesture.height > 1
-                or any(
-                    one.first <= stop and first <= one.stop and one.gesture.number in mates
-                    for one in laid
-                )
-            )
+            if gesture.height > 1 or any(
+                one.first <= stop and first <= one.stop and one.gesture.number in mates
+                for one in laid
+            ):
+                guarded.update(pose for pose, _ in self.shapes[number].poses)
             out[first:stop] += block if gesture.height == 1 else gesture.height * block
             laid.append(LaidGesture(gesture, first, stop))
-        return (self._guard(out, fps) if guarded else out), laid
+        if guarded:
+            poses = sorted(guarded)
+            summed = out[:, poses]
+            kept = self._guard(summed, poses, fps)
+            # a frame that is slow anyway keeps its bits, whatever comes later
+            out[:, poses] = np.where(np.abs(kept - summed) < ROUNDED_AMOUNT, summed, kept)
+        return out, laid
 
-    def _guard(self, curves: Floats, fps: float) -> Floats:
-        """Keep a sum of gestures to the bounds and the speed of its poses.
+    def _guard(self, curves: Floats, poses: list[int], fps: float) -> Floats:
+        """Keep sums of gestures, (T, len(poses)), to the bounds and the speed of their poses.
 
         The mean of the smallest slow curve above and the largest below is slow, and is the curve
         itself where that is slow. So is the middle one of it and two ramps from rest.
         """
-        bound = np.clip(curves, self.low, self.high)
-        slope = np.arange(len(bound))[:, None] * (self.speed / fps)
+        low, high = self.low[poses], self.high[poses]
+        bound = np.clip(curves, low, high)
+        slope = np.arange(len(bound))[:, None] * (self.speed[poses] / fps)
         slow = (_below(bound, slope) - _below(-bound, slope)) / 2
         ramp = np.minimum(slope, slope[::-1])
-        out: Floats = np.clip(slow, np.maximum(-ramp, self.low), np.minimum(ramp, self.high))
+        out: Floats = np.clip(slow, np.maximum(-ramp, low), np.minimum(ramp, high))
         return out
 
 

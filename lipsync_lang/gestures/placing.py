@@ -16,9 +16,6 @@ DRAWING_SECONDS = 0.5
 OPENING_SECONDS = 0.9
 """Time at the beginning of a line whose words tell it from other lines."""
 
-SPREAD = 0.7
-"""Standard deviation of the logarithm of the gaps between gestures that come by themselves."""
-
 _MASK = 0xFFFFFFFF
 
 
@@ -30,13 +27,16 @@ class GestureShape(NamedTuple):
     """Points of seconds and value."""
     poses: tuple[tuple[int, float], ...]
     """Number and amount of each pose that it moves."""
-    on: str | None
+    on: tuple[str, ...]
+    """Facts at which it is placed; empty for one that comes by itself."""
     share: float
     lead: float
     rates: tuple[float, float] | None
     """Times a minute in speech, and in silence."""
     at: tuple[str, ...]
     apart: float
+    spread: float
+    """Standard deviation of the logarithm of the gaps between those that come by themselves."""
     by_pitch: bool
     place: str
     """file:line:column"""
@@ -45,6 +45,11 @@ class GestureShape(NamedTuple):
     def seconds(self) -> float:
         """Length of the gesture."""
         return self.curve[-1][0]
+
+    @property
+    def room(self) -> float:
+        """Least seconds between the beginnings of two."""
+        return max(self.apart, self.seconds)
 
 
 class LineFact(NamedTuple):
@@ -68,6 +73,8 @@ class LineFacts(NamedTuple):
     """Start of each word."""
     seeds: Sequence[int]
     """A number for the words up to each word; one more than there are words."""
+    by_hand: "Sequence[PlacedGesture]" = ()
+    """Gestures that a person placed."""
 
     def seed(self, seconds: float) -> int:
         """Return the number of the words that have begun by a time."""
@@ -100,14 +107,17 @@ def place(
     for number, (gesture, scale) in enumerate(zip(gestures, scales, strict=True)):
         if scale == 0:
             continue
-        drawn = _by_itself if gesture.on is None else _on_facts
+        stated = [one for one in line.by_hand if one.number == number]
+        found += [one._replace(height=scale * one.height) for one in stated]
+        drawn = _on_facts if gesture.on else _by_itself
         free = -1e9  # time from which the next one may begin
         for trigger, fact in drawn(number, gesture, line):
             begin = fact.seconds - gesture.lead
-            if begin >= free:
+            near = stated and any(abs(begin - one.begin) < gesture.room for one in stated)
+            if begin >= free and not near:
                 height = fact.height if gesture.by_pitch else 1.0
                 found.append(PlacedGesture(number, begin, scale * height, trigger, fact.seconds))
-                free = begin + max(gesture.apart, gesture.seconds)
+                free = begin + gesture.room
     return found
 
 
@@ -115,10 +125,14 @@ def _on_facts(
     number: int, gesture: GestureShape, line: LineFacts
 ) -> Iterator[tuple[str, LineFact]]:
     """Yield the facts with the gesture."""
-    trigger = gesture.on or ""
-    for fact in line.facts.get(trigger, ()):
+    for fact, trigger in _at(gesture.on, line):
         if gesture.share >= 1 or _uniform(line.seed(fact.seconds), number) < gesture.share:
             yield trigger, fact
+
+
+def _at(triggers: Sequence[str], line: LineFacts) -> list[tuple[LineFact, str]]:
+    """Return the facts of some triggers in order of time."""
+    return sorted((fact, name) for name in triggers for fact in line.facts.get(name, ()))
 
 
 def _by_itself(
@@ -126,44 +140,43 @@ def _by_itself(
 ) -> Iterator[tuple[str, LineFact]]:
     """Yield times whose gaps are log-normal, in a clock that runs with the rate of the moment."""
     at, clock = _clock(gesture.rates or (0.0, 0.0), line)
-    drawing = sorted((fact, name) for name in gesture.at for fact in line.facts.get(name, ()))
+    drawing = _at(gesture.at, line)
     seed, salt = line.seed(line.start + OPENING_SECONDS), 2 * number
     # the line begins at a random place within a gap, and long gaps cover more places
-    passed = _uniform(seed, salt + 97) * _gap(seed, salt, SPREAD / 2)
+    passed = _uniform(seed, salt + 97) * _gap(seed, salt, gesture.spread, gesture.spread / 2)
+    free = line.start
     while passed < clock[-1]:
         part = bisect_right(clock, passed) - 1
         share = (passed - clock[part]) / (clock[part + 1] - clock[part])
         time = at[part] + share * (at[part + 1] - at[part])
-        near = min(drawing, key=lambda one: abs(one[0].seconds - time), default=None)
-        if near is not None and abs(near[0].seconds - time) <= DRAWING_SECONDS:
-            yield near[1], near[0]
-        else:
-            yield "", LineFact(time)
+        near = [
+            (abs(fact.seconds - time), fact, trigger)
+            for fact, trigger in drawing
+            if fact.seconds >= free and abs(fact.seconds - time) <= DRAWING_SECONDS
+        ]
+        _, fact, trigger = min(near, default=(0.0, LineFact(time), ""))
+        yield trigger, fact
+        free = max(free, fact.seconds + gesture.room)
         salt += 1000
-        passed += _gap(line.seed(time), salt, -SPREAD / 2)
+        passed += _gap(line.seed(time), salt, gesture.spread, -gesture.spread / 2)
 
 
 def _clock(rates: tuple[float, float], line: LineFacts) -> tuple[list[float], list[float]]:
     """Return times at which the rate changes, and the mean number of gestures until each."""
     at, clock = [line.start], [0.0]
-
-    def run(until: float, rate: float) -> None:
+    edges = [edge for phrase in line.phrases for edge in phrase]
+    for number, until in enumerate((*edges, line.end)):
         if until > at[-1]:
-            clock.append(clock[-1] + (until - at[-1]) * rate / 60)
+            clock.append(clock[-1] + (until - at[-1]) * rates[number % 2 == 0] / 60)
             at.append(until)
-
-    for begin, end in line.phrases:
-        run(begin, rates[1])
-        run(end, rates[0])
-    run(line.end, rates[1])
     return at, clock
 
 
-def _gap(seed: int, salt: int, shift: float) -> float:
-    """Draw a log-normal gap; its mean is 1 for the shift -SPREAD / 2."""
+def _gap(seed: int, salt: int, spread: float, shift: float) -> float:
+    """Draw a log-normal gap; its mean is 1 for the shift -spread / 2."""
     radius = sqrt(-2 * log(_uniform(seed, salt)))
     normal = radius * cos(2 * pi * _uniform(seed, salt + 31))
-    return exp(SPREAD * (normal + shift))
+    return exp(spread * (normal + shift))
 
 
 def _uniform(seed: int, salt: int) -> float:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.live.live_gestures import LiveGestures, beside
 from lipsync_lang.live.outlets import LiveFrame, as_row
 from lipsync_lang.live.sound_bytes import SampleForm, checked_form
 
@@ -26,8 +27,13 @@ BELIEF_DECIMALS = 3
 class ClientSound:
     """The sound of one client."""
 
-    def __init__(self, open_listener: OpenListener, voice: "LiveVoice") -> None:
-        self.open_listener, self.voice = open_listener, voice
+    def __init__(
+        self,
+        open_listener: OpenListener,
+        voice: "LiveVoice",
+        gestures: "LiveGestures | None" = None,
+    ) -> None:
+        self.open_listener, self.voice, self.gestures = open_listener, voice, gestures
         self.form = SampleForm()
         self.delay: float | None = None
         self.for_all = False
@@ -95,6 +101,7 @@ class ClientSound:
         return told
 
     def _told(self, listener: "Listener", final: "FinalFrames") -> dict[str, Any]:
-        frames = [*map(as_row, map(LiveFrame, final.times.tolist(), final.weights))]
+        lips = [*map(LiveFrame, final.times.tolist(), final.weights)]
+        frames = [*map(as_row, beside(self.gestures, lips))]
         belief = [round(one, BELIEF_DECIMALS) for one in listener.belief.tolist()]
         return {"frames": frames, "belief": belief, "heard": round(self.heard, 4)}

@@ -16,12 +16,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.live.outlets import LiveFrame, Outlet
+from lipsync_lang.performing.gesturing import line_facts
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
+    from lipsync_lang.live.live_gestures import LiveGestures
     from lipsync_lang.live.live_voice import LiveVoice
     from lipsync_lang.performing.stream import Stream
 
@@ -59,12 +62,13 @@ class LivePlayer:
         how: Mapping[str, Any] | None = None,
         *,
         voice: "LiveVoice | None" = None,
+        gestures: "LiveGestures | None" = None,
         clock: Callable[[], float] = monotonic,
         wait: Callable[[float], None] = sleep,
     ) -> None:
         self.performer, self.fps, self.outlets = performer, fps, outlets
         self.how, self.clock, self.wait = dict(how or {}), clock, wait
-        self.voice = voice
+        self.voice, self.gestures = voice, gestures
         self.waiting: SimpleQueue[Schedule] = SimpleQueue()
         self.stream: Stream | None = None
         self.began = clock()
@@ -97,11 +101,18 @@ class LivePlayer:
                 self._send(self._passed(frame))
             if self.stream is None and (self.voice is None or not self.voice.busy):
                 self.rest()
-            if now - self.last.seconds >= IDLE_SECONDS:
+            if now - self.last.seconds >= self._idle_seconds:
                 self._send(self.last._replace(seconds=now))
             due = (floor(now * self.fps + ROUNDED_TICKS) + 1) / self.fps
             due = due if self.voice is None else min(due, self.voice.due)
             self.wait(max(due - self._now(), 0.0))
+
+    @property
+    def _idle_seconds(self) -> float:
+        """Interval of frames while nothing is heard: a face with gestures moves on."""
+        heard = self.voice is not None and self.voice.busy
+        moving = self.gestures is not None and self.stream is None and not heard
+        return 0.9 / self.fps if moving else IDLE_SECONDS
 
     def _spoken(self, stream: "Stream", now: float) -> list[LiveFrame]:
         """Return the frames of an utterance that are due, which go before those of a voice."""
@@ -130,6 +141,18 @@ class LivePlayer:
         for step in range(1, steps + 1):
             share = 1 - step / steps
             self._send(LiveFrame(start.seconds + step / self.fps, start.weights * share))
+            self.wait(1 / self.fps)
+
+    def end(self) -> None:
+        """Bring mouth and gestures to rest."""
+        self.rest()
+        if self.gestures is None:
+            return
+        steps, amounts = max(1, round(EASE_SECONDS * self.fps)), self.gestures.amounts
+        for step in range(1, steps + 1):
+            share = 1 - step / steps
+            self.last = self.last._replace(seconds=self.last.seconds + 1 / self.fps)
+            self._give(np.concatenate((self.last.weights, amounts * share)))
             self.wait(1 / self.fps)
 
     def _now(self) -> float:
@@ -163,6 +186,8 @@ class LivePlayer:
         self._tell(schedule, self.zero)
 
     def _tell(self, schedule: Schedule, start: float) -> None:
+        if self.gestures is not None:
+            self.gestures.expect(line_facts(self.performer, schedule), start)
         text = " ".join(word.text for word in schedule.words)
         for outlet in self.outlets:
             outlet.tell({"said": text, "start": round(start + schedule.start, 4)})
@@ -170,8 +195,12 @@ class LivePlayer:
     def _send(self, frame: LiveFrame) -> None:
         # Times of sound and of texts differ by less than a frame where one follows the other.
         self.last = frame._replace(seconds=max(frame.seconds, self.last.seconds))
+        shown = self.last if self.gestures is None else self.gestures.beside(self.last)
+        self._give(shown.weights)
+
+    def _give(self, weights: Floats) -> None:
         for outlet in self.outlets:
-            outlet.send(self.last)
+            outlet.send(self.last._replace(weights=weights))
 
 
 class TextSpeaker:

@@ -194,9 +194,14 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
     *,
     subject: str,
     renamed: Mapping[str, str],
+    gestures: bool,
     complain: Callable[[str], None],
 ) -> Outlet:
-    """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session."""
+    """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session.
+
+    `gestures` tells whether frames have the amounts of gestures after the weights of poses.
+    """
+    channels = (*performer.channels, *(performer.gesture_channels if gestures else ()))
     if address.kind == STANDARD_OUTPUT:
         return LineOutlet(sys.stdout)
     if address.kind == "ws":
@@ -208,11 +213,13 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
 
         now = localtime()
         start = round(((now.tm_hour * 60 + now.tm_min) * 60 + now.tm_sec) * fps)
-        pack = LiveLinkPacket(performer.channels, fps, subject, start)
+        pack = LiveLinkPacket(channels, fps, subject, start)
         return PacketOutlet(address, pack, complain)
     from lipsync_lang.live.packets import vmc_messages
 
-    return PacketOutlet(address, vmc_messages(performer.poses, renamed), complain)
+    shapes = [channel.name if channel.node is None else "" for channel in channels]
+
+    return PacketOutlet(address, vmc_messages(shapes, renamed), complain)
 
 
 def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:

@@ -77,7 +77,10 @@ class LiveLinkPacket:
 
 
 def vmc_messages(poses: Sequence[str], renamed: Mapping[str, str]) -> Callable[[LiveFrame], bytes]:
-    """Return a function that packs frames, with other names of poses in the receiver's model."""
+    """Return a function that packs frames, with other names of poses in the receiver's model.
+
+    A column with an empty name is left out.
+    """
     try:
         from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
         from pythonosc.osc_message_builder import OscMessageBuilder
@@ -90,14 +93,15 @@ def vmc_messages(poses: Sequence[str], renamed: Mapping[str, str]) -> Callable[[
             made.add_arg(value, kind)
         return made.build()
 
-    names = [renamed.get(pose, pose) for pose in poses]
+    names = [(number, renamed.get(pose, pose)) for number, pose in enumerate(poses) if pose]
     ready, apply = message(READY, ("i", LOADED)), message(APPLY)
 
     def pack(frame: LiveFrame) -> bytes:
         bundle = OscBundleBuilder(IMMEDIATELY)
         bundle.add_content(ready)
-        for name, weight in zip(names, frame.weights.tolist(), strict=True):
-            bundle.add_content(message(VALUE, ("s", name), ("f", weight)))
+        weights = frame.weights.tolist()
+        for number, name in names:
+            bundle.add_content(message(VALUE, ("s", name), ("f", weights[number])))
         bundle.add_content(apply)
         return bundle.build().dgram
 

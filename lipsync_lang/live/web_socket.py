@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 from lipsync_lang.live.client_sound import ClientSound, OpenListener
+from lipsync_lang.live.live_gestures import LiveGestures, beside
 from lipsync_lang.live.outlets import LOCAL, LiveAddress, LiveFrame, as_row
 from lipsync_lang.performing.stream import Stream
 
@@ -70,7 +71,8 @@ class Client:
     def __init__(self, session: "Session") -> None:
         self.session = session
         self.stream: Stream | None = None
-        self.sound = ClientSound(session.open_listener, session.voice)
+        self.gestures = session.open_gestures()
+        self.sound = ClientSound(session.open_listener, session.voice, self.gestures)
 
     def answer(self, message: str | bytes) -> dict[str, Any]:
         """Carry out the request of a message, and return the answer."""
@@ -138,7 +140,8 @@ class Client:
         if asked.get("finish"):
             stream.finish()
         final = stream.frames()
-        frames = map(as_row, map(LiveFrame, final.times.tolist(), final.weights))
+        lips = [*map(LiveFrame, final.times.tolist(), final.weights)]
+        frames = map(as_row, beside(self.gestures, lips))
         answer = {"frames": [*frames], "known": stream.known}
         if stream.finished:
             self.stream = None
@@ -167,6 +170,8 @@ class Session:
     open_listener: OpenListener
     voice: "LiveVoice"
     """The voice that all receivers follow."""
+    open_gestures: Callable[[], LiveGestures | None] = lambda: None
+    """Open the gestures of a client's own frames; None for none."""
 
 
 class WebSocketOutlet:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.packs.models import Language
 
-REPLACED_FIELDS = ("g2p", "tts", "audio", "automatic")
+REPLACED_FIELDS = ("g2p", "tts", "audio", "automatic", "gesture_words")
 """Fields that a child replaces as a whole, or inherits."""
 
 MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")

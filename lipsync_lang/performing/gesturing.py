@@ -16,7 +16,13 @@ from lipsync_lang.animations.explanation import PoseAt, StageAt
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.gestures.laying import GestureSet, LaidGesture
-from lipsync_lang.gestures.placing import DRAWING_SECONDS, LineFact, LineFacts, place
+from lipsync_lang.gestures.placing import (
+    DRAWING_SECONDS,
+    LineFact,
+    LineFacts,
+    PlacedGesture,
+    place,
+)
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
 
 if TYPE_CHECKING:
@@ -50,6 +56,15 @@ LEAST_HEIGHT = 0.4
 
 BEFORE_SECONDS = 2.0
 """Time before a vowel over whose median its voice rises."""
+
+ASKING_SECONDS, ASKING_SEMITONES = 0.35, 2.5
+"""End of a phrase in which the voice rises by so much, if it asks."""
+
+BY_HAND = "by hand"
+"""Trigger of a gesture that a person placed."""
+
+MARKS = ".,;:!?\"'()[]«»“”„’…¡¿。、！？"
+"""Marks around a word of a transcript."""
 
 MARKED_PROMINENCE = 1000.0
 """Prominence of a word with emphasis in the text, above any pitch and length."""
@@ -115,9 +130,8 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
     """Return the curves of gestures over (T,) frames, (T, G), and the gestures."""
     own = performer.gesture_set
     start, end = float(times[0]), float(times[-1])
-    facts = _facts(performer, schedule, sounds)
-    whole = LineFacts(start, end, *facts, *_seeds(schedule, line))
-    return own.lay(place(own.shapes, scales, whole), start, len(times), fps)
+    facts = line_facts(performer, schedule, sounds, (start, end), line)
+    return own.lay(place(own.shapes, scales, facts), start, len(times), fps)
 
 
 def _repeated(said: "PerformedLine", animation: "Animation") -> tuple[Floats, list[LaidGesture]]:
@@ -145,7 +159,8 @@ def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
     told = []
     for number, shape in enumerate(own.shapes):
         aim = " ({:g} in speech, {:g} in silence)".format(*shape.rates) if shape.rates else ""
-        told.append(f"{shape.name} {counts[number] / minutes:.0f}{aim}")
+        if aim or counts[number]:
+            told.append(f"{shape.name} {counts[number] / minutes:.0f}{aim}")
     turns = curves[:, [channel["node"] is not None for channel in own.channels]]
     degrees = 2 * float(np.sqrt(turns.var(axis=0).sum()))
     turned = f"; turns of {degrees:.1f} degrees (2 standard deviations)" if turns.size else ""
@@ -191,18 +206,66 @@ def _seeds(schedule: "Schedule", line: str | None) -> tuple[list[float], list[in
     return [start for start, _ in words], seeds
 
 
-def _facts(
-    performer: "Performer", schedule: "Schedule", sounds: "LabelSounds"
-) -> tuple[list[tuple[float, float]], dict[str, list[LineFact]]]:
-    """Return the phrases of a line, and the facts that its gestures ask for, by trigger."""
-    own, labels = performer.gesture_set, performer.labels
+def line_facts(
+    performer: "Performer",
+    schedule: "Schedule",
+    sounds: "LabelSounds | None" = None,
+    ends: tuple[float, float] | None = None,
+    line: str | None = None,
+) -> LineFacts:
+    """Return a line as far as its gestures ask for it.
+
+    Parameters
+    ----------
+    sounds : the sounds of its labels, if they are read already
+    ends : times of its first and last frame; None for those of the schedule
+    line : name of the line in the character's file
+    """
+    own = performer.gesture_set
+    if sounds is None:
+        (sounds,) = performer.labels.read([schedule])
     phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
     facts = {
         "phrase_end": [LineFact(end) for _, end in phrases],
         "pause": [LineFact(min((a + b) / 2, a + PAUSE_SETTLED_SECONDS)) for a, b in pauses],
     }
-    if not own.triggers & {"stress", "emphasis"}:
-        return phrases, facts
+    for word in schedule.words if own.words else ():
+        for trigger in own.words.get(word.text.casefold().replace("’", "'").strip(MARKS), ()):
+            facts.setdefault(trigger, []).append(LineFact(word.start))
+    if own.triggers & {"stress", "emphasis"}:
+        facts |= _vowel_facts(performer, schedule, sounds)
+    if "rise" in own.triggers and schedule.audio is not None:
+        facts["rise"] = _rising(schedule.audio, phrases)
+    placed = _by_hand(performer, schedule, line)
+    return LineFacts(
+        *(ends or (schedule.start, schedule.end)), phrases, facts, *_seeds(schedule, line), placed
+    )
+
+
+def _by_hand(performer: "Performer", schedule: "Schedule", line: str | None) -> list[PlacedGesture]:
+    """Return the gestures that the character's file places in a line."""
+    compiled, words = performer.compiled, schedule.words
+    own, found = performer.gesture_set, []
+    names = [shape.name for shape in own.shapes]
+    for stated in compiled.line_deliveries.get(line or "", {}).get("placed", ()):
+        at, word = stated.get("at"), stated.get("word")
+        if word is not None and word >= len(words):
+            raise LipsyncError(
+                f"a gesture '{stated['gesture']}' of line '{line}' is at word {word}, counted from "
+                f"0, but the line has {len(words)} words"
+            )
+        number = names.index(stated["gesture"])
+        fact = float(at if word is None else words[word].start)
+        begin = fact - own.shapes[number].lead
+        found.append(PlacedGesture(number, begin, stated.get("scale", 1.0), BY_HAND, fact))
+    return found
+
+
+def _vowel_facts(
+    performer: "Performer", schedule: "Schedule", sounds: "LabelSounds"
+) -> dict[str, list[LineFact]]:
+    """Return the vowels of a line that are stressed, and those that stand out."""
+    labels = performer.labels
     stresses = labels.stresses(sounds).tolist()
     vowels = [number for number, stress in enumerate(stresses) if stress == PRIMARY]
     marked = bool(vowels)
@@ -211,7 +274,7 @@ def _facts(
         vowels = [number for number, kind in enumerate(kinds) if kind == VOWEL]
     times = schedule.times.tolist()
     begins, ends = [times[n] for n in vowels], [times[n + 1] for n in vowels]
-    if own.by_pitch and schedule.audio is not None and vowels:
+    if performer.gesture_set.by_pitch and schedule.audio is not None and vowels:
         rises = _rises(schedule.audio, np.array(begins), np.array(ends))
         heights = [min(max(LEAST_HEIGHT + one / RANGE_SEMITONES, LEAST_HEIGHT), 1) for one in rises]
         every = list(map(LineFact, begins, heights))
@@ -222,9 +285,8 @@ def _facts(
         if word.emphasis:
             for at, number in enumerate(vowels):
                 rises[at] += MARKED_PROMINENCE * (word.first <= number < word.stop)
-    facts["stress"] = every if marked else []
-    facts["emphasis"] = [every[number] for number in _stand_out(begins, rises)]
-    return phrases, facts
+    out = [every[number] for number in _stand_out(begins, rises)]
+    return {"stress": every if marked else [], "emphasis": out}
 
 
 def _phrases(
@@ -242,6 +304,20 @@ def _phrases(
     edges = [times[0], *(at for pause in pauses for at in pause), times[-1]]
     both = zip(edges[::2], edges[1::2], strict=True)
     return [(begin, end) for begin, end in both if end > begin], pauses
+
+
+def _rising(audio: "Audio", phrases: list[tuple[float, float]]) -> list[LineFact]:
+    """Return the ends of the phrases whose voice rises, as in a question."""
+    from lipsync_lang.gestures.pitch import pitches
+
+    found = []
+    for begin, end in phrases:
+        since = max(begin, end - ASKING_SECONDS)
+        heard = pitches(audio.samples, audio.rate, np.linspace(since, end, 10))
+        heard = heard[heard > 0]
+        if len(heard) and 12 * np.log2(heard[-1] / heard.min()) >= ASKING_SEMITONES:
+            found.append(LineFact(since))
+    return found
 
 
 def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:

@@ -135,7 +135,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         line_deliveries={name: _line(line) for name, line in who.model.lines.items()},
         tables=tables,
         motion=motion,
-        gestures=_gestures(poseset),
+        gestures=_gestures(poseset, model.gesture_words),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
         checks=_checks(poseset.model.checks, who.model.checks),
         nearest=plain_among(library, spoken) if model.automatic else None,
@@ -301,8 +301,8 @@ def _delivery(manner: "models.Delivery") -> dict[str, Any]:
     return plain
 
 
-def _gestures(poseset: "Pack[models.PoseSet]") -> dict[str, Any]:
-    """Return the gestures and their poses as plain data."""
+def _gestures(poseset: "Pack[models.PoseSet]", words: "models.GestureWords") -> dict[str, Any]:
+    """Return the gestures, their poses, and the words of the language that have them."""
     model = poseset.model
     poses = [
         {
@@ -324,11 +324,14 @@ def _gestures(poseset: "Pack[models.PoseSet]") -> dict[str, Any]:
             "rates": one.per_minute and (one.per_minute.speech, one.per_minute.silence),
             "by_pitch": one.height == "pitch",
             "place": str(poseset.where(("gestures", name))),
-            **one.model_dump(include={"curve", "poses", "on", "share", "lead", "at", "apart"}),
+            **one.model_dump(
+                include={"curve", "poses", "on", "share", "lead", "at", "apart", "spread"}
+            ),
         }
         for name, one in model.gestures.items()
     ]
-    plain: dict[str, Any] = _plain({"poses": poses, "gestures": gestures})
+    stated = {trigger: [*map(str.casefold, own)] for trigger, own in words}
+    plain: dict[str, Any] = _plain({"poses": poses, "gestures": gestures, "words": stated})
     return plain
 
 

@@ -148,7 +148,8 @@ class CompiledPair:
     tables: Tables
     motion: Motion
     gestures: dict[str, Any]
-    """`poses` of gestures, each with its channel and limits, and `gestures` with their places."""
+    """`poses` of gestures, each with its channel and limits; `gestures` with their places; and
+    `words` of the language by trigger."""
     measures: dict[str, dict[str, float]]
     checks: dict[str, Any]
     """Limits of a finished animation by name, and `rules`."""

@@ -198,6 +198,27 @@ class Schedule:
         """Return a copy slowed down by a factor, with the same start and without its sound."""
         return replace(self, times=self.start + (self.times - self.start) * factor, audio=None)
 
+    def resting(self, seconds: float) -> Self:
+        """Return a copy with some seconds of silence at its end.
+
+        Examples
+        --------
+        >>> ll.Schedule(("M",), [0, 0.1]).resting(2).labels
+        ('M', '_')
+        """
+        if not 0 <= seconds <= MAX_SCHEDULE_SECONDS:
+            raise ScheduleError(f"{seconds:g} s of rest; give a number of seconds from 0")
+        if seconds == 0:
+            return self
+        return replace(
+            self,
+            labels=(*self.labels, SILENCE),
+            times=np.append(self.times, self.end + seconds),
+            stress=(*self.stress, None) if self.stress else (),
+            lines=(*self.lines, self.lines[-1]) if self.lines else (),
+            likely=(*self.likely, ()) if self.likely else (),
+        )
+
     def save(self, path: str | Path) -> None:
         """Write the timings to a file; its suffix names the format, and readers read it back.
 

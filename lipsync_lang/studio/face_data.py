@@ -6,12 +6,14 @@ read from a sweep, which moves one channel after the other, and does not depend 
 Conventions: V points, C channels (columns of the animation); matrices act on rows.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Self
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import ModelError, OutputError
 from lipsync_lang.json_object import Json
 from lipsync_lang.render.model import light
@@ -84,6 +86,8 @@ def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
     normals = np.nan_to_num(light.unit(scene.directions(scene.normals)))
     textured = any(material.image is not None for material in scene.materials)
     kind = "u2" if scene.count <= SMALL_MODEL else "u4"
+    nodes = {part.node for part in scene.parts}
+    grids = {node: Grid.of([one for one in scene.parts if one.node == node]) for node in nodes}
     return {
         "unshown": list(_unshown(scene)),
         "count": scene.count,
@@ -104,7 +108,7 @@ def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
             "behind": BEHIND,
         },
         "nodes": _nodes(scene, animation),
-        "parts": [_part(scene, part, pack, kind) for part in scene.parts],
+        "parts": [_part(scene, part, pack, kind, grids[part.node]) for part in scene.parts],
         "triangles": pack.add(scene.triangles[order], kind),
         "groups": pack.add(light.groups(scene), kind),
         "normals": pack.add(normals, "i1", 127),
@@ -151,11 +155,33 @@ def _nodes(scene: Scene, animation: Animation) -> list[Json]:
     return rows
 
 
-def _part(scene: Scene, part: Primitive, pack: ArrayPack, kind: str) -> Json:
+class Grid(NamedTuple):
+    """Steps to which the points of a mesh are rounded, the same for all of its primitives.
+
+    A point that two primitives share stays one point, so that no hole shows between them.
+    """
+
+    middle: Floats
+    reach: float
+    far: dict[int, float]
+    """Longest movement in each shape, by the number of the shape."""
+
+    @classmethod
+    def of(cls, parts: Sequence[Primitive]) -> Self:
+        """Return the grid of the primitives of a mesh."""
+        low = np.min([part.base.min(axis=0) for part in parts], axis=0)
+        high = np.max([part.base.max(axis=0) for part in parts], axis=0)
+        far: dict[int, float] = {}
+        for part in parts:
+            for row, target in zip(part.deltas, part.active, strict=True):
+                far[int(target)] = max(far.get(int(target), 0.0), float(np.abs(row).max()))
+        return cls((low + high) / 2, float((high - low).max()) or 1.0, far)
+
+
+def _part(scene: Scene, part: Primitive, pack: ArrayPack, kind: str, grid: Grid) -> Json:
     """Return a primitive: its points at rest, and the points that each shape moves."""
     rank = {number: place for place, number in enumerate(scene.order)}
-    low, high = part.base.min(axis=0), part.base.max(axis=0)
-    middle, reach = (low + high) / 2, float(np.ptp(part.base, axis=0).max()) or 1.0
+    middle, reach, _ = grid
     skin = None
     if part.skin is not None:
         skin = {
@@ -171,7 +197,7 @@ def _part(scene: Scene, part: Primitive, pack: ArrayPack, kind: str) -> Json:
     for row, target in zip(part.deltas, part.active, strict=True):
         points = np.flatnonzero(np.abs(row).max(axis=1) > MIN_MOVEMENT_SHARE * reach)
         if len(points):
-            far = float(np.abs(row).max())
+            far = grid.far[int(target)]
             shape = {
                 "channels": np.flatnonzero(moved[:, target]).tolist(),
                 "rest": float(rest[target]),

@@ -33,7 +33,8 @@ def voice_app(
 
     A character that drives a rig is a `LipsyncError`: the page knows poses alone.
     """
-    document, script = _face_document(performer), bundle("voice/voice").encode()
+    moving = session.open_gestures() is not None
+    document, script = _face_document(performer, gestures=moving), bundle("voice/voice").encode()
 
     async def data(_: Request) -> Response:
         return AsciiResponse(document)
@@ -55,9 +56,11 @@ def voice_app(
     return RequestCheck(Starlette(routes=routes), token, frozenset(hosts))
 
 
-def _face_document(performer: Performer) -> dict[str, str]:
-    """Return the face of a performer at rest as the data of a page."""
-    rest = performer.perform(Schedule((SILENCE,), np.array([0.0, 0.1])))
+def _face_document(performer: Performer, *, gestures: bool) -> dict[str, str]:
+    """Return the face of a performer at rest as the data of a page, with or without gestures."""
+    rest = performer.perform(
+        Schedule((SILENCE,), np.array([0.0, 0.1])), gestures="all" if gestures else None
+    )
     if performer.rigged(rest) is not rest:
         raise LipsyncError(
             f"the page shows heads whose shapes are poses, and {performer.character} drives a rig; "

@@ -46,7 +46,10 @@ def test_the_head_moves_with_the_voice(page, tmp_path):
     assert len(told["phones"]) == 4
     assert told["delay"] == "200 ms"
     assert told["named"]
-    weights = np.array(told["frames"])
+    every, count = np.array(told["frames"]), len(performer.poses)
+    weights, gestures = every[:, :count], every[:, count:]
+    assert gestures.shape[1] == len(performer.gesture_set.poses)
+    assert gestures.any(), "the page has gestures by default"
     assert weights.min() >= 0
     assert weights.max() > 0.3, "somebody talks"
     assert weights.max() <= 1

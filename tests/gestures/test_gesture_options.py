@@ -77,3 +77,32 @@ def test_check_counts_gestures(capsys):
     assert "degrees (2 standard deviations)" in told
     assert main(["check", "--schedule", "line.json", *PAIR]) in {0, 1}
     assert "gestures" not in capsys.readouterr().out
+
+
+def test_a_line_idles_by_option_and_by_project(folder):
+    def last():
+        return float(Path("a.csv").read_text(encoding="utf-8").splitlines()[-1].split(",")[0])
+
+    columns()
+    end = last()
+    columns("--idle", "2")
+    assert last() == pytest.approx(end + 2, abs=0.1)
+    (folder / "lipsync.yaml").write_text("kind: project\nformat: 1\nidle: 1\n")
+    columns()
+    assert last() == pytest.approx(end + 1, abs=0.1)
+
+
+def test_an_unknown_gesture_of_a_line_is_refused_at_its_place(folder, capsys):
+    (folder / "characters").mkdir()
+    (folder / "characters/ann.yaml").write_text(
+        "kind: character\nformat: 1\nname: ann\nposeset: arkit\nlines:\n  hi:\n    placed:\n"
+        "      - {gesture: nodd, at: 0.5}\n      - {gesture: nod}\n"
+    )
+    assert main(["validate", "characters"]) == 1
+    assert "characters/ann.yaml:9:" in capsys.readouterr().out
+    (folder / "characters/ann.yaml").write_text(
+        "kind: character\nformat: 1\nname: ann\nposeset: arkit\nlines:\n  hi:\n    placed:\n"
+        "      - {gesture: nodd, at: 0.5}\n"
+    )
+    assert main(["validate", "characters"]) == 1
+    assert "characters/ann.yaml:8:19: P234 unknown gesture 'nodd'" in capsys.readouterr().out

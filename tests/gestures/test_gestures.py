@@ -1,5 +1,6 @@
 """Gestures: placed by the facts of a line, the same in every build, within bounds and speed."""
 
+import json
 from dataclasses import replace
 from itertools import pairwise
 
@@ -22,9 +23,9 @@ NOD = [[0, 0], [0.18, 1], [0.5, 0]]
 
 
 def stated(name, **fields):
-    usual = {"curve": BLINK, "poses": {"lids": 1.0}, "on": None, "share": 1.0, "lead": 0.0}
-    usual |= {"rates": None, "at": [], "apart": 0.0, "by_pitch": False, "place": "face.yaml:1:1"}
-    return {"name": name, **usual, **fields}
+    usual = {"curve": BLINK, "poses": {"lids": 1.0}, "on": [], "share": 1.0, "lead": 0.0}
+    usual |= {"rates": None, "at": [], "apart": 0.0, "spread": 0.7, "by_pitch": False}
+    return {"name": name, **usual, "place": "face.yaml:1:1", **fields}
 
 
 def gesture_set(*gestures):
@@ -34,7 +35,7 @@ def gesture_set(*gestures):
         {"name": "lids", "most": 1.0, "speed_limit": 20.0, "channel": {"name": "lids", **channel}},
         {"name": "nod", "most": 9.0, "speed_limit": 60.0, "channel": {"name": "nod", **bone}},
     ]
-    return GestureSet.from_plain({"poses": poses, "gestures": list(gestures)})
+    return GestureSet.from_plain({"poses": poses, "gestures": list(gestures), "words": {}})
 
 
 def line(end=4.0, **facts):
@@ -51,20 +52,20 @@ def placed(gesture, facts):
 
 
 def test_a_gesture_begins_before_its_fact_by_its_lead():
-    brows = stated("accent", on="emphasis", lead=0.1)
+    brows = stated("accent", on=["emphasis"], lead=0.1)
     assert placed(brows, line(emphasis=[1.0, 2.5])) == pytest.approx([0.9, 2.4])
 
 
 def test_a_share_of_facts_has_the_gesture():
     every = [0.05 + 0.3 * n for n in range(66)]
-    found = placed(stated("nod", on="stress", share=0.4), line(20.0, stress=every))
+    found = placed(stated("nod", on=["stress"], share=0.4), line(20.0, stress=every))
     assert 0.25 * len(every) < len(found) < 0.55 * len(every)
-    assert not placed(stated("nod", on="stress", share=0.0), line(20.0, stress=every))
+    assert not placed(stated("nod", on=["stress"], share=0.0), line(20.0, stress=every))
 
 
 def test_gestures_keep_apart():
     near = [0.5 + 0.1 * n for n in range(30)]
-    found = placed(stated("blink", on="pause", apart=0.7), line(stress=[], pause=near))
+    found = placed(stated("blink", on=["pause"], apart=0.7), line(stress=[], pause=near))
     assert min(b - a for a, b in pairwise(found)) >= 0.7 - 1e-9
 
 
@@ -291,3 +292,100 @@ def test_a_rig_passes_gestures_on_and_check_leaves_them_out(tmp_path, monkeypatc
     spoken = rigged.rigged(rigged.perform(said()))
     assert rigged.without_gestures(shown).poses == spoken.poses
     assert str(ll.check(shown)) == str(ll.check(spoken))
+
+
+# Words, voices and hands
+
+
+def triggers(performer, schedule, line=None, times=None):
+    (sounds,) = performer.labels.read([schedule])
+    scales = [1.0] * len(performer.gesture_set.shapes)
+    times = np.arange(0, schedule.end, 1 / 60) if times is None else times
+    _, laid = gesture_curves(performer, schedule, sounds, times, 60, scales, line)
+    names = [shape.name for shape in performer.gesture_set.shapes]
+    return [(names[one.gesture.number], one.gesture.trigger, one.gesture.fact) for one in laid]
+
+
+def test_words_of_the_language_deny_agree_and_ask(performer):
+    schedule = said([("Y EH1 S", "Yes,"), ("M AA1 M AH0", "mama"), ("W EH1 R", "Where"), *WORDS])
+    found = triggers(performer, schedule)
+    assert ("assent", "agreement", schedule.words[0].start) in found
+    assert ("ask", "question", schedule.words[2].start) in found
+    british = ll.resolve("english-uk", "arkit")
+    assert british.gesture_set.words == performer.gesture_set.words
+
+
+@pytest.mark.parametrize(("end", "asks"), [(150.0, True), (80.0, False)])
+def test_a_voice_that_rises_at_the_end_asks(performer, end, asks):
+    schedule, rate = said(WORDS[:4]), 16000
+    times = np.arange(int(rate * schedule.end)) / rate
+    tone = np.interp(times, [0, schedule.end - 0.7, schedule.end - 0.36], [100, 100, end])
+    sound = (6000 * np.sin(2 * np.pi * np.cumsum(tone) / rate)).astype(np.int16)
+    found = triggers(performer, replace(schedule, audio=Audio(sound, rate)))
+    assert ("rise" in {trigger for _, trigger, _ in found}) == asks
+
+
+@pytest.fixture
+def by_hand(performer):
+    def made(*placed):
+        plain = performer.compiled
+        compiled = replace(
+            plain, line_deliveries={"hi": {"gestures": {}, "placed": list(placed)}},
+            line_edits={"hi": []},
+        )  # fmt: skip
+        return replace(performer, compiled=compiled)
+
+    return made
+
+
+def test_a_person_places_gestures_at_times_and_words(by_hand):
+    own = by_hand({"gesture": "nod", "at": 1.0, "scale": 2.0}, {"gesture": "blink", "word": 2})
+    found = triggers(own, said(), "hi")
+    assert ("nod", "by hand", 1.0) in found
+    assert ("blink", "by hand", said().words[2].start) in found
+    near = [at for name, trigger, at in found if name == "nod" and trigger != "by hand"]
+    assert all(abs(at - 1.0) >= 0.5 for at in near)
+    assert own.perform(said(), line="hi", gestures="nod")["nod"].max() == pytest.approx(10, abs=0.1)
+    assert not own.perform(said(), line="hi", gestures="blink")["nod"].any()
+    with pytest.raises(LipsyncError, match="'nod' of line 'hi' is at word 99, counted from 0"):
+        by_hand({"gesture": "nod", "word": 99}).perform(said(), line="hi", gestures="all")
+
+
+def test_a_line_rests_after_its_end_and_goes_on_breathing(performer):
+    spoken, resting = (performer.perform(s) for s in (said(), said().resting(12)))
+    count = len(spoken.times) - 30
+    assert np.array_equal(spoken.weights[:count], resting.weights[:count])
+    moving = performer.perform(said().resting(12), gestures="all")
+    after = moving.times > said().end + 1
+    assert moving["eyeBlinkLeft"][after].max() == 1
+    assert moving["lift"][after].max() > 0.5
+    assert not moving.weights[after, :17].any()
+    limit = performer.gesture_set.speed / 60 + 1e-9
+    assert (np.abs(np.diff(moving.weights[:, 17:], axis=0)) <= limit).all()
+    with pytest.raises(LipsyncError, match="-1 s of rest"):
+        said().resting(-1)
+
+
+def test_breaths_are_more_regular_than_blinks():
+    def irregular(**fields):
+        shapes = gesture_set(stated("it", rates=[15, 15], **fields)).shapes
+        facts = LineFacts(0.0, 600.0, [(0.0, 600.0)], {}, [], [7919])
+        found = place(shapes, [1.0], facts)
+        gaps = [b.begin - a.begin for a, b in pairwise(found)]
+        return np.std(gaps) / np.mean(gaps)
+
+    assert irregular(spread=0.15) < 0.25
+    assert irregular() > 0.5
+
+
+@pytest.mark.parametrize("name", ["facefx", "crab"])
+def test_a_shipped_model_has_what_its_gestures_move(name):
+    own = ll.resolve("english", name)
+    content = own.model.read_bytes()
+    size = int.from_bytes(content[12:16], "little")
+    document = json.loads(content[20 : 20 + size])
+    shapes = document["meshes"][0]["extras"]["targetNames"]
+    nodes = [node["name"] for node in document["nodes"]]
+    for channel in own.gesture_channels:
+        assert channel.name in shapes if channel.node is None else channel.node in nodes
+    assert len(content) < 2**20

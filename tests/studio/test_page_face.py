@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -48,6 +49,26 @@ def test_a_page_moves_the_points_of_the_pictures(make, tmp_path):
     for moment, points in zip(seconds, told, strict=True):
         expected = scene.points(moment - begins)
         np.testing.assert_allclose(np.reshape(points, (-1, 3)), expected, atol=2e-4 * size)
+
+
+def test_primitives_that_touch_share_their_points_on_the_page(tmp_path):
+    animation = shipped(tmp_path)
+    path = tmp_path / "line.html"
+    path.write_text(line_page(animation), "utf-8")
+    scene = staged(animation)
+    begins = float(animation.times[0]) - float(animation.timeline[0])
+    seconds = np.linspace(*animation.times[[0, -1]], 7).tolist()
+    told = np.reshape(node(BROWSER / "points.mjs", STATIC, path, *seconds), (7, -1, 3))
+    exact = np.stack([scene.points(moment - begins) for moment in seconds], axis=1)
+    part = np.repeat(np.arange(len(scene.parts)), [len(one.base) for one in scene.parts])
+    _, same = np.unique(exact.round(9).reshape(len(exact), -1), axis=0, return_inverse=True)
+    order = np.argsort(same, kind="stable")
+    pairs = [
+        (one, other) for one, other in pairwise(order)
+        if same[one] == same[other] and part[one] != part[other]
+    ]  # fmt: skip
+    assert len(pairs) > 50
+    assert all(np.array_equal(told[:, one], told[:, other]) for one, other in pairs)
 
 
 def test_a_page_has_the_cameras_of_the_pictures():

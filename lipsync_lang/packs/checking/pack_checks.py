@@ -21,6 +21,7 @@ from lipsync_lang.packs.models import (
     Gesture,
     GesturePose,
     Language,
+    LineEdits,
     Phonemes,
     PoseSet,
     RigPack,
@@ -221,7 +222,7 @@ def _gestures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             hint = "delete one of the two"
             yield poseset.fault(("gesture_poses", pose), "P232", what, hint, key=True)
     for name, gesture in model.gestures.items():
-        for pose, amount in gesture.poses.items():
+        for pose in gesture.poses:
             loc: Loc = ("gestures", name, "poses", pose)
             stated = model.gesture_poses.get(pose)
             if pose in model.poses:
@@ -231,17 +232,18 @@ def _gestures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             elif stated is None:
                 yield poseset.unknown(loc, "P201", "pose", pose, model.gesture_poses, key=True)
             else:
-                yield from _gesture_bounds(poseset, loc, gesture, stated, amount)
+                yield from _gesture_bounds(poseset, loc, gesture, stated)
 
 
 def _gesture_bounds(
-    poseset: "Pack[PoseSet]", loc: Loc, gesture: Gesture, pose: GesturePose, amount: float
+    poseset: "Pack[PoseSet]", loc: Loc, gesture: Gesture, pose: GesturePose
 ) -> Iterator[Fault]:
     """Check that a gesture keeps to the largest amount and the speed of one of its poses."""
     least = 0.0 if pose.node is None else -pose.most
-    if not least <= amount <= pose.most:
-        what = f"'{loc[-1]}' goes from {least:g} to {pose.most:g}, not to {amount:g}"
-        yield poseset.fault(loc, "P233", what, "lower the amount, or raise `most`")
+    for reached in gesture.amounts(str(loc[-1])):
+        if not least <= reached <= pose.most:
+            what = f"'{loc[-1]}' goes from {least:g} to {pose.most:g}, not to {reached:g}"
+            yield poseset.fault(loc, "P233", what, "lower the amount, or raise `most`")
     speed, unit = gesture.speed(str(loc[-1])), "" if pose.node is None else " degrees"
     if speed > pose.speed_limit * (1 + 1e-9):
         what = (
@@ -285,6 +287,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
     yield from _delivery(character, (), model, poseset, styles)
     for name, line in model.lines.items():
         yield from _delivery(character, ("lines", name), line, poseset, styles)
+        yield from _placed(character, name, line, poseset)
     yield from check_bigrams(character, model.bigrams, poseset, phonemes)
     yield from _own_drafts(character, poseset, phonemes)
     yield from check_bigrams(character, model.trigrams, poseset, phonemes, field="trigrams")
@@ -386,6 +389,16 @@ def _delivery(
             what = f"no bank has the style '{style}', so it has no effect"
             hint = did_you_mean(style, known) if known else "write a bank that states `style:`"
             yield character.warning((*at, "styles", style), "W320", what, hint, key=True)
+
+
+def _placed(
+    character: "Pack[Character]", name: str, line: LineEdits, poseset: PoseSet
+) -> Iterator[Fault]:
+    """Check that a line places gestures of the pose set."""
+    for index, one in enumerate(line.placed):
+        if one.gesture not in poseset.gestures:
+            at: Loc = ("lines", name, "placed", index, "gesture")
+            yield character.unknown(at, "P234", "gesture", one.gesture, poseset.gestures)
 
 
 def with_shades(phonemes: Collection[str], common: Phonemes) -> set[str]:

@@ -4,7 +4,7 @@ from typing import get_args
 
 from lipsync_lang.packs.models.check_models import Checks, ReadOut
 from lipsync_lang.packs.models.fields import PackModel
-from lipsync_lang.packs.models.gesture_models import Gesture, GesturePose
+from lipsync_lang.packs.models.gesture_models import Gesture, GesturePose, GestureWords
 from lipsync_lang.packs.models.ipa_models import Decision, Ipa
 from lipsync_lang.packs.models.language_models import Language, Phonemes, Shade, SoundFields, Sounds
 from lipsync_lang.packs.models.pose_models import (
@@ -40,6 +40,7 @@ __all__ = [
     "Delivery",
     "Gesture",
     "GesturePose",
+    "GestureWords",
     "Ipa",
     "Language",
     "LineEdits",

@@ -19,7 +19,9 @@ from lipsync_lang.packs.models.fields import (
     Unit,
 )
 
-Trigger = Literal["pause", "phrase_end", "emphasis", "stress"]
+Trigger = Literal[
+    "pause", "phrase_end", "emphasis", "stress", "rise", "question", "denial", "agreement"
+]
 """A fact of a line at which a gesture is placed."""
 
 GestureScale = Annotated[float, Field(ge=0, le=2)]
@@ -89,13 +91,13 @@ class Gesture(Strict):
     poses: dict[PoseName, float] = Field(min_length=1)
     """The amount of each pose where the curve is 1."""
     curve: Annotated[
-        tuple[tuple[NotNegative, Unit], ...],
+        tuple[tuple[NotNegative, Annotated[float, Field(ge=-1, le=1)]], ...],
         Field(min_length=3, max_length=64),
         AfterValidator(_from_rest_to_rest),
     ]
     """Points [seconds, value] from rest to rest; the movement between two of them is rounded."""
-    on: Trigger | None = None
-    """The fact at which the gesture is placed; or `per_minute`."""
+    on: Annotated[tuple[Trigger, ...], OrOne] = ()
+    """The facts at which the gesture is placed; or `per_minute`."""
     share: Unit = 1.0
     """The share of those facts that have the gesture."""
     lead: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0
@@ -106,14 +108,16 @@ class Gesture(Strict):
     """Facts that draw such a gesture to them, if one is near."""
     apart: Annotated[float, Field(ge=0, le=60)] = 0.0
     """Least seconds between the beginnings of two such gestures, if more than its length."""
+    spread: Annotated[float, Field(ge=0, le=2)] = 0.7
+    """Irregularity of `per_minute`: standard deviation of the logarithm of the intervals."""
     height: Literal["full", "pitch"] = "full"
     """`pitch` scales the gesture by the rise of the voice, where there is sound."""
 
     @model_validator(mode="after")
     def _placed(self) -> Self:
-        if (self.on is None) == (self.per_minute is None):
+        if bool(self.on) == (self.per_minute is not None):
             what = "a gesture is placed either `on` a fact, or so many times `per_minute`"
-            field = "poses" if self.on is None else "on"
+            field = "on" if self.on else "poses"
             raise PydanticCustomError("P115", what, {"field": field})
         if self.at and self.per_minute is None:
             what = "`at` draws gestures that come `per_minute`; write `on` alone instead"
@@ -124,3 +128,41 @@ class Gesture(Strict):
         """Return the highest speed of a pose, in its amount per second."""
         slopes = (abs(b - a) / (end - begin) for (begin, a), (end, b) in pairwise(self.curve))
         return STEEPEST * abs(self.poses[pose]) * max(slopes)
+
+    def amounts(self, pose: str) -> tuple[float, float]:
+        """Return the least and the greatest amount of a pose."""
+        found = sorted(self.poses[pose] * value for _, value in self.curve)
+        return found[0], found[-1]
+
+
+class GestureByHand(Strict):
+    """A gesture that a person placed in a line."""
+
+    gesture: Text
+    """The gesture of the pose set."""
+    at: Annotated[float, Field(ge=0)] | None = None
+    """Seconds in the line at which it begins, for a gesture with `lead` by so much earlier."""
+    word: Annotated[int, Field(ge=0)] | None = None
+    """The word at whose beginning it is placed, counted from 0; or `at`."""
+    scale: GestureScale = 1.0
+    """Scale of this one."""
+
+    @model_validator(mode="after")
+    def _somewhere(self) -> Self:
+        if (self.at is None) == (self.word is None):
+            what = "a gesture by hand is placed either `at` seconds, or at a `word`"
+            raise PydanticCustomError(
+                "P115", what, {"field": "gesture" if self.at is None else "at"}
+            )
+        return self
+
+
+class GestureWords(Strict):
+    """Words of a language that facts of gestures begin with."""
+
+    question: tuple[Text, ...] = ()
+    """Words that ask, such as `who`; the voice asks as well, by the fact `rise`."""
+    denial: tuple[Text, ...] = ()
+    """Words that deny, such as `no`."""
+    agreement: tuple[Text, ...] = ()
+    """Words that agree, such as `yes`."""

@@ -25,6 +25,7 @@ from lipsync_lang.packs.models.fields import (
     labels_as_sounds,
     sound_forms,
 )
+from lipsync_lang.packs.models.gesture_models import GestureWords
 from lipsync_lang.packs.models.text_models import LanguageText, SharedText
 from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
 from lipsync_lang.phonology.labels import Value
@@ -363,6 +364,8 @@ class Language(PackModel):
     asides: tuple[Text, ...] = ()
     """Words of notes such as `(laughs)` and `*sighs*`, which are not spoken; `laugh...` stands for
     all words that begin so."""
+    gesture_words: GestureWords = GestureWords()
+    """Words that ask, deny or agree, at which pose sets place gestures."""
     examples: dict[Label, str] = Field(default={})
     """A word for each label of the first notation."""
     reasons: dict[Label, str] = Field(default={})

@@ -31,7 +31,12 @@ from lipsync_lang.packs.models.fields import (
     TrigramKey,
     Unit,
 )
-from lipsync_lang.packs.models.gesture_models import Gesture, GesturePose, GestureScale
+from lipsync_lang.packs.models.gesture_models import (
+    Gesture,
+    GestureByHand,
+    GesturePose,
+    GestureScale,
+)
 from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
@@ -451,6 +456,8 @@ class LineEdits(Delivery):
     """Emphasis of words: [word, level], from word 0."""
     times: tuple[tuple[Annotated[int, Field(ge=0)], float, float], ...] = ()
     """Moved boundaries: [number, seconds before, seconds now]; boundary 0 is the line's start."""
+    placed: tuple[GestureByHand, ...] = ()
+    """Gestures that a person placed; those of their kind that come by rule keep clear of them."""
     edits: tuple[Edit, ...] = ()
     """Edits in order; a later edit wins. They stay valid after a new recording."""
 

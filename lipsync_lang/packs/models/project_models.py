@@ -162,6 +162,8 @@ class Project(PackModel):
     gestures: Annotated[Text, Short(_switch, forms=_or({"type": "boolean"}))] | None = None
     """Gestures of every output: `all`, or those to make, such as `blink,accent:0.5`. By default
     pages and videos of `run` have them all, and other files none."""
+    idle: Annotated[float, Field(ge=0, le=600)] | None = None
+    """Seconds after each line in which the face rests, with the gestures of silence."""
     outputs: Annotated[tuple[Output, ...], OrOne] = ()
     """Outputs of `run` and `build`, from this folder: FILE or FORMAT:FILE.
 

@@ -1,0 +1,87 @@
+"""Live gestures: faces blink and breathe between texts, and move beside them, within speed."""
+
+import json
+
+import numpy as np
+import pytest
+from test_live import LINE, Taken, Time
+
+import lipsync_lang as ll
+from lipsync_lang.live.live_gestures import LiveGestures
+from lipsync_lang.live.live_player import LivePlayer
+from lipsync_lang.live.live_voice import LiveVoice
+from lipsync_lang.live.outlets import LiveAddress, LiveFrame, outlet
+from lipsync_lang.live.web_socket import Client, Session
+
+
+@pytest.fixture(scope="module")
+def performer():
+    return ll.resolve("english", "arkit")
+
+
+def opened(performer, fps=60):
+    own = performer.gesture_set
+    return LiveGestures(own, [1.0] * len(own.shapes), fps)
+
+
+def lived(performer, *schedules, ticks):
+    """Return the lips and the gestures of a session, the times, and the player."""
+    time = Time()
+    taken = Taken(time)
+    player = LivePlayer(performer, 60, [taken], gestures=opened(performer), clock=time.clock,
+                        wait=time.wait)  # fmt: skip
+    for schedule in schedules:
+        player.say(schedule)
+    left = iter(range(ticks))
+    player.run(lambda: next(left, None) is not None)
+    player.end()
+    weights = np.array([frame.weights for frame in taken.frames])
+    count = len(performer.poses)
+    return weights[:, :count], weights[:, count:], [f.seconds for f in taken.frames], player
+
+
+def test_a_silent_face_blinks_and_breathes_without_a_step(performer):
+    lips, moved, times, _ = lived(performer, ticks=60 * 60)
+    own = performer.gesture_set
+    assert not lips.any()
+    shut = moved[:, own.poses.index("eyeBlinkLeft")] > 0.9
+    assert 8 <= np.count_nonzero(np.diff(shut.astype(int)) == 1) <= 26
+    assert moved[:, own.poses.index("lift")].max() > 0.5
+    step = np.abs(np.diff(moved, axis=0))
+    assert (step <= own.speed * np.maximum(np.diff(times), 1 / 60)[:, None] + 1e-9).all()
+    assert not moved[-1].any()
+
+
+def test_a_spoken_text_has_its_gestures_and_the_same_lips(performer):
+    words = ("M", "AA1", "M", "AH0", "T", "IY1", "S", "OW1", "D", "AH0")
+    line = ll.Schedule(words * 4, np.arange(41) * 0.12, notation="arpabet")
+    lips, moved, *_ = lived(performer, line, ticks=400)
+    spoken = lips[lips.any(axis=1)]
+    shown = performer.perform(line).weights
+    assert np.abs(spoken - shown[shown.any(axis=1)]).max() < 1e-9
+    own = performer.gesture_set
+    assert moved[:, own.poses.index("nod")].max() > 2
+    assert (moved >= own.low).all()
+    assert (moved <= own.high).all()
+
+
+def test_clients_get_gestures_beside_their_own_frames(performer):
+    voice = LiveVoice(performer.listen, 60, print)
+    stream = lambda notation: performer.stream(60, notation=notation or "arpabet")  # noqa: E731
+    client = Client(Session({}, len, stream, performer.listen, voice, lambda: opened(performer)))
+    rows = [*zip(LINE.labels, LINE.times[:-1].tolist(), LINE.times[1:].tolist(), strict=True)]
+    answer = client.answer(json.dumps({"phonemes": rows, "finish": True}))
+    counts = {len(frame["weights"]) for frame in answer["frames"]}
+    assert counts == {len(performer.poses) + len(performer.gesture_set.poses)}
+
+
+def test_engines_get_shapes_and_no_turns_of_bones(performer):
+    pytest.importorskip("pythonosc")
+    address = LiveAddress("vmc", "127.0.0.1", 9)
+    made = outlet(address, performer, 60, None, subject="", renamed={}, gestures=True,
+                  complain=print)  # fmt: skip
+    count = len(performer.poses) + len(performer.gesture_set.poses)
+    packet = made.pack(LiveFrame(0.0, np.ones(count)))
+    made.close()
+    assert b"eyeBlinkLeft" in packet
+    assert b"nod" not in packet
