@@ -47,7 +47,7 @@ NAME_WORDS = 4
 LEAST_MOVE = 1e-5
 """Seconds by which a moved boundary differs."""
 
-CHANGES = ("styles", "dials", "intensity", "emphasis", "times")
+CHANGES = ("styles", "dials", "intensity", "emphasis", "phonemes", "times")
 """Fields of a line that a person changes; the others say which line it is."""
 
 OWN = ("path", "project")
@@ -359,6 +359,9 @@ class Workshop:
         self._followed = self.desk.revision
         stated = self._stated.get(self.name, {})
         whole = corrected(stated, compiled, self.line.opened, self.name)
+        changes = stated.get("phonemes", ())
+        used = whole.labels != self.line.opened.labels
+        self.line.changes = changes if used else ()
         self.line.replace(whole)
         styles, dials = (
             {
@@ -403,7 +406,7 @@ class Workshop:
     def _statement(self, language: str) -> dict[str, Any]:
         """Return what a character's file states for the open line; `ABSENT` for nothing."""
         line, settings = self.spoken, self.settings
-        whole, opened = line.whole, line.opened
+        whole, opened = line.whole, line.unmoved
         levels = [
             {
                 name: [[in_words(at, whole), value] for at, value in level]
@@ -431,6 +434,7 @@ class Workshop:
             "dials": _brief(levels[1]),
             "intensity": settings.intensity,
             "emphasis": emphasis,
+            "phonemes": [[first, list(was), list(now)] for first, was, now in line.changes],
             "times": times,
         }
         return {key: ABSENT if one in (None, "", [], {}) else one for key, one in found.items()}

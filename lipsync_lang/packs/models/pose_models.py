@@ -18,6 +18,7 @@ from lipsync_lang.packs.models.fields import (
     BigramKey,
     Common,
     Curves,
+    Label,
     Name,
     NotNegative,
     OrEmpty,
@@ -438,6 +439,10 @@ class Delivery(Strict):
     """Scale for single gestures, where gestures are on: 0 leaves one out."""
 
 
+Labels = Annotated[tuple[Label, ...], Field(min_length=1)]
+"""Labels of phonemes in the notation of a line."""
+
+
 class LineEdits(Delivery):
     """Words, times, delivery and edits of one line, as a person changed them."""
 
@@ -449,8 +454,11 @@ class LineEdits(Delivery):
     """The effect of loudness: 0 none, 1 as the pose set says, 2 double."""
     emphasis: tuple[tuple[Annotated[int, Field(ge=0)], LevelNumber], ...] = ()
     """Emphasis of words: [word, level], from word 0."""
+    phonemes: tuple[tuple[Annotated[int, Field(ge=0)], Labels, Labels], ...] = ()
+    """Changed phonemes: [first, labels before, labels now], from phoneme 0, pauses included."""
     times: tuple[tuple[Annotated[int, Field(ge=0)], float, float], ...] = ()
-    """Moved boundaries: [number, seconds before, seconds now]; boundary 0 is the line's start."""
+    """Moved boundaries: [number, seconds before, seconds now]; boundary 0 is the line's start, and
+    changed phonemes count as they are now."""
     edits: tuple[Edit, ...] = ()
     """Edits in order; a later edit wins. They stay valid after a new recording."""
 

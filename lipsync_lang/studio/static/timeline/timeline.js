@@ -22,11 +22,13 @@ const FULL = 65535;
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
  *   Optional:
- * `drag` moves a boundary between phonemes (`done` at the end), `word` chooses a word, `open` is a double click.
+ * `drag` moves what is grabbed (`done` at the end), `word` and `phoneme` choose one, `open` is a double click.
  * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} |
  *   null) => void,
- *   pick: (row: number) => void, moved: () => void, drag?: (boundary: number, seconds: number, done: boolean) => void,
- *   word?: (word: number) => void, open?: (seconds: number, row: number) => void}} Hands
+ *   pick: (row: number) => void, moved: () => void,
+ *   drag?: (grab: import("./timeline_hands.js").Grab, seconds: number, done: boolean, event: PointerEvent) => void,
+ *   word?: (word: number) => void, phoneme?: (phoneme: number) => void,
+ *   open?: (seconds: number, row: number, phoneme: number) => void}} Hands
  */
 
 /** A timeline; times are seconds. */
@@ -38,9 +40,10 @@ export class Timeline {
     this.layer = document.createElement("canvas");
     this.stale = true;
     this.row = -1;
-    /** The boundary and the word that are chosen; -1 for none. */
+    /** The boundary, the word and the phoneme that are chosen; -1 for none. */
     this.boundary = -1;
     this.word = -1;
+    this.phoneme = -1;
     /** Names of stages that are not drawn. @type {Set<string>} */
     this.hidden = new Set();
     /** @type {[number, number] | null} */
@@ -474,6 +477,10 @@ export class Timeline {
           context.fillRect(low + 2, this.bandTop + BAND - 4, Math.max(2, high - low - 4), 1 + 1.5 * emphasis[n]);
         if (n === this.word) context.strokeRect(low + 1, this.bandTop + 1, high - low - 2, BAND - 2);
       });
+      if (this.phoneme >= 0 && this.phoneme + 1 < times.length) {
+        const low = this.x(times[this.phoneme]), high = this.x(times[this.phoneme + 1]);
+        context.strokeRect(low + 1, this.bandTop + BAND + 1, high - low - 2, BAND - 2);
+      }
       if (this.boundary < 0 || this.boundary >= times.length) return;
       const x = this.x(times[this.boundary]), y = this.bandTop + BAND;
       context.fillRect(x - 1, y, 2, this.height - y);
@@ -508,6 +515,12 @@ export class Timeline {
     return words.findIndex(
       (/** @type {[string, number, number]} */ [, first, stop]) => times[first] <= seconds && seconds < times[stop],
     );
+  }
+
+  /** @param {number} x @param {number} y @returns {number} the phoneme there, or -1 */
+  phonemeAt(x, y) {
+    const down = y - this.bandTop - BAND;
+    return this.shown && down >= 0 && down < BAND ? this.line.take.phonemeAt(this.at(x)) : -1;
   }
 
   /** @param {number} y @returns {number} the row there, or -1 */

@@ -7,7 +7,9 @@ const NUDGE = 0.005, FAR = 0.02, FINE = 0.001;
 
 tellKeys({
   "[ ]": "Sentence: choose the previous or next boundary; ← → then move it by 5 ms, with Shift 20 ms, with Alt 1 ms",
-  "; '": "Sentence: choose the previous or next word",
+  "; '": "Sentence: choose the previous or next word; Alt ← → then moves it by 5 ms, with Shift by 20 ms",
+  ", .": "Sentence: choose the previous or next phoneme",
+  "r s j i Delete": "Sentence: relabel, split, join, insert or delete a phoneme at the playhead",
   "e": "Sentence: emphasise the word, or stop emphasising it",
   "↑ ↓": "Sentence: choose a pose, and see its reasons",
   "Enter": "Sentence: open the bigram of the pose at the playhead",
@@ -34,7 +36,12 @@ export function sentenceKey(view, event) {
     return false;
   if (timeline.boundary >= 0 && (key === "ArrowLeft" || key === "ArrowRight")) {
     const by = event.shiftKey ? FAR : event.altKey ? FINE : NUDGE;
-    view.nudge(key === "ArrowLeft" ? -by : by);
+    view.phonemes.nudge(key === "ArrowLeft" ? -by : by);
+    return true;
+  }
+  if (timeline.word >= 0 && event.altKey && (key === "ArrowLeft" || key === "ArrowRight")) {
+    const by = event.shiftKey ? FAR : NUDGE;
+    view.phonemes.nudge(key === "ArrowLeft" ? -by : by);
     return true;
   }
   if (event.altKey) return false;
@@ -42,6 +49,12 @@ export function sentenceKey(view, event) {
   const does = {
     "[": () => chooseBoundary(view, -1), "]": () => chooseBoundary(view, 1),
     ";": () => chooseWord(view, -1), "'": () => chooseWord(view, 1),
+    ",": () => choosePhoneme(view, -1), ".": () => choosePhoneme(view, 1),
+    "r": () => onPhoneme(view, () => view.phonemePanel.ask()),
+    "i": () => onPhoneme(view, () => view.phonemePanel.ask(true)),
+    "s": () => onPhoneme(view, () => view.phonemes.split()),
+    "j": () => onPhoneme(view, () => view.phonemes.join()),
+    "Delete": () => onPhoneme(view, () => view.phonemes.remove()),
     "e": () => emphasise(view), "a": () => view.swap(), "n": () => view.nextFinding(),
     "ArrowUp": () => view.pick(timeline.row - 1), "ArrowDown": () => view.pick(timeline.row + 1),
     "Home": () => view.reveal(take.start), "End": () => view.reveal(take.end),
@@ -67,6 +80,25 @@ function chooseBoundary(view, way) {
   view.studio.player.pause();
   view.choose({ boundary: next });
   view.reveal(times[next]);
+}
+
+/** @param {import("./sentence_view.js").SentenceView} view @param {number} way */
+function choosePhoneme(view, way) {
+  const take = /** @type {import("../line/take.js").Take} */ (view.studio.take), { times, labels } = take.data.spoken;
+  const from = view.timeline.phoneme >= 0 ? view.timeline.phoneme + way : take.phonemeAt(view.studio.player.time);
+  const phoneme = Math.max(0, Math.min(labels.length - 1, from));
+  view.studio.player.pause();
+  view.choose({ phoneme });
+  view.reveal(times[phoneme]);
+}
+
+/**
+ * Act on the chosen phoneme, or on that at the playhead.
+ * @param {import("./sentence_view.js").SentenceView} view @param {() => void} act
+ */
+function onPhoneme(view, act) {
+  if (view.timeline.phoneme < 0) view.choose({ phoneme: view.studio.take?.phonemeAt(view.studio.player.time) ?? -1 });
+  act();
 }
 
 /** @param {import("./sentence_view.js").SentenceView} view @param {number} way */

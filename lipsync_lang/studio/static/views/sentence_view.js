@@ -6,6 +6,8 @@ import { withWord } from "../timeline/level_points.js";
 import { fileButton, LineFiles } from "./line_files.js";
 import { Overview } from "../timeline/overview.js";
 import { clock } from "../timeline/scales.js";
+import { PhonemeHands } from "./phoneme_hands.js";
+import { PhonemePanel } from "./phoneme_panel.js";
 import { sentenceKey } from "./sentence_keys.js";
 import { TakeValues } from "../line/take_values.js";
 import { findingTimes, listFigures, listStages, movingRows, tell, usedStages } from "../line/take_words.js";
@@ -40,6 +42,7 @@ export class SentenceView {
       moment: part("p", { id: "moment", "aria-live": "polite" }),
       bigrams: part("ul", { id: "bigrams" }),
       poses: part("ul", { id: "poses" }),
+      phoneme: part("section", { class: "word", "aria-label": "Chosen phoneme", hidden: "" }),
       word: part("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
       line: part("div"),
       parts: part("span", { class: "row parts", hidden: "" }),
@@ -59,10 +62,16 @@ export class SentenceView {
       hover: (at) => tell(this.#tip, this.timeline, studio.player.playing ? null : at),
       pick: (row) => this.pick(row),
       moved: () => { this.moved = true; studio.wake(); },
-      drag: (boundary, seconds, done) => this.drag(boundary, seconds, done),
+      drag: (grab, seconds, done, event) => this.phonemes.drag(grab, seconds, done, event),
       word: (word) => this.choose({ word }),
-      open: (seconds, row) => row >= 0 && this.openBigram(seconds, row),
+      phoneme: (phoneme) => phoneme >= 0 && this.choose({ phoneme }),
+      open: (seconds, row, phoneme) => {
+        if (phoneme >= 0) this.phonemePanel.ask();
+        else if (row >= 0) this.openBigram(seconds, row);
+      },
     });
+    this.phonemes = new PhonemeHands(this);
+    this.phonemePanel = new PhonemePanel(this.at.phoneme, this.phonemes);
     this.overview = new Overview(this.at.overview, this.timeline);
     this.values = new TakeValues(at, { pick: (row) => this.pick(row), more: (bigram) => [this.#opener(bigram)] });
     this.lanes = new TrackLanes(this.at.lanes, this.timeline, {
@@ -79,11 +88,9 @@ export class SentenceView {
     this.open = new Set();
     /** The other take is on the face. */
     this.swapped = false;
+    /** The labels to pick from are those of this line. */
+    this.labelled = false;
     this.moved = true;
-    this.dragging = false;
-    this.dragTimes = [0];
-    /** Times of boundaries that were asked for, until the take with them is here. @type {Map<number, number>} */
-    this.sought = new Map();
     /** @type {Level | undefined} */
     this.wordBefore = undefined;
     /** The player of the line that is shown. @type {import("../line/player.js").Player | null} */
@@ -106,11 +113,26 @@ export class SentenceView {
       fileButton("Open sound…", RECORDINGS, (files) => this.files.open(files)),
     ];
     this.swapButton = button("A/B", "Switch between A and B (A)", () => this.swap());
-    this.original = button("Original times", "Restore the times as they were opened or spoken", () => this.restore());
+    this.original = button(
+      "Original times",
+      "Restore the phonemes and their times as they were opened or spoken",
+      () => this.restore(),
+    );
+    const toggle = (/** @type {"snap" | "ripple"} */ name, /** @type {string} */ text, /** @type {string} */ title) => {
+      const one = button(text, title, () => {
+        this.phonemes[name] = !this.phonemes[name];
+        one.setAttribute("aria-pressed", String(this.phonemes[name]));
+      });
+      one.setAttribute("aria-pressed", String(this.phonemes[name]));
+      return one;
+    };
     const tools = made("div", { class: "row tools" }, ...open(),
       made("span", { class: "group", role: "group", "aria-label": "Save the timings" },
         button("Save timings", "As JSON, with emphasis and stress", () => this.files.save("json")),
         button("TextGrid", "Save the timings as a TextGrid, for Praat", () => this.files.save("TextGrid"))),
+      made("span", { class: "group", role: "group", "aria-label": "Dragging boundaries" },
+        toggle("snap", "Snap", "Boundaries stop at onsets of the sound; Alt turns it round in a drag"),
+        toggle("ripple", "Ripple", "Sounds after a boundary move along, up to a pause; Shift turns it round in a drag")),
       this.original, this.swapButton, this.at.parts);
     const figures = this.at.figures;
     figures.append(
@@ -122,6 +144,7 @@ export class SentenceView {
       "aside",
       { class: "why", "aria-label": "Values and reasons" },
       this.at.word,
+      this.at.phoneme,
       this.at.moment,
       this.at.bigrams,
       this.at.poses,
@@ -194,8 +217,7 @@ export class SentenceView {
     this.nothing.hidden = Boolean(take);
     if (!take) return;
     if (studio.sound !== this.heard || this.player !== studio.player) this.#newLine();
-    for (const boundary of this.sought.keys())
-      if (!studio.wishes.has(`boundary/${boundary}`)) this.sought.delete(boundary);
+    this.phonemes.taken();
     const rows = movingRows(take, other), picked = this.timeline.shown?.rows[this.timeline.row];
     this.timeline.show({ take, other, sound, rows });
     this.values.show(take, rows);
@@ -223,14 +245,15 @@ export class SentenceView {
     this.player = this.studio.player;
     this.timeline.shown = null;
     this.overview.shape = [];
-    this.timeline.boundary = this.timeline.word = -1;
-    this.dragging = false;
+    this.timeline.boundary = this.timeline.word = this.timeline.phoneme = -1;
+    this.phonemes.dragging = false;
+    this.labelled = false;
     this.open = new Set(this.tracks().filter((one) => typeof one.level !== "number").map(keyOf));
   }
 
   async #check() {
     const { take } = this.studio;
-    if (!take || this.dragging || this.swapped || this.studio.view !== this) return;
+    if (!take || this.phonemes.dragging || this.swapped || this.studio.view !== this) return;
     await this.studio.attempt(async () => {
       const { figures } = await this.studio.api.get("figures");
       if (this.studio.take !== take) return;
@@ -323,45 +346,21 @@ export class SentenceView {
     else this.studio.tell("No bigram covers this moment");
   }
 
-  // Boundaries
+  // Phonemes and words
 
-  /** @param {{boundary?: number, word?: number}} what is chosen; the rest no longer is */
-  choose({ boundary = -1, word = -1 }) {
-    [this.timeline.boundary, this.timeline.word] = [boundary, word];
+  /** @param {{boundary?: number, word?: number, phoneme?: number}} what is chosen; the rest no longer is */
+  choose({ boundary = -1, word = -1, phoneme = -1 }) {
+    [this.timeline.boundary, this.timeline.word, this.timeline.phoneme] = [boundary, word, phoneme];
     this.timeline.stale = true;
     this.#levels();
+    if (phoneme >= 0 && !this.labelled) this.#offerLabels();
     this.studio.wake();
   }
 
-  /** @param {number} boundary @param {number} seconds @param {boolean} done */
-  drag(boundary, seconds, done) {
-    const { take } = this.studio;
-    if (!take || this.swapped) return;
-    if (!this.dragging) {
-      this.dragging = true;
-      this.dragTimes = [...take.data.spoken.times];
-      this.choose({ boundary });
-      if (!done) return; // pressed, not moved yet
-    }
-    if (Math.abs(seconds - this.dragTimes[boundary]) > 1e-4 || !done) this.#move(boundary, seconds, !done);
-    this.dragging = !done;
-  }
-
-  /** @param {number} boundary @param {number} seconds @param {boolean} passing @param {string} [merge] */
-  #move(boundary, seconds, passing, merge = "") {
-    const { labels } = this.studio.take?.data.spoken ?? { labels: [] };
-    const title = `Move the boundary before ${labels[boundary] ?? "the end"}`;
-    this.studio.perform(`boundary/${boundary}`, { seconds, passing, title, merge });
-  }
-
-  /** @param {number} by seconds that the chosen boundary is moved */
-  nudge(by) {
-    const { boundary } = this.timeline, { take } = this.studio;
-    if (!take || boundary < 0) return;
-    const from = this.sought.get(boundary) ?? take.data.spoken.times[boundary];
-    this.sought.set(boundary, from + by);
-    this.#move(boundary, from + by, false, `nudge ${boundary}`);
-    this.studio.seek(from + by);
+  /** Ask for the labels of the line's notation, once. */
+  async #offerLabels() {
+    this.labelled = true;
+    await this.studio.attempt(async () => this.phonemePanel.offer((await this.studio.api.get("labels")).labels));
   }
 
   restore() {
@@ -396,6 +395,7 @@ export class SentenceView {
       chosen ? { text: chosen[0], emphasis: emphasis[word], from: times[chosen[1]], to: times[chosen[2]] } : null,
       Boolean(sound),
     );
+    this.phonemePanel.show(this.phonemes.chosen);
     this.lanes.show(tracks.filter((one) => this.open.has(keyOf(one))));
   }
 
