@@ -23,6 +23,15 @@ try {
   const times = async () => { const { phonemes } = await line(); return [phonemes[0].start, ...phonemes.map((one) => one.end)]; };
   const moved = (after, before) => after.map((one, n) => Number((one - before[n]).toFixed(3)));
   const chosen = () => page.textContent(".word:not([hidden]) bdi");
+  await page.evaluate(() => {
+    window.pieces = [];
+    const { start } = AudioBufferSourceNode.prototype;
+    AudioBufferSourceNode.prototype.start = function (...times) {
+      window.pieces.push(times.slice(1).map((one) => Number(one.toFixed(3))));
+      start.apply(this, times);
+    };
+  });
+  const pieces = () => page.evaluate(() => window.pieces.splice(0));
   await page.click("#fit");
   const box = await page.locator("#timeline").boundingBox();
   const whole = await times(), start = whole[0], end = whole.at(-1);
@@ -47,6 +56,37 @@ try {
     await page.mouse.up();
   };
   result.start = await labels();
+
+  // a phoneme and a word are heard at a click, and the sound around the playhead in a drag
+  await page.mouse.click(...at(middle(2), 1));
+  result.heard = [await pieces()];
+  await page.mouse.click(...at(middle(0), 0));
+  result.heard.push(await pieces());
+  const [, top] = at(start, -3);
+  await page.mouse.move(at(middle(1), 0)[0], top);
+  await page.mouse.down();
+  for (const n of [2, 3, 4]) {
+    await page.waitForTimeout(60);
+    await page.mouse.move(at(middle(n), 0)[0], top);
+  }
+  await page.mouse.up();
+  result.scrubbed = await pieces();
+  await press("Escape");
+
+  // the sound as a spectrogram, and both
+  const tall = async () => (await page.locator("#timeline").boundingBox()).height;
+  const drawn = () => page.evaluate(() => document.querySelector("#timeline").toDataURL());
+  const usual = [await tall(), await drawn()];
+  await press("w");
+  await page.waitForTimeout(300);
+  result.spectrogram = (await drawn()) !== usual[1];
+  await page.click("button:text-is('Both')");
+  await page.waitForTimeout(300);
+  result.both = [await page.getAttribute("button:text-is('Both')", "aria-pressed"), await drawn() !== usual[1]];
+  await picture("both");
+  await page.click("button:text-is('Wave')");
+  await page.waitForTimeout(300);
+  result.wave = (await drawn()) === usual[1];
 
   // a phoneme is chosen and relabelled by hand: a wrong label is refused, with another
   await page.mouse.click(...at(middle(1), 1));

@@ -30,6 +30,20 @@ def used(tmp_path_factory):
     return used
 
 
+def test_phonemes_words_and_the_playhead_are_heard(used):
+    (phoneme,), (word,) = used["heard"]
+    assert phoneme == [0.2, 0.1]
+    assert word == [0, 0.2]
+    assert len(used["scrubbed"]) >= 2
+    assert {round(length, 2) for _, length in used["scrubbed"]} == {0.09}
+
+
+def test_the_sound_is_seen_as_a_spectrogram(used):
+    assert used["spectrogram"]
+    assert used["both"] == ["true", True]
+    assert used["wave"], "the wave comes back as it was"
+
+
 def test_a_phoneme_is_relabelled_with_a_label_of_the_language(used):
     labels = used["start"]
     assert used["chosen"] == labels[1]

@@ -5,9 +5,14 @@
  */
 
 import { clock, outline, ticks, within } from "./scales.js";
+import { Spectrogram } from "./spectrogram.js";
 import { listen } from "./timeline_hands.js";
 
-const RULER = 24, WAVE = 52, BAND = 22, GAP = 8;
+const RULER = 24, BAND = 22, GAP = 8;
+/** Heights of the wave and of the spectrogram, by what of a sound is seen. */
+const SOUNDS = /** @type {const} */ ({ wave: [52, 0], spectrogram: [0, 84], both: [44, 84] });
+/** Least share of its usual width to which a label is squeezed before it is shortened. */
+const SQUEEZE = 0.75;
 const NARROW = 600;
 /** Pixels per second at which phonemes can be read: with a pointer that shows the rest, and without. */
 const READABLE = 110, NARROW_READABLE = 190;
@@ -21,11 +26,12 @@ const FULL = 65535;
  */
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
- *   Optional:
- * `drag` moves what is grabbed (`done` at the end), `word` and `phoneme` choose one, `open` is a double click.
+ *   Optional: `scrub` seeks in a drag, `drag` moves what is grabbed (`done` at the end), `word` and `phoneme` choose
+ *   one, `open` is a double click.
  * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} |
  *   null) => void,
  *   pick: (row: number) => void, moved: () => void,
+ *   scrub?: (seconds: number) => void,
  *   drag?: (grab: import("./timeline_hands.js").Grab, seconds: number, done: boolean, event: PointerEvent) => void,
  *   word?: (word: number) => void, phoneme?: (phoneme: number) => void,
  *   open?: (seconds: number, row: number, phoneme: number) => void}} Hands
@@ -46,6 +52,10 @@ export class Timeline {
     this.phoneme = -1;
     /** Names of stages that are not drawn. @type {Set<string>} */
     this.hidden = new Set();
+    /** What of the sound is seen. @type {keyof typeof SOUNDS} */
+    this.sounds = "wave";
+    /** @type {Spectrogram | null} */
+    this.spectrogram = null;
     /** @type {[number, number] | null} */
     this.loop = null;
     /** @type {Line | null} */
@@ -140,7 +150,8 @@ export class Timeline {
   }
 
   get top() {
-    return RULER + (this.line.sound ? WAVE : 0) + 3 * BAND + GAP;
+    const [wave, spectrogram] = SOUNDS[this.sounds];
+    return RULER + (this.line.sound ? wave + spectrogram : 0) + 3 * BAND + GAP;
   }
 
   /** Top of the words; phonemes and mouths follow below. */
@@ -175,7 +186,10 @@ export class Timeline {
       [canvas.width, canvas.height] = [wide, high];
       this.setView(this.from, this.to);
     }
-    if (this.stale) this.#drawLayer(wide, high, ratio, height);
+    if (this.stale) {
+      this.stale = false; // drawing may need another frame
+      this.#drawLayer(wide, high, ratio, height);
+    }
     const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, wide, high);
@@ -208,7 +222,6 @@ export class Timeline {
     this.#bands(context);
     this.line.rows.forEach((name, row) => this.#pose(context, name, row));
     this.#chosen(context);
-    this.stale = false;
   }
 
   /** @param {CanvasRenderingContext2D} context @param {() => void} draw within the plot */
@@ -287,19 +300,36 @@ export class Timeline {
 
   /** @param {CanvasRenderingContext2D} context */
   #sound(context) {
-    if (!this.line.sound) return;
+    const [wave, spectrogram] = SOUNDS[this.sounds];
+    if (spectrogram) this.#spectrogram(context, RULER + wave, spectrogram);
+    if (!this.line.sound || !wave) return;
     const { samples, rate, start = 0 } = this.line.sound;
     const columns = Math.round(this.plotWidth);
     const shape = outline(samples, rate, this.from - start, this.to - start, columns);
     this.loudest ||= Math.max(0.05, samples.reduce((top, one) => Math.max(top, Math.abs(one)), 0) / 32768);
     const most = this.loudest;
-    const middle = RULER + WAVE / 2;
+    const middle = RULER + wave / 2;
     context.fillStyle = this.colours.wave;
     shape.forEach(([low, high], column) => {
-      const up = (high / most) * (WAVE / 2 - 3), down = (low / most) * (WAVE / 2 - 3);
+      const up = (high / most) * (wave / 2 - 3), down = (low / most) * (wave / 2 - 3);
       context.fillRect(this.left + column, middle - up, 1, Math.max(1, up - down));
     });
     if (!this.narrow) this.#name(context, "sound", middle);
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {number} top @param {number} tall */
+  #spectrogram(context, top, tall) {
+    const { sound } = this.line, { ink } = this.colours;
+    if (!sound) return;
+    if (this.spectrogram?.sound !== sound || this.spectrogram.colour !== ink)
+      this.spectrogram = new Spectrogram(sound, ink);
+    const { spectrogram } = this;
+    this.#clipped(context, () => {
+      if (spectrogram.draw(context, (seconds) => this.x(seconds), [this.from, this.to], top + 1, tall - 2)) return;
+      this.stale = true; // the rest is drawn in the next frame
+      this.does.moved();
+    });
+    if (!this.narrow) this.#name(context, "0 to 8 kHz", top + tall / 2);
   }
 
   /** @param {CanvasRenderingContext2D} context */
@@ -337,8 +367,8 @@ export class Timeline {
           context.fillRect(low, y, 1, BAND);
           context.fillRect(high, y, 1, BAND);
           context.fillStyle = band === 2 ? this.colours.soft : this.colours.ink;
-          if (context.measureText(text).width < high - low + 1)
-            context.fillText(text, (low + high) / 2, y + BAND / 2 + 1);
+          const room = high - low - 1;
+          context.fillText(shortened(context, text, room), (low + high) / 2, y + BAND / 2 + 1, room);
         }
       });
     });
@@ -528,4 +558,13 @@ export class Timeline {
     const row = Math.floor((y - this.top) / this.rowHeight);
     return row >= 0 && row < this.line.rows.length ? row : -1;
   }
+}
+
+/** @param {CanvasRenderingContext2D} context @param {string} text @param {number} room pixels @returns {string} */
+function shortened(context, text, room) {
+  const signs = [...text];
+  let shown = text;
+  for (let kept = signs.length - 1; kept > 0 && context.measureText(shown).width * SQUEEZE > room; kept--)
+    shown = `${signs.slice(0, kept).join("")}…`;
+  return shown;
 }

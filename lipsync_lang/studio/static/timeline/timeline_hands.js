@@ -78,7 +78,7 @@ export function listen(timeline) {
     }
     dragging ||= grab !== null && Math.abs(x - pressed[0]) > SLACK;
     if (grab && dragging) does.drag?.(grab, timeline.at(x - apart), false, event);
-    else if (down.size === 1 && !grab) does.seek(timeline.at(x));
+    else if (down.size === 1 && !grab) (does.scrub ?? does.seek)(timeline.at(x));
     if (down.size === 2) {
       const still = [...down.values()].find((one) => one.pointerId !== event.pointerId) ?? event;
       const [fixed] = place(still), [old] = place(before);

@@ -9,7 +9,8 @@ tellKeys({
   "[ ]": "Sentence: choose the previous or next boundary; ← → then move it by 5 ms, with Shift 20 ms, with Alt 1 ms",
   "; '": "Sentence: choose the previous or next word; Alt ← → then moves it by 5 ms, with Shift by 20 ms",
   ", .": "Sentence: choose the previous or next phoneme",
-  "r s j i Delete": "Sentence: relabel, split, join, insert or delete a phoneme at the playhead",
+  "r s j i Delete": "Sentence: relabel, split, join, insert or delete the chosen phoneme",
+  "w": "Sentence: show the sound as a wave, a spectrogram or both",
   "e": "Sentence: emphasise the word, or stop emphasising it",
   "↑ ↓": "Sentence: choose a pose, and see its reasons",
   "Enter": "Sentence: open the bigram of the pose at the playhead",
@@ -54,7 +55,8 @@ export function sentenceKey(view, event) {
     "i": () => onPhoneme(view, () => view.phonemePanel.ask(true)),
     "s": () => onPhoneme(view, () => view.phonemes.split()),
     "j": () => onPhoneme(view, () => view.phonemes.join()),
-    "Delete": () => onPhoneme(view, () => view.phonemes.remove()),
+    "Delete": () => view.phonemes.remove(),
+    "w": () => view.picture(),
     "e": () => emphasise(view), "a": () => view.swap(), "n": () => view.nextFinding(),
     "ArrowUp": () => view.pick(timeline.row - 1), "ArrowDown": () => view.pick(timeline.row + 1),
     "Home": () => view.reveal(take.start), "End": () => view.reveal(take.end),
@@ -88,7 +90,7 @@ function choosePhoneme(view, way) {
   const from = view.timeline.phoneme >= 0 ? view.timeline.phoneme + way : take.phonemeAt(view.studio.player.time);
   const phoneme = Math.max(0, Math.min(labels.length - 1, from));
   view.studio.player.pause();
-  view.choose({ phoneme });
+  view.choose({ phoneme }, true);
   view.reveal(times[phoneme]);
 }
 
@@ -108,7 +110,7 @@ function chooseWord(view, way) {
   const at = view.timeline.word >= 0 ? view.timeline.word + way : wordNow(view);
   const next = Math.max(0, Math.min(words.length - 1, at));
   view.studio.player.pause();
-  view.choose({ word: next });
+  view.choose({ word: next }, true);
   view.reveal(times[words[next][1]]);
 }
 

@@ -22,6 +22,9 @@ const ROW = 50, MOST_ROW = 96, BELOW = 14;
 const TIMINGS = ".json,.textgrid,.TextGrid,.csv,.tsv,.txt,.xml,.ctm,.lab,.phn,.eaf,.pho,.bml,.vtt,.par",
   RECORDINGS = "audio/*,.wav,.flac";
 
+/** Pictures of a sound, and their buttons. @type {["wave" | "spectrogram" | "both", string][]} */
+const PICTURES = [["wave", "Wave"], ["spectrogram", "Spectrogram"], ["both", "Both"]];
+
 /** @typedef {import("../timeline/track_lanes.js").Track} Track */
 /** @typedef {import("../timeline/level_points.js").Level} Level */
 
@@ -55,16 +58,19 @@ export class SentenceView {
     this.whole = made("div", { class: "sentence-desk" });
     this.nothing = made("div", { class: "empty" });
     this.swapButton = made("button");
+    /** @type {HTMLElement[]} */
+    this.pictures = [];
     this.original = made("button");
     this.files = new LineFiles(studio, place);
     this.timeline = new Timeline(this.at.canvas, {
       seek: (seconds) => studio.seek(seconds),
+      scrub: (seconds) => studio.scrub(seconds),
       hover: (at) => tell(this.#tip, this.timeline, studio.player.playing ? null : at),
       pick: (row) => this.pick(row),
       moved: () => { this.moved = true; studio.wake(); },
       drag: (grab, seconds, done, event) => this.phonemes.drag(grab, seconds, done, event),
-      word: (word) => this.choose({ word }),
-      phoneme: (phoneme) => phoneme >= 0 && this.choose({ phoneme }),
+      word: (word) => this.choose({ word }, true),
+      phoneme: (phoneme) => phoneme >= 0 && this.choose({ phoneme }, true),
       open: (seconds, row, phoneme) => {
         if (phoneme >= 0) this.phonemePanel.ask();
         else if (row >= 0) this.openBigram(seconds, row);
@@ -118,6 +124,9 @@ export class SentenceView {
       "Restore the phonemes and their times as they were opened or spoken",
       () => this.restore(),
     );
+    const picture = "Picture of the sound (W)";
+    this.pictures = PICTURES.map(([name, text]) => button(text, picture, () => this.picture(name)));
+    this.picture("wave");
     const toggle = (/** @type {"snap" | "ripple"} */ name, /** @type {string} */ text, /** @type {string} */ title) => {
       const one = button(text, title, () => {
         this.phonemes[name] = !this.phonemes[name];
@@ -132,7 +141,9 @@ export class SentenceView {
         button("TextGrid", "Save the timings as a TextGrid, for Praat", () => this.files.save("TextGrid"))),
       made("span", { class: "group", role: "group", "aria-label": "Dragging boundaries" },
         toggle("snap", "Snap", "Boundaries stop at onsets of the sound; Alt turns it round in a drag"),
-        toggle("ripple", "Ripple", "Sounds after a boundary move along, up to a pause; Shift turns it round in a drag")),
+        toggle("ripple", "Ripple", "Sounds after a boundary follow, up to a pause; Shift turns it round in a drag")),
+      made("span", { class: "group", role: "group", "aria-label": "Picture of the sound" },
+        ...this.pictures),
       this.original, this.swapButton, this.at.parts);
     const figures = this.at.figures;
     figures.append(
@@ -309,6 +320,15 @@ export class SentenceView {
     this.studio.wake();
   }
 
+  /** Choose the picture of the sound. @param {"wave" | "spectrogram" | "both"} [name] the next unless given */
+  picture(name) {
+    const { timeline } = this, next = PICTURES.findIndex(([one]) => one === timeline.sounds) + 1;
+    timeline.sounds = name ?? PICTURES[next % PICTURES.length][0];
+    this.pictures.forEach((one, n) => one.setAttribute("aria-pressed", String(PICTURES[n][0] === timeline.sounds)));
+    timeline.stale = this.moved = true;
+    this.studio.wake();
+  }
+
   swap() {
     if (!this.studio.other) return;
     this.swapped = !this.swapped;
@@ -348,8 +368,12 @@ export class SentenceView {
 
   // Phonemes and words
 
-  /** @param {{boundary?: number, word?: number, phoneme?: number}} what is chosen; the rest no longer is */
-  choose({ boundary = -1, word = -1, phoneme = -1 }) {
+  /**
+   * @param {{boundary?: number, word?: number, phoneme?: number}} what is chosen; the rest no longer is
+   * @param {boolean} [heard] once, as well
+   */
+  choose({ boundary = -1, word = -1, phoneme = -1 }, heard = false) {
+    if (heard) this.studio.hear({ word, phoneme });
     [this.timeline.boundary, this.timeline.word, this.timeline.phoneme] = [boundary, word, phoneme];
     this.timeline.stale = true;
     this.#levels();
