@@ -47,7 +47,7 @@ NAME_WORDS = 4
 LEAST_MOVE = 1e-5
 """Seconds by which a moved boundary differs."""
 
-CHANGES = ("styles", "dials", "intensity", "emphasis", "phonemes", "times")
+CHANGES = ("styles", "dials", "bends", "intensity", "emphasis", "phonemes", "times")
 """Fields of a line that a person changes; the others say which line it is."""
 
 OWN = ("path", "project")
@@ -63,6 +63,7 @@ class LineSettings:
     styles: dict[str, Any] = field(default_factory=dict)
     dials: dict[str, Any] = field(default_factory=dict)
     intensity: float | None = None
+    bends: dict[str, list[list[float]]] = field(default_factory=dict)
 
 
 class Workshop:
@@ -375,8 +376,12 @@ class Workshop:
             for kind in ("styles", "dials")
         )
         known = self.name if self.name in compiled.line_edits else None
+        bends = {
+            pose: [[round(second(pose, at, whole), 5), amount] for at, amount in keys]
+            for pose, keys in stated.get("bends", {}).items()
+        }
         self.settings = LineSettings(
-            self.settings.fps, known, styles, dials, stated.get("intensity")
+            self.settings.fps, known, styles, dials, stated.get("intensity"), bends
         )
 
     def keep(self, title: str, tab: str = "", merge: str = "") -> None:
@@ -386,7 +391,11 @@ class Workshop:
         compiled = self.performer.compiled
         before = self._stated.get(self.name)
         now = self._statement(compiled.language)
-        old = {key: _brief(value) for key, value in (before or {}).items() if value}
+        old = {
+            key: value if key == "bends" else _brief(value)
+            for key, value in (before or {}).items()
+            if value
+        }
         if all(old.get(key, ABSENT) == now[key] for key in CHANGES):
             return
         path, text = self.editable("character")
@@ -432,6 +441,10 @@ class Workshop:
             "text": self.text if self.script_line is None else None,
             "styles": _brief(levels[0]),
             "dials": _brief(levels[1]),
+            "bends": {
+                pose: [[in_words(at, whole), amount] for at, amount in keys]
+                for pose, keys in settings.bends.items()
+            },
             "intensity": settings.intensity,
             "emphasis": emphasis,
             "phonemes": [[first, list(was), list(now)] for first, was, now in line.changes],
@@ -472,7 +485,7 @@ class Workshop:
         loud = None if schedule.audio is None else settings.intensity
         return (performer or self.performer).perform(
             schedule, settings.fps, line=settings.line, styles=settings.styles or None,
-            dials=settings.dials or None, intensity=loud,
+            dials=settings.dials or None, intensity=loud, bends=settings.bends or None,
         )  # fmt: skip
 
     def state(self) -> Json:

@@ -74,19 +74,22 @@ try {
   await press("Escape");
 
   // the sound as a spectrogram, and both
-  const tall = async () => (await page.locator("#timeline").boundingBox()).height;
   const drawn = () => page.evaluate(() => document.querySelector("#timeline").toDataURL());
-  const usual = [await tall(), await drawn()];
+  let usual = "";
+  for (let now = await drawn(); now !== usual; now = await drawn()) { // the check draws its findings
+    usual = now;
+    await page.waitForTimeout(900);
+  }
   await press("w");
   await page.waitForTimeout(300);
-  result.spectrogram = (await drawn()) !== usual[1];
+  result.spectrogram = (await drawn()) !== usual;
   await page.click("button:text-is('Both')");
   await page.waitForTimeout(300);
-  result.both = [await page.getAttribute("button:text-is('Both')", "aria-pressed"), await drawn() !== usual[1]];
+  result.both = [await page.getAttribute("button:text-is('Both')", "aria-pressed"), (await drawn()) !== usual];
   await picture("both");
   await page.click("button:text-is('Wave')");
   await page.waitForTimeout(300);
-  result.wave = (await drawn()) === usual[1];
+  result.wave = (await drawn()) === usual;
 
   // a phoneme is chosen and relabelled by hand: a wrong label is refused, with another
   await page.mouse.click(...at(middle(1), 1));
@@ -153,6 +156,31 @@ try {
   await page.click("text=Original times");
   await undoes("Undo: Restore");
   result.original = moved(await times(), whole).every((one) => one === 0);
+  // a pose is bent at the playhead by keys, and by a drag with Ctrl
+  const bends = () => page.evaluate(async () => (await (await fetch("api/state")).json()).settings.bends);
+  const rows = await page.$$eval("#poses > li > button > span:first-child", (all) => all.map((one) => one.textContent));
+  await page.mouse.click(...at(middle(1), 0));
+  await page.mouse.click(at(middle(1), 0)[0], at(start, 3)[1] + 20);
+  result.bent = rows[0];
+  await press("k", "Shift+ArrowDown", "Shift+ArrowDown");
+  await page.waitForFunction(async (pose) => ((await (await fetch("api/state")).json()).settings.bends[pose]?.[0]?.[1] ?? 0) < -0.05, rows[0]);
+  result.lowered = (await bends())[rows[0]];
+  await page.waitForTimeout(600);
+  result.reasons = await page.$$eval("#poses ol li", (all) => all.map((one) => one.textContent));
+  await picture("bent");
+  await press("Delete");
+  await page.waitForFunction(async () => !Object.keys((await (await fetch("api/state")).json()).settings.bends).length);
+  const [x, y] = [at(middle(1), 0)[0], at(start, 3)[1] + 20];
+  await page.keyboard.down("Control");
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (const by of [5, 10, 14]) await page.mouse.move(x, y - by);
+  await page.mouse.up();
+  await page.keyboard.up("Control");
+  await undoes("Undo: Bend");
+  result.dragged = (await bends())[rows[0]];
+  await press("Control+z");
+  await page.waitForFunction(async () => !Object.keys((await (await fetch("api/state")).json()).settings.bends).length);
   result.span = [start, end];
   console.log(JSON.stringify(result));
 } finally {

@@ -68,3 +68,11 @@ def test_a_boundary_rolls_ripples_and_a_word_moves(used):
     assert len(set(by)) == 1
     assert [one < 0 for one in carried].count(True) > 2
     assert used["original"]
+
+
+def test_a_pose_is_bent_on_its_curve(used):
+    ((_, amount),) = used["lowered"]
+    assert amount < -0.05
+    assert any("bent" in reason for reason in used["reasons"])
+    ((_, amount),) = used["dragged"]
+    assert 0 < amount <= 1

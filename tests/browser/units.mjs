@@ -11,6 +11,7 @@ const { turned } = await load("face/gl_face");
 const { mouthOf } = await load("face/drawn_mouth");
 const { wave } = await load("line/player");
 const { onsets, snappedTo } = await load("timeline/onsets");
+const { withKey, withMoved } = await load("timeline/bend_points");
 const { transform } = await load("timeline/spectrogram");
 const { sphere } = await load("face/ambient");
 const { Take } = await load("line/take");
@@ -64,6 +65,14 @@ const units = {
     assert.equal(snappedTo(0.4, found, 0.03), 0.4);
     assert.equal(snappedTo(0.4, [], 1), 0.4);
     assert.deepEqual(onsets(new Int16Array(0), rate), []);
+  },
+  "a key bends its surroundings alone"() {
+    assert.deepEqual(withKey([], 1, 0.5), [[[1, 0.5]], 0]);
+    assert.deepEqual(withKey([[1, 0.5]], 1.005, -0.2), [[[1, -0.2]], 0]);
+    assert.deepEqual(withKey([[1, 0.5]], 1.1, 0.2), [[[1, 0.5], [1.1, 0.2]], 1]);
+    assert.deepEqual(withKey([[1, 0.5]], 2, 0.2), [[[1, 0.5], [1.12, 0], [1.88, 0], [2, 0.2]], 3]);
+    assert.deepEqual(withKey([[2, 0.2]], 1, 0.5), [[[1, 0.5], [1.12, 0], [1.88, 0], [2, 0.2]], 0]);
+    assert.deepEqual(withMoved([[1, 0], [2, 0]], 0, 3, -4), [[2, -1], [2, 0]]);
   },
   "a transform finds the frequency of a tone"() {
     const real = Float32Array.from({ length: 64 }, (_, n) => Math.cos((2 * Math.PI * 5 * n) / 64)), imaginary = new Float32Array(64);

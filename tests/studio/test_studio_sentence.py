@@ -147,7 +147,14 @@ def test_another_line_has_nothing_of_the_line_before(caller, workshop):
     line = json.dumps({"notation": "arpabet", "phonemes": [{"label": "M", "start": 0, "end": 1}]})
     found = caller.post("timings", line.encode(), {"name": "m.json"})
     told = unpacked(found)[0]["settings"]
-    assert told == {"fps": 30, "line": None, "dials": {}, "styles": {}, "intensity": None}
+    assert told == {
+        "fps": 30,
+        "line": None,
+        "dials": {},
+        "styles": {},
+        "intensity": None,
+        "bends": {},
+    }
     workshop.take_up(replace(LINE, audio=sound), "ma be")
     jaw = workshop.settings.dials.pop("jaw")
     assert np.array(jaw) == pytest.approx(np.array(levels["jaw"]), abs=1e-4)
@@ -375,3 +382,23 @@ def test_changed_phonemes_are_saved_and_run(tmp_path):
     ran = performer.perform(other, 60, line="hello-bob")
     assert ran.schedule.labels == other.labels
     assert "changed in another text" in ran.schedule.remarks[0]
+
+
+def test_a_pose_of_the_line_is_bent_undone_and_kept(caller, workshop):
+    bends = {"smile": [[0.2, 0.4], [0.25, 0]]}
+    found = unpacked(caller.post("take", {"settings": {"bends": bends}, "title": "Bend smile"}))[0]
+    assert found["state"]["undo"] == "Bend smile (ma-be)"
+    making = found["takes"][0]["making"]
+    assert "bend" in [stage["name"] for stage in making["stages"]]
+    path = next(iter(workshop.desk.contents))
+    assert "[[0.6667, 0.4], [0.8333, 0]]" in workshop.desk.contents[path].decode()
+    workshop.take_up(LINE, "ma be")
+    assert np.array(workshop.settings.bends["smile"]) == pytest.approx(
+        np.array(bends["smile"]), abs=1e-4
+    )
+    steps = workshop.desk.revision
+    caller.post("take", {"settings": {"bends": workshop.settings.bends}})
+    assert workshop.desk.revision == steps, "the same keys are no step"
+    caller.post("undo")
+    assert workshop.settings.bends == {}
+    assert caller.post("take", {"settings": {"bends": {"smile": [[0, 3]]}}}).status == 422

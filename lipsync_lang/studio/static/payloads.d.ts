@@ -201,6 +201,8 @@ export interface Settings {
   line?: string | null;
   styles?: Record<string, Level>;
   dials?: Record<string, Level>;
+  /** Keys of poses: seconds and the amount that is added. */
+  bends?: Record<string, [number, number][]>;
   intensity?: number | null;
 }
 

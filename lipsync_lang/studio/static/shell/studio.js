@@ -323,7 +323,7 @@ export class Studio {
   /** Take a new state of the server over. @param {import("../payloads.js").State} state */
   stated(state) {
     this.state = state;
-    this.settings = state.settings;
+    if (!this.wishes.has("take")) this.settings = state.settings; // else they are newer here
     this.edits.show();
     this.notify("state");
   }

@@ -27,12 +27,15 @@ const FULL = 65535;
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
  *   Optional: `scrub` seeks in a drag, `drag` moves what is grabbed (`done` at the end), `word` and `phoneme` choose
- *   one, `open` is a double click.
+ *   one, `open` is a double click, `keys` are drawn on a pose, `press` takes one, and `pull` drags it.
  * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} |
  *   null) => void,
  *   pick: (row: number) => void, moved: () => void,
  *   scrub?: (seconds: number) => void,
  *   drag?: (grab: import("./timeline_hands.js").Grab, seconds: number, done: boolean, event: PointerEvent) => void,
+ *   press?: (x: number, y: number, event: PointerEvent) => boolean,
+ *   pull?: (x: number, y: number, done: boolean) => void,
+ *   keys?: (pose: string) => {shown: [number, number][], chosen?: number | null},
  *   word?: (word: number) => void, phoneme?: (phoneme: number) => void,
  *   open?: (seconds: number, row: number, phoneme: number) => void}} Hands
  */
@@ -171,6 +174,23 @@ export class Timeline {
   /** @param {number} x @returns {number} seconds */
   at(x) {
     return this.from + ((x - this.left) / this.plotWidth) * (this.to - this.from);
+  }
+
+  /** @param {number} row @returns {[number, number]} the bottom of a pose and its height, in pixels */
+  #place(row) {
+    return [this.top + (row + 1) * this.rowHeight - 6, this.rowHeight - (this.narrow ? 18 : 10)];
+  }
+
+  /** @param {number} row @param {number} weight @returns {number} */
+  y(row, weight) {
+    const [bottom, tall] = this.#place(row);
+    return bottom - weight * tall;
+  }
+
+  /** @param {number} row @param {number} y @returns {number} weight */
+  weightAt(row, y) {
+    const [bottom, tall] = this.#place(row);
+    return (bottom - y) / tall;
   }
 
   /** @param {number} seconds of the playhead */
@@ -399,7 +419,7 @@ export class Timeline {
   /** @param {CanvasRenderingContext2D} context @param {string} name @param {number} row */
   #pose(context, name, row) {
     const { take, other } = this.line;
-    const bottom = this.top + (row + 1) * this.rowHeight - 6, tall = this.rowHeight - (this.narrow ? 18 : 10);
+    const [bottom, tall] = this.#place(row);
     if (row === this.row) {
       context.fillStyle = this.colours.accent;
       context.globalAlpha = 0.08;
@@ -418,8 +438,23 @@ export class Timeline {
       if (other && same) {
         this.#curve(context, { ...place(same.curve.values), take: other }, this.colours.other, 1.8, [5, 3]);
       }
+      this.#keys(context, name, row);
     });
     if (this.narrow) this.#above(context, name, bottom - tall - 5);
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {string} name @param {number} row */
+  #keys(context, name, row) {
+    const { shown, chosen = null } = this.does.keys?.(name) ?? { shown: [] };
+    context.lineWidth = 2;
+    shown.forEach(([at, weight], n) => {
+      context.beginPath();
+      context.arc(this.x(at), this.y(row, weight), 4.5, 0, 7);
+      context.fillStyle = n === chosen ? this.colours.accent : this.colours.paper;
+      context.strokeStyle = this.colours.accent;
+      context.fill();
+      context.stroke();
+    });
   }
 
   /** @param {CanvasRenderingContext2D} context @param {number} rank @param {number} bottom @param {number} tall */

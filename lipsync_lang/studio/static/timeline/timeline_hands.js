@@ -26,7 +26,7 @@ export function listen(timeline) {
   let pressed = [];
   /** What is taken, the distance of the pointer from it, and whether it is dragged yet. @type {Grab | null} */
   let grab = null;
-  let apart = 0, dragging = false;
+  let apart = 0, dragging = false, pulling = false;
   /** @type {Map<number, PointerEvent>} */
   const down = new Map();
   const place = (/** @type {MouseEvent} */ event) => {
@@ -51,6 +51,8 @@ export function listen(timeline) {
     const [x, y] = place(event);
     pressed = [x, y];
     does.hover(null);
+    pulling = down.size === 1 && Boolean(does.press?.(x, y, event));
+    if (pulling) return;
     grab = down.size === 1 ? taken(event) : null;
     if (grab) apart = x - timeline.x(timeline.line.take.data.spoken.times[grab.boundary]);
     dragging = grab !== null && grab.word < 0;
@@ -76,6 +78,10 @@ export function listen(timeline) {
         does.hover({ seconds: timeline.at(x), row: timeline.rowAt(y), x: event.clientX, y: event.clientY });
       return;
     }
+    if (pulling) {
+      if (Math.hypot(x - pressed[0], y - pressed[1]) > SLACK) does.pull?.(x, y, false);
+      return;
+    }
     dragging ||= grab !== null && Math.abs(x - pressed[0]) > SLACK;
     if (grab && dragging) does.drag?.(grab, timeline.at(x - apart), false, event);
     else if (down.size === 1 && !grab) (does.scrub ?? does.seek)(timeline.at(x));
@@ -92,6 +98,11 @@ export function listen(timeline) {
       const { pointerId, pointerType, clientX, clientY } = /** @type {PointerEvent} */ (event);
       down.delete(pointerId);
       const [x, y] = place(/** @type {PointerEvent} */ (event)), [a, b] = pressed;
+      if (pulling) {
+        pulling = false;
+        does.pull?.(x, y, true);
+        return;
+      }
       const held = dragging ? grab : null;
       grab = null;
       dragging = false;

@@ -1,5 +1,6 @@
 /** The sentence view: a line on its timeline, corrected and delivered by hand; each value tells why. */
 
+import { BendHands } from "./bend_hands.js";
 import { DeliveryPanel } from "./delivery_panel.js";
 import { made } from "../shell/elements.js";
 import { withWord } from "../timeline/level_points.js";
@@ -71,11 +72,18 @@ export class SentenceView {
       drag: (grab, seconds, done, event) => this.phonemes.drag(grab, seconds, done, event),
       word: (word) => this.choose({ word }, true),
       phoneme: (phoneme) => phoneme >= 0 && this.choose({ phoneme }, true),
+      press: (x, y, event) => this.bends.press(x, y, event),
+      pull: (x, y, done) => this.bends.drag(x, y, done),
+      keys: (pose) => {
+        const { chosen } = this.bends;
+        return { shown: this.bends.shown(pose), chosen: chosen?.pose === pose ? chosen.which : null };
+      },
       open: (seconds, row, phoneme) => {
         if (phoneme >= 0) this.phonemePanel.ask();
         else if (row >= 0) this.openBigram(seconds, row);
       },
     });
+    this.bends = new BendHands(this);
     this.phonemes = new PhonemeHands(this);
     this.phonemePanel = new PhonemePanel(this.at.phoneme, this.phonemes);
     this.overview = new Overview(this.at.overview, this.timeline);
@@ -87,7 +95,7 @@ export class SentenceView {
       set: (track, level, done) => this.setLevel(track, level, done),
       setWord: (track, value, done) => this.#setWord(track, value, done),
       emphasise: (level, done) => this.emphasise(level, done),
-      state: (name, value, done) => this.#set({ ...studio.settings, [name]: value }, `${name} ${value}`, done),
+      state: (name, value, done) => this.set({ ...studio.settings, [name]: value }, `${name} ${value}`, done),
       open: (track) => this.#openTrack(track),
     });
     /** Keys of the tracks that are shown as lanes. @type {Set<string>} */
@@ -127,21 +135,29 @@ export class SentenceView {
     const picture = "Picture of the sound (W)";
     this.pictures = PICTURES.map(([name, text]) => button(text, picture, () => this.picture(name)));
     this.picture("wave");
-    const toggle = (/** @type {"snap" | "ripple"} */ name, /** @type {string} */ text, /** @type {string} */ title) => {
-      const one = button(text, title, () => {
-        this.phonemes[name] = !this.phonemes[name];
-        one.setAttribute("aria-pressed", String(this.phonemes[name]));
-      });
-      one.setAttribute("aria-pressed", String(this.phonemes[name]));
+    /**
+     * A button that turns a hand on and off.
+     * @param {string} text @param {string} title @param {() => boolean} turned that turns it, and tells its state
+     * @param {boolean} on
+     */
+    const toggle = (text, title, turned, on) => {
+      const one = button(text, title, () => one.setAttribute("aria-pressed", String(turned())));
+      one.setAttribute("aria-pressed", String(on));
       return one;
     };
+    const { phonemes, bends } = this;
+    const snap = toggle("Snap", "Boundaries stop at onsets of the sound; Alt turns it round in a drag",
+      () => (phonemes.snap = !phonemes.snap), true);
+    const ripple = toggle("Ripple", "Sounds after a boundary follow, up to a pause; Shift turns it round in a drag",
+      () => (phonemes.ripple = !phonemes.ripple), false);
+    const bend = toggle("Bend", "Drag a curve to bend it on this line; Ctrl does it without this button",
+      () => (bends.on = !bends.on), false);
     const tools = made("div", { class: "row tools" }, ...open(),
       made("span", { class: "group", role: "group", "aria-label": "Save the timings" },
         button("Save timings", "As JSON, with emphasis and stress", () => this.files.save("json")),
         button("TextGrid", "Save the timings as a TextGrid, for Praat", () => this.files.save("TextGrid"))),
       made("span", { class: "group", role: "group", "aria-label": "Dragging boundaries" },
-        toggle("snap", "Snap", "Boundaries stop at onsets of the sound; Alt turns it round in a drag"),
-        toggle("ripple", "Ripple", "Sounds after a boundary follow, up to a pause; Shift turns it round in a drag")),
+        snap, ripple), bend,
       made("span", { class: "group", role: "group", "aria-label": "Picture of the sound" },
         ...this.pictures),
       this.original, this.swapButton, this.at.parts);
@@ -258,6 +274,7 @@ export class SentenceView {
     this.overview.shape = [];
     this.timeline.boundary = this.timeline.word = this.timeline.phoneme = -1;
     this.phonemes.dragging = false;
+    this.bends.chosen = null;
     this.labelled = false;
     this.open = new Set(this.tracks().filter((one) => typeof one.level !== "number").map(keyOf));
   }
@@ -374,6 +391,7 @@ export class SentenceView {
    */
   choose({ boundary = -1, word = -1, phoneme = -1 }, heard = false) {
     if (heard) this.studio.hear({ word, phoneme });
+    this.bends.chosen = null;
     [this.timeline.boundary, this.timeline.word, this.timeline.phoneme] = [boundary, word, phoneme];
     this.timeline.stale = true;
     this.#levels();
@@ -438,7 +456,7 @@ export class SentenceView {
     else if (typeof level !== "number") this.open.add(keyOf(track));
     if (level === undefined || level === track.usual) delete levels[track.name];
     else levels[track.name] = level;
-    this.#set({ ...settings, [track.kind]: levels }, track.name, done);
+    this.set({ ...settings, [track.kind]: levels }, track.name, done);
   }
 
   /** @param {Track} track @param {number} value @param {boolean} done */
@@ -456,7 +474,7 @@ export class SentenceView {
    * @param {string} title of the step in undo
    * @param {boolean} done
    */
-  #set(settings, title, done) {
+  set(settings, title, done) {
     if (!done && JSON.stringify(settings) === JSON.stringify(this.studio.settings)) return;
     this.studio.settings = settings;
     this.#levels();
