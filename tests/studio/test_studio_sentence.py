@@ -402,3 +402,10 @@ def test_a_pose_of_the_line_is_bent_undone_and_kept(caller, workshop):
     caller.post("undo")
     assert workshop.settings.bends == {}
     assert caller.post("take", {"settings": {"bends": {"smile": [[0, 3]]}}}).status == 422
+
+
+def test_doubtful_words_are_marked_where_they_are(caller, workshop):
+    sure, doubtful = LINE.words
+    words = (replace(sure, confidence=0.9), replace(doubtful, confidence=0.312))
+    workshop.take_up(replace(LINE, words=words), "ma be")
+    assert spoken(caller.api("line"))["doubts"] == {"1": 0.31}

@@ -28,6 +28,8 @@ export interface Spoken {
   labels: string[];
   words: Word[];
   emphasis: number[];
+  /** Confidence of the words that the aligner doubts, by their number. */
+  doubts: Record<number, number>;
 }
 
 export interface Figure {

@@ -532,8 +532,12 @@ export class Timeline {
 
   /** @param {CanvasRenderingContext2D} context */
   #chosen(context) {
-    const { times, words, emphasis } = this.line.take.data.spoken;
+    const { times, words, emphasis, doubts } = this.line.take.data.spoken;
     this.#clipped(context, () => {
+      context.strokeStyle = this.colours.fail;
+      context.lineWidth = 1.5;
+      for (const [, first, stop] of words.filter((_, n) => n in doubts))
+        wavy(context, this.x(times[first]) + 2, this.x(times[stop]) - 2, this.bandTop + BAND - 3);
       context.strokeStyle = context.fillStyle = this.colours.accent;
       context.lineWidth = 2;
       words.forEach((/** @type {[string, number, number]} */ [, first, stop], /** @type {number} */ n) => {
@@ -602,4 +606,15 @@ function shortened(context, text, room) {
   for (let kept = signs.length - 1; kept > 0 && context.measureText(shown).width * SQUEEZE > room; kept--)
     shown = `${signs.slice(0, kept).join("")}…`;
   return shown;
+}
+
+/**
+ * Underline what is in doubt.
+ * @param {CanvasRenderingContext2D} context @param {number} x @param {number} to @param {number} y
+ */
+function wavy(context, x, to, y) {
+  context.beginPath();
+  context.moveTo(x, y);
+  for (let n = 1; x + 2 * n <= to; n++) context.lineTo(x + 2 * n, y + (n % 2 ? -2 : 1));
+  context.stroke();
 }

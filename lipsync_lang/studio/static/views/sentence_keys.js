@@ -16,6 +16,7 @@ tellKeys({
   "k": "Sentence: bend the pose at the playhead by a key; Shift ↑ ↓ then raises or lowers it, Delete removes it",
   "Enter": "Sentence: open the bigram of the pose at the playhead",
   "a": "Sentence: switch between A and B",
+  "d": "Sentence: go to the next word that the aligner doubts",
   "n": "Sentence: go to the next finding of the check",
   "Esc": "Sentence: clear the choice",
 });
@@ -57,6 +58,7 @@ export function sentenceKey(view, event) {
     "s": () => onPhoneme(view, () => view.phonemes.split()),
     "j": () => onPhoneme(view, () => view.phonemes.join()),
     "Delete": () => view.bends.remove() || view.phonemes.remove(),
+    "d": () => nextDoubt(view),
     "k": () => view.bends.addHere(),
     "w": () => view.picture(),
     "e": () => emphasise(view), "a": () => view.swap(), "n": () => view.nextFinding(),
@@ -115,6 +117,18 @@ function chooseWord(view, way) {
   view.studio.player.pause();
   view.choose({ word: next }, true);
   view.reveal(times[words[next][1]]);
+}
+
+/** @param {import("./sentence_view.js").SentenceView} view */
+function nextDoubt(view) {
+  const take = /** @type {import("../line/take.js").Take} */ (view.studio.take);
+  const { times, words, doubts } = take.data.spoken;
+  const every = Object.keys(doubts).map(Number), word = every.find((one) => one > view.timeline.word) ?? every[0];
+  if (word === undefined) view.studio.tell("The aligner doubts no word of this line");
+  else {
+    view.choose({ word }, true);
+    view.reveal(times[words[word][1]]);
+  }
 }
 
 /** @param {import("./sentence_view.js").SentenceView} view @returns {number} the word at the playhead, or the next */
