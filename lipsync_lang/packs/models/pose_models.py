@@ -439,14 +439,14 @@ class Delivery(Strict):
     """Scale for single gestures, where gestures are on: 0 leaves one out."""
 
 
-Keys = Annotated[
+BendKeys = Annotated[
     tuple[tuple[NotNegative, Annotated[float, Field(ge=-1, le=1)]], ...],
     Field(min_length=1),
     AfterValidator(_forwards),
 ]
 """Amounts at points: (word, amount). Words count from 0; 2.5 is the middle of the third word."""
 
-Labels = Annotated[tuple[Label, ...], Field(min_length=1)]
+SomeLabels = Annotated[tuple[Label, ...], Field(min_length=1)]
 """Labels of phonemes in the notation of a line."""
 
 
@@ -459,12 +459,12 @@ class LineEdits(Delivery):
     """The text, for a line that is in no script."""
     intensity: LevelNumber | None = None
     """The effect of loudness: 0 none, 1 as the pose set says, 2 double."""
-    bends: dict[PoseName, Keys] = Field(default={})
+    bends: dict[PoseName, BendKeys] = Field(default={})
     """Keys that are added to poses: [word, amount] from -1 to 1, faded before the first key and
     after the last."""
     emphasis: tuple[tuple[Annotated[int, Field(ge=0)], LevelNumber], ...] = ()
     """Emphasis of words: [word, level], from word 0."""
-    phonemes: tuple[tuple[Annotated[int, Field(ge=0)], Labels, Labels], ...] = ()
+    phonemes: tuple[tuple[Annotated[int, Field(ge=0)], SomeLabels, SomeLabels], ...] = ()
     """Changed phonemes: [first, labels before, labels now], from phoneme 0, pauses included."""
     times: tuple[tuple[Annotated[int, Field(ge=0)], float, float], ...] = ()
     """Moved boundaries: [number, seconds before, seconds now]; boundary 0 is the line's start, and
