@@ -41,7 +41,7 @@ def test_phonemes_words_and_the_playhead_are_heard(used):
 def test_the_sound_is_seen_as_a_spectrogram(used):
     assert used["spectrogram"]
     assert used["both"] == ["true", True]
-    assert used["wave"], "the wave comes back as it was"
+    assert used["wave"] == "true", "the wave comes back, as high as before"
 
 
 def test_a_phoneme_is_relabelled_with_a_label_of_the_language(used):
