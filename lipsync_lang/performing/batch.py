@@ -12,7 +12,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.performing.delivery import delivery
+from lipsync_lang.performing.delivery import bends_of, delivery
 from lipsync_lang.performing.edits import corrected, overlays
 from lipsync_lang.performing.loudness import loudness_dial
 from lipsync_lang.performing.performed_line import PerformedLine
@@ -25,6 +25,7 @@ from lipsync_lang.pipeline.track import lay_track
 if TYPE_CHECKING:
     from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.pipeline.bend import Bend
     from lipsync_lang.pipeline.kernel_plan import KernelCopy
     from lipsync_lang.pipeline.levels import Blend, Dial
     from lipsync_lang.pipeline.motion import Motion
@@ -37,12 +38,13 @@ OwnSettings = Mapping[str, Any]
 
 
 class LineDelivery(NamedTuple):
-    """Delivery of a schedule: its styles, dials and curve edits."""
+    """Delivery of a schedule: its styles, dials, curve edits and keys."""
 
     tables: "Tables"
     blends: "tuple[Blend, ...]"
     dials: "tuple[Dial, ...]"
     overlays: "tuple[Overlay, ...]"
+    bends: "tuple[Bend, ...]"
 
     @classmethod
     def of(
@@ -66,14 +68,17 @@ class LineDelivery(NamedTuple):
             # a label is silent only if none of its sounds is anything else
             silent[sounds.source[sounds.ids != compiled.tables.silence]] = False
             own = overlays(compiled, schedule, silent.tolist(), line)
-        return cls(performer.tables(blends), blends, dials, own)
+        bends = bends_of(compiled, schedule, line, asked["bends"])
+        return cls(performer.tables(blends), blends, dials, own, bends)
 
     def performance(self, motion: "Motion", sounds: "LabelSounds", fps: float) -> Performance:
         """Lay the track, and prepare its performance."""
-        tables, blends, dials, laid = self
+        tables, blends, dials, laid, bends = self
         ids, times, source, _ = sounds
         track = lay_track(ids, times, source, tables, motion, blends)
-        return perform(tables, track, motion, fps, overlays=laid, blends=blends, dials=dials)
+        return perform(
+            tables, track, motion, fps, overlays=laid, blends=blends, dials=dials, bends=bends
+        )
 
 
 def _effort(
@@ -121,7 +126,7 @@ def animate(
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
-        if kept is not None and not (said.blends or said.overlays):
+        if kept is not None and not (said.blends or said.overlays or said.bends):
             times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
         else:
             made = said.performance(performer.motion, sounds, fps)

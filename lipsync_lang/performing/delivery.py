@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
+from lipsync_lang.pipeline.bend import Bend
 from lipsync_lang.pipeline.levels import Blend, Dial, Level
 
 if TYPE_CHECKING:
@@ -111,6 +112,39 @@ def timed(what: str, name: str, level: "float | Points") -> Level:
             f"{what} {name}: its points are not in order of time; sort them by their seconds"
         )
     return Level(np.array(times), np.array([value for _, value in points], np.float64))
+
+
+def bends_of(
+    compiled: "CompiledPair",
+    schedule: "Schedule",
+    line: str | None,
+    asked: Mapping[str, Points] | None,
+) -> tuple[Bend, ...]:
+    """Return the bends of a line: its own keys by pose, overridden by those of the call.
+
+    Raises
+    ------
+    LipsyncError
+        A pose is unknown, an amount is out of range, or the line has fewer words.
+    """
+    stated = compiled.line_deliveries.get(line or "", {}).get("bends", {})
+    found = {
+        pose: [(second(f"the bend of {pose}", at, schedule), amount) for at, amount in points]
+        for pose, points in stated.items()
+    }
+    bends = []
+    for pose, keys in {**found, **(asked or {})}.items():
+        if pose not in compiled.poses:
+            raise LipsyncError(f"unknown pose '{pose}'; {did_you_mean(pose, compiled.poses)}")
+        points = np.array(keys, np.float64)
+        sound = points.ndim == 2 and points.shape[1] == 2 and np.isfinite(points).all()  # noqa: PLR2004 rows of two
+        if not sound or np.abs(points[:, 1]).max() > 1 or (np.diff(points[:, 0]) < 0).any():
+            raise LipsyncError(
+                f"the bend of {pose} must be pairs of a time in seconds and an amount from -1 to "
+                "1, in order of time"
+            )
+        bends.append(Bend(compiled.poses.index(pose), points[:, 0], points[:, 1]))
+    return tuple(bends)
 
 
 def in_words(seconds: float, schedule: "Schedule") -> float:

@@ -1,4 +1,4 @@
-"""Edits of words and lines: times, emphasis, and curves, addressed by word and phoneme.
+"""Edits of words and lines: phonemes, times, emphasis, and curves, by word and phoneme.
 
 The addresses of curves do not depend on time, so edits apply to any recording: word 2 is the third
 word, and its phoneme 0 is its first sound. Pauses are not counted.
@@ -14,6 +14,7 @@ from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.tables import RESOLUTION
+from lipsync_lang.schedules.phoneme_changes import misfit, with_changes
 
 if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import CompiledPair
@@ -29,9 +30,10 @@ EditedCurves = Mapping[str, Sequence[Sequence[float]]]
 def corrected(
     stated: Mapping[str, Any], compiled: "CompiledPair", schedule: "Schedule", line: str | None
 ) -> "Schedule":
-    """Return a schedule with the times and the emphasis that the character states for a line.
+    """Return a schedule with the phonemes, times and emphasis that the character states for a line.
 
-    If the voice or the recording has changed since, times are not used, and a remark says so.
+    If the text, the voice or the recording has changed since, phonemes or times are not used, and
+    a remark says so.
     """
     if stated.get("language", compiled.language) != compiled.language:
         return schedule
@@ -42,6 +44,16 @@ def corrected(
             for number, word in enumerate(schedule.words)
         )
         schedule = replace(schedule, words=words)
+    changes = stated.get("phonemes", ())
+    other = misfit(schedule, changes)
+    if other:
+        remark = (
+            f"the phonemes of line '{line}' in {compiled.character} were changed in another text "
+            f"or voice ({other}), and are not used; change them again, or delete its `phonemes`"
+        )
+        return replace(schedule, remarks=(*schedule.remarks, remark))
+    if changes:
+        schedule = with_changes(schedule, changes)
     if not stated.get("times"):
         return schedule
     times = schedule.times.copy()

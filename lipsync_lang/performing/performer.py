@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.gestures.laying import GestureSet
     from lipsync_lang.listening.listener import Listener
-    from lipsync_lang.performing.delivery import DialLevels
+    from lipsync_lang.performing.delivery import DialLevels, Points
     from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.stream import Late, Stream
     from lipsync_lang.phonology.nearest import Nearest
@@ -138,6 +138,7 @@ class Performer:
         dials: "DialLevels | None" = None,
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
+        bends: "Mapping[str, Points] | None" = None,
     ) -> Animation:
         """Animate a schedule.
 
@@ -155,6 +156,9 @@ class Performer:
         gestures : blinks, raised brows and nods of the pose set: ``all``, a text such as
             ``blink,accent:0.5``, or factors by name; each of their poses is a further column.
             None for no gestures
+        bends : keys that are added to poses, such as ``{"jaw": [(0.4, 0.2)]}``: seconds and an
+            amount from -1 to 1. It runs smoothly from key to key, and fades within 0.12 s at the
+            ends. Constraints and limits hold
 
         Raises
         ------
@@ -173,7 +177,7 @@ class Performer:
         """
         return self.perform_many(
             [schedule], fps, lines=[line], styles=styles, dials=dials, intensity=intensity,
-            gestures=gestures,
+            gestures=gestures, bends=bends,
         )[0]  # fmt: skip
 
     def perform_many(  # noqa: PLR0913 as `perform`
@@ -186,6 +190,7 @@ class Performer:
         dials: "DialLevels | None" = None,
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
+        bends: "Mapping[str, Points] | None" = None,
     ) -> list[Animation]:
         """Animate many schedules; each animation equals that of `perform` bit by bit.
 
@@ -195,7 +200,7 @@ class Performer:
         ----------
         schedules : timed phonemes of each line
         lines : name of the line of each schedule, for its edits and settings; None for no line
-        fps, styles, dials, intensity, gestures : as in `perform`, the same for all
+        fps, styles, dials, intensity, gestures, bends : as in `perform`, the same for all
 
         Raises
         ------
@@ -209,7 +214,10 @@ class Performer:
         >>> [len(animation) for animation in performer.perform_many([one, other], fps=24)]
         [13, 13]
         """
-        asked = {"styles": styles, "dials": dials, "intensity": intensity, "gestures": gestures}
+        asked = {
+            "styles": styles, "dials": dials, "intensity": intensity, "gestures": gestures,
+            "bends": bends,
+        }  # fmt: skip
         return animate(self, tuple(schedules), fps, lines, asked)
 
     def stream(  # noqa: PLR0913 as `perform`
@@ -394,10 +402,11 @@ class Performer:
         styles: "DialLevels | None" = None,
         dials: "DialLevels | None" = None,
         intensity: float | None = None,
+        bends: "Mapping[str, Points] | None" = None,
     ) -> Performance:
         """Prepare a performance with access to each stage; see `perform`."""
         fps = checked_rate(fps)
-        asked = {"styles": styles, "dials": dials, "intensity": intensity}
+        asked = {"styles": styles, "dials": dials, "intensity": intensity, "bends": bends}
         (sounds,) = self.labels.read([schedule])
         said = LineDelivery.of(self, schedule, sounds, line, asked)
         return said.performance(self.motion, sounds, fps)

@@ -34,6 +34,7 @@ DONE = {
     "switch": "one pose at a time, each for a minimum time",
     "anticipate": "begins before its sound",
     "ease": "rounded off",
+    "bend": "the line's own keys",
     "rest": "brought to rest at the ends",
     "limit": "held to the speed limit",
     "soften": "rounded off",
@@ -208,6 +209,8 @@ def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
                 factors = [(one.name, float(one.level.at(now)[0])) for one in dials]
                 moved = (f"{n} x {f:.2f}" for n, f in factors if abs(f - 1) > VISIBLE)
                 why = f"scaled by {', '.join(moved)}"
+            elif stage.name == "bend":
+                why = f"the line's own keys add {weight - before:+.3f}"
             elif stage.name == "hold":
                 why = held_reason(performer, performance, pose, frame)
             elif stage.name == "constrain":

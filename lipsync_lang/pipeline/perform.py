@@ -16,6 +16,7 @@ import numpy as np
 from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.pipeline import kernel_plan
 from lipsync_lang.pipeline.anticipate import anticipate
+from lipsync_lang.pipeline.bend import Bend, bend
 from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.hold import SHORTEST, demands, held_frames, hold
 from lipsync_lang.pipeline.levels import Blend, Dial, scale, shares
@@ -80,6 +81,7 @@ class Performance:
     overlays: tuple[Overlay, ...]
     blends: tuple[Blend, ...] = ()
     dials: tuple[Dial, ...] = ()
+    bends: tuple[Bend, ...] = ()
 
     @cached_property
     def held(self) -> tuple[tuple[Bools, Bools], ...]:
@@ -109,7 +111,7 @@ class Performance:
     @property
     def compiled(self) -> bool:
         """True if the compiled kernel supports this performance."""
-        other = self.overlays or self.blends or self.track.mixed
+        other = self.overlays or self.blends or self.bends or self.track.mixed
         return kernel_plan.serves(self.motion) and not other
 
     def _weigh(self, begin: int, stop: int) -> Floats:
@@ -232,6 +234,9 @@ class Performance:
             curves = self._smooth(curves, place)
             yield Stage("smooth", curves)
         if motion.hold:
+            if self.bends:
+                curves = bend(curves, self.bends, times)
+                yield Stage("bend", curves)
             yield Stage("switch", self._switch(curves, begin, stop))
             return
         if prepared.early.size:
@@ -240,7 +245,10 @@ class Performance:
             curves = anticipate(curves, prepared.early, prepared.left, room)
             yield Stage("anticipate", curves)
         if prepared.wide:
-            yield Stage("ease", soften(curves, prepared.wide))
+            curves = soften(curves, prepared.wide)
+            yield Stage("ease", curves)
+        if self.bends:
+            yield Stage("bend", bend(curves, self.bends, times))
 
     def _smooth(self, curves: Floats, place: FramePlace) -> Floats:
         frames = self.motion.window * self.frames.fps
@@ -309,6 +317,7 @@ def perform(  # noqa: PLR0913 the phonemes, and settings of their delivery
     overlays: tuple[Overlay, ...] = (),
     blends: tuple[Blend, ...] = (),
     dials: tuple[Dial, ...] = (),
+    bends: tuple[Bend, ...] = (),
     frames: Frames | None = None,
 ) -> Performance:
     """Prepare a track's performance, and choose its frames.
@@ -321,4 +330,4 @@ def perform(  # noqa: PLR0913 the phonemes, and settings of their delivery
     prepared = prepare(tables, motion, fps)
     if frames is None:
         frames = lay_frames(track, motion, fps, prepared.lead)
-    return Performance(tables, track, motion, frames, prepared, overlays, blends, dials)
+    return Performance(tables, track, motion, frames, prepared, overlays, blends, dials, bends)

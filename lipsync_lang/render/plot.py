@@ -62,6 +62,7 @@ STAGES = {
     "switch": ("one at a time", "#a9a38a"),
     "anticipate": ("anticipated", "#d8c15a"),
     "ease": ("eased", "#c3d7a4"),
+    "bend": ("bent", "#3f7f6f"),
     "rest": ("brought to rest", "#b9b9b9"),
     "hold": ("contacts held", "#dca2c2"),
     "limit": ("speed limited", "#5fa4cf"),

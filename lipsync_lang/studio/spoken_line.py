@@ -4,12 +4,14 @@ Conventions: times are seconds; boundary b is the start of phoneme b, and the la
 Numbers of boundaries and words count from the start of the shown part.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule
+from lipsync_lang.schedules.phoneme_changes import PhonemeChange, composed, spread, with_changes
+from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule, Word
 
 MIN_SPAN_SECONDS = 0.005
 """Minimum length of a phoneme beside a moved boundary."""
@@ -26,6 +28,8 @@ class SpokenLine:
 
     def __init__(self, schedule: Schedule) -> None:
         self.whole = self.opened = schedule
+        self.changes: Sequence[PhonemeChange] = ()
+        """Changed phonemes of the opened schedule."""
         self.at = schedule.start
         """A time within the shown part, in seconds."""
         self._cut: tuple[Schedule, float, list[int]] | None = None
@@ -62,36 +66,66 @@ class SpokenLine:
         cuts, number = self.cuts(seconds), self.number(seconds)
         return cuts[number], cuts[number + 1]
 
-    def move(self, boundary: int, to: float, seconds: float) -> None:
-        """Move a boundary, which stays between its neighbours; refuse an unknown one."""
+    @property
+    def unmoved(self) -> Schedule:
+        """The schedule as opened, with the changed phonemes."""
+        return with_changes(self.opened, self.changes)
+
+    def move(self, boundary: int, to: float, seconds: float, through: int | None = None) -> None:
+        """Move a boundary, and those after it up to `through`, as far as both neighbours allow."""
         first, stop = self._span(seconds)
-        if not 0 <= boundary <= stop - first:
-            raise LipsyncError(f"there is no boundary {boundary}; the last is {stop - first}")
-        at, times = first + boundary, self.whole.times.copy()
+        last = boundary if through is None else through
+        for number in (boundary, last):
+            if not 0 <= number <= stop - first:
+                raise LipsyncError(f"there is no boundary {number}; the last is {stop - first}")
+        at, until, times = first + boundary, first + max(boundary, last), self.whole.times.copy()
         low = times[at - 1] + MIN_SPAN_SECONDS if at else min(0.0, times[0])
         audio = self.whole.audio
-        if at + 1 < len(times):
-            high = times[at + 1] - MIN_SPAN_SECONDS
+        if until + 1 < len(times):
+            high = times[until + 1] - MIN_SPAN_SECONDS
         else:
             high = max(self.whole.end, float("inf") if audio is None else audio.seconds)
+        high -= times[until] - times[at]
         if low <= high:  # phonemes below the minimum length keep it
-            times[at] = min(max(to, low), high)
+            times[at : until + 1] += min(max(to, low), high) - times[at]
         cuts = self.cuts(seconds)
         self.whole = replace(self.whole, times=times)
         self._cut = self.whole, seconds, cuts  # an edit does not change the parts
         self.at = float(times[first])
 
+    def relabel(self, span: tuple[int, int], labels: Sequence[str], seconds: float) -> None:
+        """Replace the phonemes of a span by others, which share its time."""
+        first, stop = self._span(seconds)
+        low, high = first + span[0], first + span[1]
+        if not first <= low < high <= stop:
+            raise LipsyncError(
+                f"there are no phonemes {span[0]} to {span[1] - 1}; the last is {stop - first - 1}"
+            )
+        changes = composed(self.opened, self.changes, (low, high), labels)
+        made = with_changes(self.opened, changes)  # refuses a word without phonemes
+        times = spread(self.whole.times, low, high, len(labels))
+        self.changes = changes
+        self.retime(replace(made, times=times, words=self._emphasised(made)))
+
+    def _emphasised(self, schedule: Schedule) -> tuple[Word, ...]:
+        """Return the words of a schedule with the present emphasis."""
+        pairs = zip(schedule.words, self.whole.words, strict=True)
+        return tuple(replace(word, emphasis=now.emphasis) for word, now in pairs)
+
     def restore(self) -> None:
-        """Restore the times as opened."""
-        self.retime(replace(self.whole, times=self.opened.times))
+        """Restore the phonemes and their times as opened."""
+        self.changes = ()
+        self.retime(replace(self.opened, words=self._emphasised(self.opened)))
 
     def retime(self, whole: Schedule) -> None:
-        """Take over other times or words of the same phonemes; the shown part stays."""
+        """Take over other times, words or phonemes; the shown part stays."""
         number = int(self.whole.times.searchsorted(self.at, "right")) - 1
+        alike = len(whole) == len(self.whole)
         self.whole = whole
-        self.at = float(whole.times[max(0, number)])
+        if alike:
+            self.at = float(whole.times[max(0, number)])
         if self._cut is not None:
-            self._cut = whole, *self._cut[1:]
+            self._cut = (whole, *self._cut[1:]) if alike else None
 
     def emphasise(self, word: int, level: float, seconds: float) -> None:
         """Set the emphasis of a word; refuse an unknown word, and a level out of range."""

@@ -21,6 +21,7 @@ from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
 from lipsync_lang.quality.figures import Quality, describe
 from lipsync_lang.render.plot import STAGES
+from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.studio.array_pack import ArrayPack
 
 WEIGHT_STEPS = 65535
@@ -58,6 +59,11 @@ def take_data(
             "labels": list(schedule.labels),
             "words": [[word.text, word.first, word.stop] for word in schedule.words],
             "emphasis": [word.emphasis for word in schedule.words],
+            "doubts": {
+                number: round(word.confidence, 2)
+                for number, word in enumerate(schedule.words)
+                if word.confidence is not None and word.confidence < DOUBTFUL
+            },
         },
         "figures": [] if quality is None else figures_data(quality),
     }

@@ -47,7 +47,7 @@ NAME_WORDS = 4
 LEAST_MOVE = 1e-5
 """Seconds by which a moved boundary differs."""
 
-CHANGES = ("styles", "dials", "intensity", "emphasis", "times")
+CHANGES = ("styles", "dials", "bends", "intensity", "emphasis", "phonemes", "times")
 """Fields of a line that a person changes; the others say which line it is."""
 
 OWN = ("path", "project")
@@ -63,6 +63,7 @@ class LineSettings:
     styles: dict[str, Any] = field(default_factory=dict)
     dials: dict[str, Any] = field(default_factory=dict)
     intensity: float | None = None
+    bends: dict[str, list[list[float]]] = field(default_factory=dict)
 
 
 class Workshop:
@@ -359,6 +360,9 @@ class Workshop:
         self._followed = self.desk.revision
         stated = self._stated.get(self.name, {})
         whole = corrected(stated, compiled, self.line.opened, self.name)
+        changes = stated.get("phonemes", ())
+        used = whole.labels != self.line.opened.labels
+        self.line.changes = changes if used else ()
         self.line.retime(whole)
         styles, dials = (
             {
@@ -372,8 +376,12 @@ class Workshop:
             for kind in ("styles", "dials")
         )
         known = self.name if self.name in compiled.line_edits else None
+        bends = {
+            pose: [[round(second(pose, at, whole), 5), amount] for at, amount in keys]
+            for pose, keys in stated.get("bends", {}).items()
+        }
         self.settings = LineSettings(
-            self.settings.fps, known, styles, dials, stated.get("intensity")
+            self.settings.fps, known, styles, dials, stated.get("intensity"), bends
         )
 
     def keep(self, title: str, tab: str = "", merge: str = "") -> None:
@@ -383,7 +391,11 @@ class Workshop:
         compiled = self.performer.compiled
         before = self._stated.get(self.name)
         now = self._statement(compiled.language)
-        old = {key: _brief(value) for key, value in (before or {}).items() if value}
+        old = {
+            key: value if key == "bends" else _brief(value)
+            for key, value in (before or {}).items()
+            if value
+        }
         if all(old.get(key, ABSENT) == now[key] for key in CHANGES):
             return
         path, text = self.editable("character")
@@ -403,7 +415,7 @@ class Workshop:
     def _statement(self, language: str) -> dict[str, Any]:
         """Return what a character's file states for the open line; `ABSENT` for nothing."""
         line, settings = self.spoken, self.settings
-        whole, opened = line.whole, line.opened
+        whole, opened = line.whole, line.unmoved
         levels = [
             {
                 name: [[in_words(at, whole), value] for at, value in level]
@@ -429,8 +441,13 @@ class Workshop:
             "text": self.text if self.script_line is None else None,
             "styles": _brief(levels[0]),
             "dials": _brief(levels[1]),
+            "bends": {
+                pose: [[in_words(at, whole), amount] for at, amount in keys]
+                for pose, keys in settings.bends.items()
+            },
             "intensity": settings.intensity,
             "emphasis": emphasis,
+            "phonemes": [[first, list(was), list(now)] for first, was, now in line.changes],
             "times": times,
         }
         return {key: ABSENT if one in (None, "", [], {}) else one for key, one in found.items()}
@@ -468,7 +485,7 @@ class Workshop:
         loud = None if schedule.audio is None else settings.intensity
         return (performer or self.performer).perform(
             schedule, settings.fps, line=settings.line, styles=settings.styles or None,
-            dials=settings.dials or None, intensity=loud,
+            dials=settings.dials or None, intensity=loud, bends=settings.bends or None,
         )  # fmt: skip
 
     def state(self) -> Json:

@@ -10,6 +10,9 @@ const { composed, placed, times, FaceShape } = await load("face/face_shape");
 const { turned } = await load("face/gl_face");
 const { mouthOf } = await load("face/drawn_mouth");
 const { wave } = await load("line/player");
+const { onsets, snappedTo } = await load("timeline/onsets");
+const { withKey, withMoved } = await load("timeline/bend_points");
+const { transform } = await load("timeline/spectrogram");
 const { sphere } = await load("face/ambient");
 const { Take } = await load("line/take");
 const { beside, editsOf, spoken } = await load("views/bigram_state");
@@ -54,6 +57,28 @@ function mouth(joined) {
 }
 
 const units = {
+  "onsets are where a sound rises, and a boundary snaps to them"() {
+    const rate = 8000, samples = Int16Array.from({ length: rate }, (_, n) => (n % 4000 < 2000 ? 0 : 9000 * Math.sin(n / 3)));
+    const found = onsets(samples, rate);
+    near(found, [0.25, 0.75], 0.011);
+    assert.equal(snappedTo(0.26, found, 0.03), found[0]);
+    assert.equal(snappedTo(0.4, found, 0.03), 0.4);
+    assert.equal(snappedTo(0.4, [], 1), 0.4);
+    assert.deepEqual(onsets(new Int16Array(0), rate), []);
+  },
+  "a key bends its surroundings alone"() {
+    assert.deepEqual(withKey([], 1, 0.5), [[[1, 0.5]], 0]);
+    assert.deepEqual(withKey([[1, 0.5]], 1.005, -0.2), [[[1, -0.2]], 0]);
+    assert.deepEqual(withKey([[1, 0.5]], 1.1, 0.2), [[[1, 0.5], [1.1, 0.2]], 1]);
+    assert.deepEqual(withKey([[1, 0.5]], 2, 0.2), [[[1, 0.5], [1.12, 0], [1.88, 0], [2, 0.2]], 3]);
+    assert.deepEqual(withKey([[2, 0.2]], 1, 0.5), [[[1, 0.5], [1.12, 0], [1.88, 0], [2, 0.2]], 0]);
+    assert.deepEqual(withMoved([[1, 0], [2, 0]], 0, 3, -4), [[2, -1], [2, 0]]);
+  },
+  "a transform finds the frequency of a tone"() {
+    const real = Float32Array.from({ length: 64 }, (_, n) => Math.cos((2 * Math.PI * 5 * n) / 64)), imaginary = new Float32Array(64);
+    transform(real, imaginary);
+    near([...real.subarray(0, 8)], [0, 0, 0, 0, 0, 32, 0, 0], 1e-3);
+  },
   "a target keeps its form where it is changed"() {
     const flat = { a: 0.5, b: 0, dominance: { b: 2 } }, whole = { weights: { a: 1 }, overall: 3 };
     assert.deepEqual(stepsOf(undefined), []);

@@ -147,7 +147,14 @@ def test_another_line_has_nothing_of_the_line_before(caller, workshop):
     line = json.dumps({"notation": "arpabet", "phonemes": [{"label": "M", "start": 0, "end": 1}]})
     found = caller.post("timings", line.encode(), {"name": "m.json"})
     told = unpacked(found)[0]["settings"]
-    assert told == {"fps": 30, "line": None, "dials": {}, "styles": {}, "intensity": None}
+    assert told == {
+        "fps": 30,
+        "line": None,
+        "dials": {},
+        "styles": {},
+        "intensity": None,
+        "bends": {},
+    }
     workshop.take_up(replace(LINE, audio=sound), "ma be")
     jaw = workshop.settings.dials.pop("jaw")
     assert np.array(jaw) == pytest.approx(np.array(levels["jaw"]), abs=1e-4)
@@ -287,3 +294,118 @@ def test_the_sound_of_a_part_begins_with_it(workshop):
     assert document["sound"]["start"] == pytest.approx(begins - 1, abs=0.11)
     count = document["arrays"][document["sound"]["samples"]["$array"]][1]
     assert count < 10 * (workshop.part_seconds + 3)
+
+
+def test_phonemes_are_relabelled_split_and_joined(caller, workshop):
+    assert spoken(caller.post("phonemes/1", {"labels": ["AE"]}))["labels"] == ["M", "AE", "B", "IY"]
+    split = spoken(caller.post("phonemes/1", {"labels": ["AE", "T"], "times": [0.25]}))
+    assert (split["labels"], split["times"]) == (
+        ["M", "AE", "T", "B", "IY"], [0, 0.1, 0.25, 0.3, 0.4, 0.6],
+    )  # fmt: skip
+    assert split["words"] == [["ma", 0, 3], ["be", 3, 5]]
+    joined = spoken(caller.post("phonemes/2", {"count": 2, "labels": ["B"]}))
+    assert (joined["labels"], joined["times"]) == (["M", "AE", "B", "IY"], [0, 0.1, 0.25, 0.4, 0.6])
+    assert workshop.state()["undo"] == "Change phonemes (ma-be)"
+    while workshop.desk.undo_title:
+        caller.post("undo")
+    assert spoken(caller.api("line"))["labels"] == list(LINE.labels)
+
+
+def test_changed_phonemes_come_back_with_the_original_times(caller, workshop):
+    caller.post("emphasis/1", {"level": 2})
+    caller.post("phonemes/0", {"labels": ["B", "AH"]})
+    found = spoken(caller.post("original"))
+    assert (found["labels"], found["times"]) == (list(LINE.labels), TIMES)
+    assert found["emphasis"] == [0, 2]
+    assert workshop.line.changes == ()
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "told"),
+    [("phonemes/1", {"labels": ["IYY"]}, "phoneme 1 at 0.10 s: 'IYY' is no label of english"),
+     ("phonemes/1", {"labels": ["IYY"]}, "did you mean 'IY'"),
+     ("phonemes/9", {"labels": ["M"]}, "there are no phonemes 9 to 9"),
+     ("phonemes/1", {"labels": []}, "labels"),
+     ("phonemes/1", {"labels": ["M"], "count": "2"}, "count"),
+     ("phonemes/1", {"labels": ["M"], "times": [0.2]}, "0 boundaries between"),
+     ("phonemes/1", {"labels": ["M", "B"], "times": ["0.2"]}, "seconds"),
+     ("phonemes/0", {"labels": ["B"], "count": 3}, "word 'ma'"),
+     ("boundary/1", {"seconds": 0.1, "through": "2"}, "through"),
+     ("boundary/1", {"seconds": 0.1, "through": 9}, "boundary 9")],
+)  # fmt: skip
+def test_phonemes_that_cannot_change_are_told(caller, path, body, told):
+    if "word" in told:
+        body = body | {"labels": ["B"], "count": 2}
+        assert caller.post("phonemes/0", body).status == 200
+        path, body = "phonemes/0", {"labels": ["B"], "count": 3}
+    found = caller.post(path, body)
+    assert found.status == 422
+    assert told in found.json["error"]
+
+
+def test_the_labels_of_the_line_are_listed(caller):
+    rows = dict(caller.api("labels").json["labels"])
+    assert (rows["M"], rows["_"]) == ("bmp", "")
+
+
+def test_several_boundaries_move_together(caller):
+    found = spoken(caller.post("boundary/1", {"seconds": 0.15, "through": 2}))
+    assert found["times"] == pytest.approx([0, 0.15, 0.35, 0.4, 0.6])
+    found = spoken(caller.post("boundary/1", {"seconds": 9, "through": 2}))
+    assert found["times"] == pytest.approx([0, 0.195, 0.395, 0.4, 0.6])
+    found = spoken(caller.post("boundary/2", {"seconds": 0.5, "through": 4}))
+    assert found["times"] == pytest.approx([0, 0.195, 0.5, 0.505, 0.705])
+
+
+def test_changed_phonemes_are_saved_and_run(tmp_path):
+    made = Workshop(tmp_path, engine="none")
+    made.open("english", "crab")
+    caller = Caller(made)
+    caller.post("line", {"text": "Hello Bob"})
+    labels = made.schedule.labels
+    at = float(made.schedule.times[2])
+    caller.post("phonemes/1", {"labels": [labels[1], labels[1]], "times": [at - 0.02]})
+    caller.post("boundary/4", {"seconds": float(made.schedule.times[4]) + 0.01})
+    shown = made.perform()
+    caller.post("save")
+    fresh = Workshop(tmp_path, engine="none")
+    fresh.open("english", "crab")
+    fresh.speak("Hello Bob")
+    assert fresh.schedule.labels == shown.schedule.labels
+    performer = ll.resolve("english", "crab", paths=[tmp_path])
+    said = performer.speaker.speak("Hello Bob", engine="none")
+    ran = performer.perform(said, 60, line="hello-bob")
+    assert ran.schedule.labels == shown.schedule.labels == (*labels[:2], *labels[1:])
+    assert ran.schedule.times == pytest.approx(shown.schedule.times, abs=1e-5)
+    assert np.abs(ran.weights - shown.weights).max() < CLOSE
+    other = performer.speaker.speak("Good night", engine="none")
+    ran = performer.perform(other, 60, line="hello-bob")
+    assert ran.schedule.labels == other.labels
+    assert "changed in another text" in ran.schedule.remarks[0]
+
+
+def test_a_pose_of_the_line_is_bent_undone_and_kept(caller, workshop):
+    bends = {"smile": [[0.2, 0.4], [0.25, 0]]}
+    found = unpacked(caller.post("take", {"settings": {"bends": bends}, "title": "Bend smile"}))[0]
+    assert found["state"]["undo"] == "Bend smile (ma-be)"
+    making = found["takes"][0]["making"]
+    assert "bend" in [stage["name"] for stage in making["stages"]]
+    path = next(iter(workshop.desk.contents))
+    assert "[[0.6667, 0.4], [0.8333, 0]]" in workshop.desk.contents[path].decode()
+    workshop.take_up(LINE, "ma be")
+    assert np.array(workshop.settings.bends["smile"]) == pytest.approx(
+        np.array(bends["smile"]), abs=1e-4
+    )
+    steps = workshop.desk.revision
+    caller.post("take", {"settings": {"bends": workshop.settings.bends}})
+    assert workshop.desk.revision == steps, "the same keys are no step"
+    caller.post("undo")
+    assert workshop.settings.bends == {}
+    assert caller.post("take", {"settings": {"bends": {"smile": [[0, 3]]}}}).status == 422
+
+
+def test_doubtful_words_are_marked_where_they_are(caller, workshop):
+    sure, doubtful = LINE.words
+    words = (replace(sure, confidence=0.9), replace(doubtful, confidence=0.312))
+    workshop.take_up(replace(LINE, words=words), "ma be")
+    assert spoken(caller.api("line"))["doubts"] == {"1": 0.31}

@@ -288,6 +288,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
     for name, line in model.lines.items():
         yield from _delivery(character, ("lines", name), line, poseset, styles)
         yield from _placed(character, name, line, poseset)
+        yield from check_poses(character, ("lines", name, "bends"), line.bends, poseset)
     yield from check_bigrams(character, model.bigrams, poseset, phonemes)
     yield from _own_drafts(character, poseset, phonemes)
     yield from check_bigrams(character, model.trigrams, poseset, phonemes, field="trigrams")

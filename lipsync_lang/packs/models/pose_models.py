@@ -18,6 +18,7 @@ from lipsync_lang.packs.models.fields import (
     BigramKey,
     Common,
     Curves,
+    Label,
     Name,
     NotNegative,
     OrEmpty,
@@ -443,6 +444,17 @@ class Delivery(Strict):
     """Scale for single gestures, where gestures are on: 0 leaves one out."""
 
 
+BendKeys = Annotated[
+    tuple[tuple[NotNegative, Annotated[float, Field(ge=-1, le=1)]], ...],
+    Field(min_length=1),
+    AfterValidator(_forwards),
+]
+"""Amounts at points: (word, amount). Words count from 0; 2.5 is the middle of the third word."""
+
+SomeLabels = Annotated[tuple[Label, ...], Field(min_length=1)]
+"""Labels of phonemes in the notation of a line."""
+
+
 class LineEdits(Delivery):
     """Words, times, delivery and edits of one line, as a person changed them."""
 
@@ -452,10 +464,16 @@ class LineEdits(Delivery):
     """The text, for a line that is in no script."""
     intensity: LevelNumber | None = None
     """The effect of loudness: 0 none, 1 as the pose set says, 2 double."""
+    bends: dict[PoseName, BendKeys] = Field(default={})
+    """Keys that are added to poses: [word, amount] from -1 to 1, faded before the first key and
+    after the last."""
     emphasis: tuple[tuple[Annotated[int, Field(ge=0)], LevelNumber], ...] = ()
     """Emphasis of words: [word, level], from word 0."""
+    phonemes: tuple[tuple[Annotated[int, Field(ge=0)], SomeLabels, SomeLabels], ...] = ()
+    """Changed phonemes: [first, labels before, labels now], from phoneme 0, pauses included."""
     times: tuple[tuple[Annotated[int, Field(ge=0)], float, float], ...] = ()
-    """Moved boundaries: [number, seconds before, seconds now]; boundary 0 is the line's start."""
+    """Moved boundaries: [number, seconds before, seconds now]; boundary 0 is the line's start, and
+    changed phonemes count as they are now."""
     placed: tuple[GestureByHand, ...] = ()
     """Gestures that a person placed; those of their kind that come by rule keep clear of them."""
     edits: tuple[Edit, ...] = ()

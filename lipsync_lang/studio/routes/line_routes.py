@@ -134,10 +134,10 @@ def _settings(stated: Any) -> LineSettings:
         )
     given = LineSettings(**{key: value for key, value in stated.items() if value is not None})
     numbers = [given.fps, *([] if given.intensity is None else [given.intensity])]
-    levels = [given.styles, given.dials]
+    levels = [given.styles, given.dials, given.bends]
     for table in levels:
         if not isinstance(table, dict):
-            raise LipsyncError("`styles` and `dials` must be objects of names and levels")
+            raise LipsyncError("`styles`, `dials` and `bends` must be objects of names and levels")
         for level in table.values():
             points = level if isinstance(level, list) else [[level]]
             numbers += [number for point in points for number in listed(point, "numbers")]

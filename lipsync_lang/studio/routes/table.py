@@ -33,6 +33,8 @@ ROUTES: dict[str, Route] = {
     "GET script": line_routes.script_lines,
     "POST script": line_routes.open_script_line,
     "POST boundary/{name}": sentence_routes.boundary,
+    "GET labels": sentence_routes.labels,
+    "POST phonemes/{name}": sentence_routes.phonemes,
     "POST original": sentence_routes.original,
     "POST emphasis/{name}": sentence_routes.emphasis,
     "POST part/{name}": sentence_routes.part,

@@ -28,6 +28,8 @@ export interface Spoken {
   labels: string[];
   words: Word[];
   emphasis: number[];
+  /** Confidence of the words that the aligner doubts, by their number. */
+  doubts: Record<number, number>;
 }
 
 export interface Figure {
@@ -201,6 +203,8 @@ export interface Settings {
   line?: string | null;
   styles?: Record<string, Level>;
   dials?: Record<string, Level>;
+  /** Keys of poses: seconds and the amount that is added. */
+  bends?: Record<string, [number, number][]>;
   intensity?: number | null;
 }
 

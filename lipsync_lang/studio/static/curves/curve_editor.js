@@ -48,7 +48,7 @@ const NEW = [0, 0.25, 0.5, 0.75, 1];
 /**
  * @typedef {{changed: (what: {curves?: Curves, boundary?: number}, step: Step) => void,
  *   selected?: (info: {pose: string, points: number}) => void, seek?: (time: number) => void, tell?: (text: string)
- *   => void}} Does
+ *   => void, dragged?: (dragging: boolean) => void}} Does `dragged` tells that points are dragged, and no longer
  */
 
 /** Curves that were copied last, in this or another editor of the page. */

@@ -132,6 +132,7 @@ class Drag {
   /** @param {number} x @param {number} y @param {PointerEvent} event */
   move(x, y, event) {
     if (!this.dragged && Math.hypot(x - this.x, y - this.y) < SLACK) return;
+    if (!this.dragged && this.hit.kind === "point") this.editor.does.dragged?.(true);
     this.dragged = true;
     const { editor, hit } = this, { drawing } = editor, step = editor.step(event);
     const [t, v] = drawing.at(x, y), [from, base] = drawing.at(this.x, this.y);
@@ -189,6 +190,7 @@ class Drag {
 
   end() {
     const { editor, hit } = this;
+    editor.does.dragged?.(false);
     editor.held = false;
     editor.marquee = null;
     if (this.dragged) {
@@ -210,6 +212,7 @@ class Drag {
 
   cancel() {
     const { editor } = this, { curves, boundary } = this;
+    editor.does.dragged?.(false);
     editor.held = false;
     editor.marquee = null;
     if (editor.curves !== curves) editor.change(curves, { merge: this.merge, done: true, title: editor.title("Move") });

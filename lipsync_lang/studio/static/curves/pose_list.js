@@ -2,7 +2,7 @@
 
 import { valuesAt } from "./bspline.js";
 import { sample } from "./curve_drawing.js";
-import { made } from "../shell/elements.js";
+import { made, middled } from "../shell/elements.js";
 
 /** Poses from which a list can be searched. */
 const MANY = 12;
@@ -85,7 +85,7 @@ export class PoseList {
       "li",
       { role: "option", "data-pose": name, title: pose.title || name },
       sample(pose),
-      made("span", { class: "name", dir: "auto" }, name),
+      middled(name, { class: "name" }),
       bar,
       value,
       made(

@@ -1,6 +1,6 @@
 /** Values of a take at a moment: the sound, its bigrams, and a row for each pose with its reasons. */
 
-import { made } from "../shell/elements.js";
+import { made, middled } from "../shell/elements.js";
 
 /** Lists beside a timeline. */
 export class TakeValues {
@@ -31,7 +31,7 @@ export class TakeValues {
       const button = made(
         "button",
         { type: "button", "aria-expanded": "false" },
-        made("span", { dir: "auto", title: name }, name),
+        middled(name),
         made("i"),
         made("span", {}, ""),
       );

@@ -47,6 +47,8 @@ export function tell(tip, timeline, at) {
       )
       .map((/** @type {[number, string]} */ [, what]) => `${one.verdict === "FAIL" ? "▲" : "●"} ${one.name}: ${what}`),
   );
+  const sure = take.data.spoken.doubts[take.wordOf(take.phonemeAt(at.seconds))];
+  if (at.row < 0 && sure !== undefined) lines.push(`The aligner doubts this word (confidence ${sure.toFixed(2)})`);
   if (at.row < 0) lines.push(...near);
   tip.textContent = lines.join("\n");
   tip.style.left = `${Math.max(4, Math.min(at.x + 14, innerWidth - tip.offsetWidth - 8))}px`;

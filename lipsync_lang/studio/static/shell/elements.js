@@ -19,6 +19,20 @@ export function made(name, traits = {}, ...content) {
   return element;
 }
 
+/** Signs at the end of a name that are always seen. */
+const TAIL = 7;
+
+/**
+ * Make a name that is cut in the middle where it has no room.
+ * @param {string} name
+ * @param {Record<string, string>} [traits]
+ */
+export function middled(name, traits = {}) {
+  const signs = [...name], cut = Math.max(0, signs.length - TAIL), { class: more = "", ...rest } = traits;
+  return made("span", { ...rest, class: `middled ${more}`.trim(), dir: "auto", title: name },
+    made("span", {}, signs.slice(0, cut).join("")), made("span", {}, signs.slice(cut).join("")));
+}
+
 /**
  * @param {string} text
  * @param {string} colour

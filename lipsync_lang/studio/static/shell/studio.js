@@ -10,6 +10,7 @@ import { chosen, fillNames } from "./form_fields.js";
 import { PlayerBar } from "./player_bar.js";
 import { Edits } from "./studio_edits.js";
 import { Player } from "../line/player.js";
+import { Snippets } from "../line/snippets.js";
 import { Portrait } from "../face/portrait.js";
 import { clock } from "../timeline/scales.js";
 import { ScriptLines } from "./script_lines.js";
@@ -74,6 +75,7 @@ export class Studio {
     this.settings = {};
     this.against = "";
     this.player = new Player(0, 1, null, () => this.#playing());
+    this.snippets = new Snippets();
     /** @type {Portrait | null} */
     this.portrait = null;
     /** Weights of the model's channels shown in place of the take's. @type {Float32Array | null} */
@@ -81,9 +83,12 @@ export class Studio {
     this.tab = crypto.randomUUID();
     this.strip = new Timeline(/** @type {HTMLCanvasElement} */ (the("strip")), {
       seek: (seconds) => this.seek(seconds),
+      scrub: (seconds) => this.scrub(seconds),
       hover: () => {},
       pick: () => {},
       moved: () => this.wake(),
+      word: (word) => this.hear({ word }),
+      phoneme: (phoneme) => this.hear({ phoneme }),
     });
     /** @type {Map<string, {view: View, place: HTMLElement}>} */
     this.views = new Map();
@@ -96,6 +101,8 @@ export class Studio {
     this.bar = new PlayerBar(this);
     this.script = new ScriptLines(this);
     this.performing = false;
+    /** The line plays because something is dragged. */
+    this.heldPlaying = false;
     /** Wishes for another take: the newest of each path. @type {Map<string, Record<string, any>>} */
     this.wishes = new Map();
     /**
@@ -316,7 +323,7 @@ export class Studio {
   /** Take a new state of the server over. @param {import("../payloads.js").State} state */
   stated(state) {
     this.state = state;
-    this.settings = state.settings;
+    if (!this.wishes.has("take")) this.settings = state.settings; // else they are newer here
     this.edits.show();
     this.notify("state");
   }
@@ -387,6 +394,30 @@ export class Studio {
     this.posed = null;
     this.player.seek(seconds);
     this.wake();
+  }
+
+  /** Go to a time in a drag, and hear it. @param {number} seconds */
+  scrub(seconds) {
+    this.seek(seconds);
+    if (!this.player.playing) this.snippets.scrub(this.sound, seconds);
+  }
+
+  /** Hear a word or a phoneme of the line. @param {{word?: number, phoneme?: number}} what */
+  hear({ word = -1, phoneme = -1 }) {
+    const { times, words } = this.take?.data.spoken ?? { times: [], words: [] };
+    const [first, stop] = words[word]?.slice(1).map(Number) ?? [phoneme, phoneme + 1];
+    if (first >= 0 && !this.player.playing) this.snippets.hear(this.sound, times[first], times[stop]);
+  }
+
+  /** Where the line is looped, play it while something is dragged. @param {boolean} dragging */
+  dragged(dragging) {
+    if (dragging && this.player.loop && !this.player.playing) {
+      this.heldPlaying = true;
+      this.player.play();
+    } else if (!dragging && this.heldPlaying) {
+      this.heldPlaying = false;
+      this.player.pause();
+    }
   }
 
   /** @param {number} seconds to go to, and to bring into view */

@@ -5,9 +5,14 @@
  */
 
 import { clock, outline, ticks, within } from "./scales.js";
+import { Spectrogram } from "./spectrogram.js";
 import { listen } from "./timeline_hands.js";
 
-const RULER = 24, WAVE = 52, BAND = 22, GAP = 8;
+const RULER = 24, BAND = 22, GAP = 8;
+/** Heights of the wave and of the spectrogram, by what of a sound is seen. */
+const SOUNDS = /** @type {const} */ ({ wave: [52, 0], spectrogram: [0, 84], both: [44, 84] });
+/** Least share of its usual width to which a label is squeezed before it is shortened. */
+const SQUEEZE = 0.75;
 const NARROW = 600;
 /** Pixels per second at which phonemes can be read: with a pointer that shows the rest, and without. */
 const READABLE = 110, NARROW_READABLE = 190;
@@ -21,12 +26,18 @@ const FULL = 65535;
  */
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
- *   Optional:
- * `drag` moves a boundary between phonemes (`done` at the end), `word` chooses a word, `open` is a double click.
+ *   Optional: `scrub` seeks in a drag, `drag` moves what is grabbed (`done` at the end), `word` and `phoneme` choose
+ *   one, `open` is a double click, `keys` are drawn on a pose, `press` takes one, and `pull` drags it.
  * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} |
  *   null) => void,
- *   pick: (row: number) => void, moved: () => void, drag?: (boundary: number, seconds: number, done: boolean) => void,
- *   word?: (word: number) => void, open?: (seconds: number, row: number) => void}} Hands
+ *   pick: (row: number) => void, moved: () => void,
+ *   scrub?: (seconds: number) => void,
+ *   drag?: (grab: import("./timeline_hands.js").Grab, seconds: number, done: boolean, event: PointerEvent) => void,
+ *   press?: (x: number, y: number, event: PointerEvent) => boolean,
+ *   pull?: (x: number, y: number, done: boolean) => void,
+ *   keys?: (pose: string) => {shown: [number, number][], chosen?: number | null},
+ *   word?: (word: number) => void, phoneme?: (phoneme: number) => void,
+ *   open?: (seconds: number, row: number, phoneme: number) => void}} Hands
  */
 
 /** A timeline; times are seconds. */
@@ -38,11 +49,16 @@ export class Timeline {
     this.layer = document.createElement("canvas");
     this.stale = true;
     this.row = -1;
-    /** The boundary and the word that are chosen; -1 for none. */
+    /** The boundary, the word and the phoneme that are chosen; -1 for none. */
     this.boundary = -1;
     this.word = -1;
+    this.phoneme = -1;
     /** Names of stages that are not drawn. @type {Set<string>} */
     this.hidden = new Set();
+    /** What of the sound is seen. @type {keyof typeof SOUNDS} */
+    this.sounds = "wave";
+    /** @type {Spectrogram | null} */
+    this.spectrogram = null;
     /** @type {[number, number] | null} */
     this.loop = null;
     /** @type {Line | null} */
@@ -137,7 +153,8 @@ export class Timeline {
   }
 
   get top() {
-    return RULER + (this.line.sound ? WAVE : 0) + 3 * BAND + GAP;
+    const [wave, spectrogram] = SOUNDS[this.sounds];
+    return RULER + (this.line.sound ? wave + spectrogram : 0) + 3 * BAND + GAP;
   }
 
   /** Top of the words; phonemes and mouths follow below. */
@@ -159,6 +176,23 @@ export class Timeline {
     return this.from + ((x - this.left) / this.plotWidth) * (this.to - this.from);
   }
 
+  /** @param {number} row @returns {[number, number]} the bottom of a pose and its height, in pixels */
+  #place(row) {
+    return [this.top + (row + 1) * this.rowHeight - 6, this.rowHeight - (this.narrow ? 18 : 10)];
+  }
+
+  /** @param {number} row @param {number} weight @returns {number} */
+  y(row, weight) {
+    const [bottom, tall] = this.#place(row);
+    return bottom - weight * tall;
+  }
+
+  /** @param {number} row @param {number} y @returns {number} weight */
+  weightAt(row, y) {
+    const [bottom, tall] = this.#place(row);
+    return (bottom - y) / tall;
+  }
+
   /** @param {number} seconds of the playhead */
   draw(seconds) {
     const { canvas } = this;
@@ -172,7 +206,10 @@ export class Timeline {
       [canvas.width, canvas.height] = [wide, high];
       this.setView(this.from, this.to);
     }
-    if (this.stale) this.#drawLayer(wide, high, ratio, height);
+    if (this.stale) {
+      this.stale = false; // drawing may need another frame
+      this.#drawLayer(wide, high, ratio, height);
+    }
     const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, wide, high);
@@ -205,7 +242,6 @@ export class Timeline {
     this.#bands(context);
     this.line.rows.forEach((name, row) => this.#pose(context, name, row));
     this.#chosen(context);
-    this.stale = false;
   }
 
   /** @param {CanvasRenderingContext2D} context @param {() => void} draw within the plot */
@@ -284,19 +320,36 @@ export class Timeline {
 
   /** @param {CanvasRenderingContext2D} context */
   #sound(context) {
-    if (!this.line.sound) return;
+    const [wave, spectrogram] = SOUNDS[this.sounds];
+    if (spectrogram) this.#spectrogram(context, RULER + wave, spectrogram);
+    if (!this.line.sound || !wave) return;
     const { samples, rate, start = 0 } = this.line.sound;
     const columns = Math.round(this.plotWidth);
     const shape = outline(samples, rate, this.from - start, this.to - start, columns);
     this.loudest ||= Math.max(0.05, samples.reduce((top, one) => Math.max(top, Math.abs(one)), 0) / 32768);
     const most = this.loudest;
-    const middle = RULER + WAVE / 2;
+    const middle = RULER + wave / 2;
     context.fillStyle = this.colours.wave;
     shape.forEach(([low, high], column) => {
-      const up = (high / most) * (WAVE / 2 - 3), down = (low / most) * (WAVE / 2 - 3);
+      const up = (high / most) * (wave / 2 - 3), down = (low / most) * (wave / 2 - 3);
       context.fillRect(this.left + column, middle - up, 1, Math.max(1, up - down));
     });
     if (!this.narrow) this.#name(context, "sound", middle);
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {number} top @param {number} tall */
+  #spectrogram(context, top, tall) {
+    const { sound } = this.line, { ink } = this.colours;
+    if (!sound) return;
+    if (this.spectrogram?.sound !== sound || this.spectrogram.colour !== ink)
+      this.spectrogram = new Spectrogram(sound, ink);
+    const { spectrogram } = this;
+    this.#clipped(context, () => {
+      if (spectrogram.draw(context, (seconds) => this.x(seconds), [this.from, this.to], top + 1, tall - 2)) return;
+      this.stale = true; // the rest is drawn in the next frame
+      this.does.moved();
+    });
+    if (!this.narrow) this.#name(context, "0 to 8 kHz", top + tall / 2);
   }
 
   /** @param {CanvasRenderingContext2D} context */
@@ -334,8 +387,8 @@ export class Timeline {
           context.fillRect(low, y, 1, BAND);
           context.fillRect(high, y, 1, BAND);
           context.fillStyle = band === 2 ? this.colours.soft : this.colours.ink;
-          if (context.measureText(text).width < high - low + 1)
-            context.fillText(text, (low + high) / 2, y + BAND / 2 + 1);
+          const room = high - low - 1;
+          context.fillText(shortened(context, text, room), (low + high) / 2, y + BAND / 2 + 1, room);
         }
       });
     });
@@ -366,7 +419,7 @@ export class Timeline {
   /** @param {CanvasRenderingContext2D} context @param {string} name @param {number} row */
   #pose(context, name, row) {
     const { take, other } = this.line;
-    const bottom = this.top + (row + 1) * this.rowHeight - 6, tall = this.rowHeight - (this.narrow ? 18 : 10);
+    const [bottom, tall] = this.#place(row);
     if (row === this.row) {
       context.fillStyle = this.colours.accent;
       context.globalAlpha = 0.08;
@@ -385,8 +438,23 @@ export class Timeline {
       if (other && same) {
         this.#curve(context, { ...place(same.curve.values), take: other }, this.colours.other, 1.8, [5, 3]);
       }
+      this.#keys(context, name, row);
     });
     if (this.narrow) this.#above(context, name, bottom - tall - 5);
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {string} name @param {number} row */
+  #keys(context, name, row) {
+    const { shown, chosen = null } = this.does.keys?.(name) ?? { shown: [] };
+    context.lineWidth = 2;
+    shown.forEach(([at, weight], n) => {
+      context.beginPath();
+      context.arc(this.x(at), this.y(row, weight), 4.5, 0, 7);
+      context.fillStyle = n === chosen ? this.colours.accent : this.colours.paper;
+      context.strokeStyle = this.colours.accent;
+      context.fill();
+      context.stroke();
+    });
   }
 
   /** @param {CanvasRenderingContext2D} context @param {number} rank @param {number} bottom @param {number} tall */
@@ -464,8 +532,12 @@ export class Timeline {
 
   /** @param {CanvasRenderingContext2D} context */
   #chosen(context) {
-    const { times, words, emphasis } = this.line.take.data.spoken;
+    const { times, words, emphasis, doubts } = this.line.take.data.spoken;
     this.#clipped(context, () => {
+      context.strokeStyle = this.colours.fail;
+      context.lineWidth = 1.5;
+      for (const [, first, stop] of words.filter((_, n) => n in doubts))
+        wavy(context, this.x(times[first]) + 2, this.x(times[stop]) - 2, this.bandTop + BAND - 3);
       context.strokeStyle = context.fillStyle = this.colours.accent;
       context.lineWidth = 2;
       words.forEach((/** @type {[string, number, number]} */ [, first, stop], /** @type {number} */ n) => {
@@ -474,6 +546,10 @@ export class Timeline {
           context.fillRect(low + 2, this.bandTop + BAND - 4, Math.max(2, high - low - 4), 1 + 1.5 * emphasis[n]);
         if (n === this.word) context.strokeRect(low + 1, this.bandTop + 1, high - low - 2, BAND - 2);
       });
+      if (this.phoneme >= 0 && this.phoneme + 1 < times.length) {
+        const low = this.x(times[this.phoneme]), high = this.x(times[this.phoneme + 1]);
+        context.strokeRect(low + 1, this.bandTop + BAND + 1, high - low - 2, BAND - 2);
+      }
       if (this.boundary < 0 || this.boundary >= times.length) return;
       const x = this.x(times[this.boundary]), y = this.bandTop + BAND;
       context.fillRect(x - 1, y, 2, this.height - y);
@@ -510,9 +586,35 @@ export class Timeline {
     );
   }
 
+  /** @param {number} x @param {number} y @returns {number} the phoneme there, or -1 */
+  phonemeAt(x, y) {
+    const down = y - this.bandTop - BAND;
+    return this.shown && down >= 0 && down < BAND ? this.line.take.phonemeAt(this.at(x)) : -1;
+  }
+
   /** @param {number} y @returns {number} the row there, or -1 */
   rowAt(y) {
     const row = Math.floor((y - this.top) / this.rowHeight);
     return row >= 0 && row < this.line.rows.length ? row : -1;
   }
+}
+
+/** @param {CanvasRenderingContext2D} context @param {string} text @param {number} room pixels @returns {string} */
+function shortened(context, text, room) {
+  const signs = [...text];
+  let shown = text;
+  for (let kept = signs.length - 1; kept > 0 && context.measureText(shown).width * SQUEEZE > room; kept--)
+    shown = `${signs.slice(0, kept).join("")}…`;
+  return shown;
+}
+
+/**
+ * Underline what is in doubt.
+ * @param {CanvasRenderingContext2D} context @param {number} x @param {number} to @param {number} y
+ */
+function wavy(context, x, to, y) {
+  context.beginPath();
+  context.moveTo(x, y);
+  for (let n = 1; x + 2 * n <= to; n++) context.lineTo(x + 2 * n, y + (n % 2 ? -2 : 1));
+  context.stroke();
 }

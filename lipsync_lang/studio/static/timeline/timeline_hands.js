@@ -8,6 +8,13 @@ const APART = 10;
 const REACH = 5, FINGER_REACH = 16;
 /** Pixels of a wheel for a zoom by e. */
 const WHEEL = 300;
+/** Pixels after which a press on a word moves it. */
+const SLACK = 4;
+
+/**
+ * What a pointer takes: a boundary (`through` itself), or a word with all of its boundaries.
+ * @typedef {{boundary: number, through: number, word: number}} Grab
+ */
 
 /**
  * Listen to the pointers on a timeline.
@@ -17,8 +24,9 @@ export function listen(timeline) {
   const { canvas, does } = timeline;
   /** @type {number[]} */
   let pressed = [];
-  /** The boundary that is dragged; -1 for none, and the distance of the pointer from it. */
-  let dragged = -1, apart = 0;
+  /** What is taken, the distance of the pointer from it, and whether it is dragged yet. @type {Grab | null} */
+  let grab = null;
+  let apart = 0, dragging = false, pulling = false;
   /** @type {Map<number, PointerEvent>} */
   const down = new Map();
   const place = (/** @type {MouseEvent} */ event) => {
@@ -27,7 +35,14 @@ export function listen(timeline) {
   };
   const taken = (/** @type {PointerEvent} */ event) => {
     const [x, y] = place(event);
-    return does.drag ? timeline.boundaryAt(x, y, event.pointerType === "touch" ? FINGER_REACH : REACH) : -1;
+    if (!does.drag) return null;
+    const word = timeline.wordAt(x, y);
+    if (word >= 0) {
+      const [, boundary, through] = timeline.line.take.data.spoken.words[word];
+      return { boundary, through, word };
+    }
+    const boundary = timeline.boundaryAt(x, y, event.pointerType === "touch" ? FINGER_REACH : REACH);
+    return boundary < 0 ? null : { boundary, through: boundary, word };
   };
   canvas.addEventListener("pointerdown", (event) => {
     if (event.button) return;
@@ -36,15 +51,19 @@ export function listen(timeline) {
     const [x, y] = place(event);
     pressed = [x, y];
     does.hover(null);
-    dragged = down.size === 1 ? taken(event) : -1;
-    if (dragged >= 0) {
-      apart = x - timeline.x(timeline.line.take.data.spoken.times[dragged]);
-      does.drag?.(dragged, timeline.at(x - apart), false);
+    pulling = down.size === 1 && Boolean(does.press?.(x, y, event));
+    if (pulling) return;
+    grab = down.size === 1 ? taken(event) : null;
+    if (grab) apart = x - timeline.x(timeline.line.take.data.spoken.times[grab.boundary]);
+    dragging = grab !== null && grab.word < 0;
+    if (grab && dragging) {
+      does.drag?.(grab, timeline.at(x - apart), false, event);
       return;
     }
     if (down.size === 1) {
       does.seek(timeline.at(x));
       does.word?.(timeline.wordAt(x, y));
+      does.phoneme?.(timeline.phonemeAt(x, y));
       const row = timeline.rowAt(y);
       if (row >= 0) does.pick(row);
     }
@@ -53,13 +72,19 @@ export function listen(timeline) {
     const [x, y] = place(event);
     const before = down.get(event.pointerId);
     if (!before) {
-      if (does.drag) canvas.style.cursor = taken(event) >= 0 ? "ew-resize" : "";
+      const over = taken(event);
+      canvas.style.cursor = over ? (over.word < 0 ? "ew-resize" : "grab") : "";
       if (event.pointerType === "mouse")
         does.hover({ seconds: timeline.at(x), row: timeline.rowAt(y), x: event.clientX, y: event.clientY });
       return;
     }
-    if (dragged >= 0) does.drag?.(dragged, timeline.at(x - apart), false);
-    else if (down.size === 1) does.seek(timeline.at(x));
+    if (pulling) {
+      if (Math.hypot(x - pressed[0], y - pressed[1]) > SLACK) does.pull?.(x, y, false);
+      return;
+    }
+    dragging ||= grab !== null && Math.abs(x - pressed[0]) > SLACK;
+    if (grab && dragging) does.drag?.(grab, timeline.at(x - apart), false, event);
+    else if (down.size === 1 && !grab) (does.scrub ?? does.seek)(timeline.at(x));
     if (down.size === 2) {
       const still = [...down.values()].find((one) => one.pointerId !== event.pointerId) ?? event;
       const [fixed] = place(still), [old] = place(before);
@@ -73,9 +98,16 @@ export function listen(timeline) {
       const { pointerId, pointerType, clientX, clientY } = /** @type {PointerEvent} */ (event);
       down.delete(pointerId);
       const [x, y] = place(/** @type {PointerEvent} */ (event)), [a, b] = pressed;
-      if (dragged >= 0) {
-        does.drag?.(dragged, timeline.at(x - apart), true);
-        dragged = -1;
+      if (pulling) {
+        pulling = false;
+        does.pull?.(x, y, true);
+        return;
+      }
+      const held = dragging ? grab : null;
+      grab = null;
+      dragging = false;
+      if (held) {
+        does.drag?.(held, timeline.at(x - apart), true, /** @type {PointerEvent} */ (event));
         return;
       }
       const tap = name === "pointerup" && pointerType !== "mouse" && Math.hypot(x - a, y - b) < TAP;
@@ -84,7 +116,7 @@ export function listen(timeline) {
   }
   canvas.addEventListener("dblclick", (event) => {
     const [x, y] = place(event);
-    does.open?.(timeline.at(x), timeline.rowAt(y));
+    does.open?.(timeline.at(x), timeline.rowAt(y), timeline.phonemeAt(x, y));
   });
   canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && does.hover(null));
   canvas.addEventListener("wheel", (event) => {

@@ -104,6 +104,7 @@ export class BigramView {
       },
       seek: (time) => this.#seek(time),
       tell: (text) => studio.tell(text),
+      dragged: (dragging) => studio.dragged(dragging),
     });
   }
 

@@ -1,6 +1,6 @@
 /** Sliders of poses by region: a mix of poses for the face. */
 
-import { made } from "../shell/elements.js";
+import { made, middled } from "../shell/elements.js";
 
 /** @typedef {{name: string, title: string, region: string}} Pose */
 /** @typedef {{pose: string, other: string, why: string}} Act a rule that lowers a pose */
@@ -62,7 +62,7 @@ export class PoseMixer {
     const row = made(
       "li",
       { "data-pose": name, title },
-      made("span", { class: "name", dir: "auto" }, name),
+      middled(name, { class: "name" }),
       slider,
       number,
       act,

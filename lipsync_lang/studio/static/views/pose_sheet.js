@@ -1,7 +1,7 @@
 /** A sheet of small pictures: the face in each pose, drawn by the face beside it. */
 
 import { drawMouth, mouthOf } from "../face/drawn_mouth.js";
-import { made } from "../shell/elements.js";
+import { made, middled } from "../shell/elements.js";
 
 /** Pixels of a picture. */
 const SIDE = 176;
@@ -36,7 +36,7 @@ export class PoseSheet {
         "button",
         { type: "button", title: title || name, "aria-pressed": "false" },
         canvas,
-        made("span", { dir: "auto" }, name),
+        middled(name),
       );
       button.addEventListener("click", (event) => this.pick(name, event.shiftKey));
       this.items.set(name, { canvas, button });

@@ -1,11 +1,14 @@
 /** The sentence view: a line on its timeline, corrected and delivered by hand; each value tells why. */
 
+import { BendHands } from "./bend_hands.js";
 import { DeliveryPanel } from "./delivery_panel.js";
 import { made } from "../shell/elements.js";
 import { withWord } from "../timeline/level_points.js";
 import { fileButton, LineFiles } from "./line_files.js";
 import { Overview } from "../timeline/overview.js";
 import { clock } from "../timeline/scales.js";
+import { PhonemeHands } from "./phoneme_hands.js";
+import { PhonemePanel } from "./phoneme_panel.js";
 import { sentenceKey } from "./sentence_keys.js";
 import { TakeValues } from "../line/take_values.js";
 import { findingTimes, listFigures, listStages, movingRows, tell, usedStages } from "../line/take_words.js";
@@ -19,6 +22,9 @@ const ROW = 50, MOST_ROW = 96, BELOW = 14;
 /** Files that a button asks for. */
 const TIMINGS = ".json,.textgrid,.TextGrid,.csv,.tsv,.txt,.xml,.ctm,.lab,.phn,.eaf,.pho,.bml,.vtt,.par",
   RECORDINGS = "audio/*,.wav,.flac";
+
+/** Pictures of a sound, and their buttons. @type {["wave" | "spectrogram" | "both", string][]} */
+const PICTURES = [["wave", "Wave"], ["spectrogram", "Spectrogram"], ["both", "Both"]];
 
 /** @typedef {import("../timeline/track_lanes.js").Track} Track */
 /** @typedef {import("../timeline/level_points.js").Level} Level */
@@ -40,6 +46,7 @@ export class SentenceView {
       moment: part("p", { id: "moment", "aria-live": "polite" }),
       bigrams: part("ul", { id: "bigrams" }),
       poses: part("ul", { id: "poses" }),
+      phoneme: part("section", { class: "word", "aria-label": "Chosen phoneme", hidden: "" }),
       word: part("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
       line: part("div"),
       parts: part("span", { class: "row parts", hidden: "" }),
@@ -52,17 +59,33 @@ export class SentenceView {
     this.whole = made("div", { class: "sentence-desk" });
     this.nothing = made("div", { class: "empty" });
     this.swapButton = made("button");
+    /** @type {HTMLElement[]} */
+    this.pictures = [];
     this.original = made("button");
     this.files = new LineFiles(studio, place);
     this.timeline = new Timeline(this.at.canvas, {
       seek: (seconds) => studio.seek(seconds),
+      scrub: (seconds) => studio.scrub(seconds),
       hover: (at) => tell(this.#tip, this.timeline, studio.player.playing ? null : at),
       pick: (row) => this.pick(row),
       moved: () => { this.moved = true; studio.wake(); },
-      drag: (boundary, seconds, done) => this.drag(boundary, seconds, done),
-      word: (word) => this.choose({ word }),
-      open: (seconds, row) => row >= 0 && this.openBigram(seconds, row),
+      drag: (grab, seconds, done, event) => this.phonemes.drag(grab, seconds, done, event),
+      word: (word) => this.choose({ word }, true),
+      phoneme: (phoneme) => phoneme >= 0 && this.choose({ phoneme }, true),
+      press: (x, y, event) => this.bends.press(x, y, event),
+      pull: (x, y, done) => this.bends.drag(x, y, done),
+      keys: (pose) => {
+        const { chosen } = this.bends;
+        return { shown: this.bends.shown(pose), chosen: chosen?.pose === pose ? chosen.which : null };
+      },
+      open: (seconds, row, phoneme) => {
+        if (phoneme >= 0) this.phonemePanel.ask();
+        else if (row >= 0) this.openBigram(seconds, row);
+      },
     });
+    this.bends = new BendHands(this);
+    this.phonemes = new PhonemeHands(this);
+    this.phonemePanel = new PhonemePanel(this.at.phoneme, this.phonemes);
     this.overview = new Overview(this.at.overview, this.timeline);
     this.values = new TakeValues(at, { pick: (row) => this.pick(row), more: (bigram) => [this.#opener(bigram)] });
     this.lanes = new TrackLanes(this.at.lanes, this.timeline, {
@@ -72,18 +95,16 @@ export class SentenceView {
       set: (track, level, done) => this.setLevel(track, level, done),
       setWord: (track, value, done) => this.#setWord(track, value, done),
       emphasise: (level, done) => this.emphasise(level, done),
-      state: (name, value, done) => this.#set({ ...studio.settings, [name]: value }, `${name} ${value}`, done),
+      state: (name, value, done) => this.set({ ...studio.settings, [name]: value }, `${name} ${value}`, done),
       open: (track) => this.#openTrack(track),
     });
     /** Keys of the tracks that are shown as lanes. @type {Set<string>} */
     this.open = new Set();
     /** The other take is on the face. */
     this.swapped = false;
+    /** The labels to pick from are those of this line. */
+    this.labelled = false;
     this.moved = true;
-    this.dragging = false;
-    this.dragTimes = [0];
-    /** Times of boundaries that were asked for, until the take with them is here. @type {Map<number, number>} */
-    this.sought = new Map();
     /** @type {Level | undefined} */
     this.wordBefore = undefined;
     /** The player of the line that is shown. @type {import("../line/player.js").Player | null} */
@@ -106,11 +127,39 @@ export class SentenceView {
       fileButton("Open sound…", RECORDINGS, (files) => this.files.open(files)),
     ];
     this.swapButton = button("A/B", "Switch between A and B (A)", () => this.swap());
-    this.original = button("Original times", "Restore the times as they were opened or spoken", () => this.restore());
+    this.original = button(
+      "Original times",
+      "Restore the phonemes and their times as they were opened or spoken",
+      () => this.restore(),
+    );
+    const picture = "Picture of the sound (W)";
+    this.pictures = PICTURES.map(([name, text]) => button(text, picture, () => this.picture(name)));
+    this.picture("wave");
+    /**
+     * A button that turns a hand on and off.
+     * @param {string} text @param {string} title @param {() => boolean} turned that turns it, and tells its state
+     * @param {boolean} on
+     */
+    const toggle = (text, title, turned, on) => {
+      const one = button(text, title, () => one.setAttribute("aria-pressed", String(turned())));
+      one.setAttribute("aria-pressed", String(on));
+      return one;
+    };
+    const { phonemes, bends } = this;
+    const snap = toggle("Snap", "Boundaries stop at onsets of the sound; Alt turns it round in a drag",
+      () => (phonemes.snap = !phonemes.snap), true);
+    const ripple = toggle("Ripple", "Sounds after a boundary follow, up to a pause; Shift turns it round in a drag",
+      () => (phonemes.ripple = !phonemes.ripple), false);
+    const bend = toggle("Bend", "Drag a curve to bend it on this line; Ctrl does it without this button",
+      () => (bends.on = !bends.on), false);
     const tools = made("div", { class: "row tools" }, ...open(),
       made("span", { class: "group", role: "group", "aria-label": "Save the timings" },
         button("Save timings", "As JSON, with emphasis and stress", () => this.files.save("json")),
         button("TextGrid", "Save the timings as a TextGrid, for Praat", () => this.files.save("TextGrid"))),
+      made("span", { class: "group", role: "group", "aria-label": "Dragging boundaries" },
+        snap, ripple), bend,
+      made("span", { class: "group", role: "group", "aria-label": "Picture of the sound" },
+        ...this.pictures),
       this.original, this.swapButton, this.at.parts);
     const figures = this.at.figures;
     figures.append(
@@ -122,6 +171,7 @@ export class SentenceView {
       "aside",
       { class: "why", "aria-label": "Values and reasons" },
       this.at.word,
+      this.at.phoneme,
       this.at.moment,
       this.at.bigrams,
       this.at.poses,
@@ -194,8 +244,7 @@ export class SentenceView {
     this.nothing.hidden = Boolean(take);
     if (!take) return;
     if (studio.sound !== this.heard || this.player !== studio.player) this.#newLine();
-    for (const boundary of this.sought.keys())
-      if (!studio.wishes.has(`boundary/${boundary}`)) this.sought.delete(boundary);
+    this.phonemes.taken();
     const rows = movingRows(take, other), picked = this.timeline.shown?.rows[this.timeline.row];
     this.timeline.show({ take, other, sound, rows });
     this.values.show(take, rows);
@@ -223,14 +272,16 @@ export class SentenceView {
     this.player = this.studio.player;
     this.timeline.shown = null;
     this.overview.shape = [];
-    this.timeline.boundary = this.timeline.word = -1;
-    this.dragging = false;
+    this.timeline.boundary = this.timeline.word = this.timeline.phoneme = -1;
+    this.phonemes.dragging = false;
+    this.bends.chosen = null;
+    this.labelled = false;
     this.open = new Set(this.tracks().filter((one) => typeof one.level !== "number").map(keyOf));
   }
 
   async #check() {
     const { take } = this.studio;
-    if (!take || this.dragging || this.swapped || this.studio.view !== this) return;
+    if (!take || this.phonemes.dragging || this.swapped || this.studio.view !== this) return;
     await this.studio.attempt(async () => {
       const { figures } = await this.studio.api.get("figures");
       if (this.studio.take !== take) return;
@@ -286,6 +337,15 @@ export class SentenceView {
     this.studio.wake();
   }
 
+  /** Choose the picture of the sound. @param {"wave" | "spectrogram" | "both"} [name] the next unless given */
+  picture(name) {
+    const { timeline } = this, next = PICTURES.findIndex(([one]) => one === timeline.sounds) + 1;
+    timeline.sounds = name ?? PICTURES[next % PICTURES.length][0];
+    this.pictures.forEach((one, n) => one.setAttribute("aria-pressed", String(PICTURES[n][0] === timeline.sounds)));
+    timeline.stale = this.moved = true;
+    this.studio.wake();
+  }
+
   swap() {
     if (!this.studio.other) return;
     this.swapped = !this.swapped;
@@ -323,45 +383,26 @@ export class SentenceView {
     else this.studio.tell("No bigram covers this moment");
   }
 
-  // Boundaries
+  // Phonemes and words
 
-  /** @param {{boundary?: number, word?: number}} what is chosen; the rest no longer is */
-  choose({ boundary = -1, word = -1 }) {
-    [this.timeline.boundary, this.timeline.word] = [boundary, word];
+  /**
+   * @param {{boundary?: number, word?: number, phoneme?: number}} what is chosen; the rest no longer is
+   * @param {boolean} [heard] once, as well
+   */
+  choose({ boundary = -1, word = -1, phoneme = -1 }, heard = false) {
+    if (heard) this.studio.hear({ word, phoneme });
+    this.bends.chosen = null;
+    [this.timeline.boundary, this.timeline.word, this.timeline.phoneme] = [boundary, word, phoneme];
     this.timeline.stale = true;
     this.#levels();
+    if (phoneme >= 0 && !this.labelled) this.#offerLabels();
     this.studio.wake();
   }
 
-  /** @param {number} boundary @param {number} seconds @param {boolean} done */
-  drag(boundary, seconds, done) {
-    const { take } = this.studio;
-    if (!take || this.swapped) return;
-    if (!this.dragging) {
-      this.dragging = true;
-      this.dragTimes = [...take.data.spoken.times];
-      this.choose({ boundary });
-      if (!done) return; // pressed, not moved yet
-    }
-    if (Math.abs(seconds - this.dragTimes[boundary]) > 1e-4 || !done) this.#move(boundary, seconds, !done);
-    this.dragging = !done;
-  }
-
-  /** @param {number} boundary @param {number} seconds @param {boolean} passing @param {string} [merge] */
-  #move(boundary, seconds, passing, merge = "") {
-    const { labels } = this.studio.take?.data.spoken ?? { labels: [] };
-    const title = `Move the boundary before ${labels[boundary] ?? "the end"}`;
-    this.studio.perform(`boundary/${boundary}`, { seconds, passing, title, merge });
-  }
-
-  /** @param {number} by seconds that the chosen boundary is moved */
-  nudge(by) {
-    const { boundary } = this.timeline, { take } = this.studio;
-    if (!take || boundary < 0) return;
-    const from = this.sought.get(boundary) ?? take.data.spoken.times[boundary];
-    this.sought.set(boundary, from + by);
-    this.#move(boundary, from + by, false, `nudge ${boundary}`);
-    this.studio.seek(from + by);
+  /** Ask for the labels of the line's notation, once. */
+  async #offerLabels() {
+    this.labelled = true;
+    await this.studio.attempt(async () => this.phonemePanel.offer((await this.studio.api.get("labels")).labels));
   }
 
   restore() {
@@ -396,6 +437,7 @@ export class SentenceView {
       chosen ? { text: chosen[0], emphasis: emphasis[word], from: times[chosen[1]], to: times[chosen[2]] } : null,
       Boolean(sound),
     );
+    this.phonemePanel.show(this.phonemes.chosen);
     this.lanes.show(tracks.filter((one) => this.open.has(keyOf(one))));
   }
 
@@ -414,7 +456,7 @@ export class SentenceView {
     else if (typeof level !== "number") this.open.add(keyOf(track));
     if (level === undefined || level === track.usual) delete levels[track.name];
     else levels[track.name] = level;
-    this.#set({ ...settings, [track.kind]: levels }, track.name, done);
+    this.set({ ...settings, [track.kind]: levels }, track.name, done);
   }
 
   /** @param {Track} track @param {number} value @param {boolean} done */
@@ -432,7 +474,7 @@ export class SentenceView {
    * @param {string} title of the step in undo
    * @param {boolean} done
    */
-  #set(settings, title, done) {
+  set(settings, title, done) {
     if (!done && JSON.stringify(settings) === JSON.stringify(this.studio.settings)) return;
     this.studio.settings = settings;
     this.#levels();

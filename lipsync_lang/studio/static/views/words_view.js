@@ -52,6 +52,7 @@ export class WordsView {
       changed: (what, { merge, title }) => what.curves && this.#send(what.curves, title, merge),
       seek: (time) => this.#seek(time),
       tell: (text) => studio.tell(text),
+      dragged: (dragging) => studio.dragged(dragging),
     });
   }
 
