@@ -25,7 +25,7 @@ from lipsync_lang.packs.models.fields import (
     labels_as_sounds,
     sound_forms,
 )
-from lipsync_lang.packs.models.text_models import LanguageText, SharedText
+from lipsync_lang.packs.models.text_models import LanguageText, SharedText, WordTable
 from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
 from lipsync_lang.phonology.labels import Value
 
@@ -355,8 +355,9 @@ class Language(PackModel):
     """For each notation, the common phonemes of each label."""
     stress_digits: tuple[Text, ...] = ()
     """Notations whose labels may end in a digit of stress: 0 none, 1 primary, 2 secondary."""
-    words: dict[Text, Annotated[tuple[Common, ...], Field(min_length=1)]] = Field(default={})
-    """Pronunciations of words, which override the engine."""
+    words: WordTable = Field(default={})
+    """Readings of words, which override the engine: a list of common phonemes, another spelling, or
+    a mapping. A word that is respelled or in IPA takes the `endings` of `text`, too."""
     text: LanguageText | None = None
     """Written forms that the engine would misread: interjections, abbreviations, numerals."""
     asides: tuple[Text, ...] = ()
