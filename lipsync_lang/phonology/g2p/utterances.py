@@ -94,6 +94,10 @@ class Utterances:
             for text, parts in zip(texts, cut, strict=True)
         ]
 
+    def has_entry(self, word: str) -> bool:
+        """Return True for a word that the pack reads its own way."""
+        return any(self._own.find(word))
+
     def ordinary(self, text: str) -> bool:
         """Return True for a text that the engine reads without changes."""
         return _is_whole(self.cut(text), text)
