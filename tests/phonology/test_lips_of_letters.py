@@ -12,6 +12,14 @@ WORDS = [
     ("ukrainian", "вік", "f iy kg"),
     ("ukrainian", "двері", "d f eh d iy"),
     ("ukrainian", "філософ", "f iy l ao s ao f"),
+    ("spanish", "vaca", "bmp aa kg aa"),
+    ("spanish", "la vaca", "l aa bw aa kg aa"),
+    ("spanish", "abogado", "aa bw oc kg aa th oc"),
+    ("spanish", "hombre", "oc bmp bmp d eh"),
+    ("galician", "vaca", "bmp aa kg aa"),
+    ("galician", "avogado", "aa bw oc kg aa th oc"),
+    ("galician", "nabo árbore", "n aa bw oc aa d bw oc d eh"),
+    ("galician", "convite", "kg oc bmp bmp iy d eh"),
     ("polish", "w domu", "f d ao bmp w"),
 ]
 
