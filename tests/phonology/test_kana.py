@@ -7,6 +7,7 @@ from lanes import full
 
 from lipsync_lang import SpeechError
 from lipsync_lang.phonology.g2p.kana import MAX_READ_CHARS, dictionary, respell
+from lipsync_lang.phonology.g2p.romaji import romaji_kana
 
 needs_dictionary = pytest.mark.skipif(
     "not __import__('importlib.util').util.find_spec('pyopenjtalk')",
@@ -17,6 +18,18 @@ needs_dictionary = pytest.mark.skipif(
 def read(text):
     """Return only the spellings, between slashes."""
     return "/".join(spelling for _, spelling in respell(text))
+
+
+@pytest.mark.parametrize(
+    ("word", "kana"),
+    [
+        ("konnichiwa", "コンニチワ"), ("Shinjuku", "シンジュク"), ("gakkou", "ガッコー"),
+        ("Satō", "サトー"), ("matcha", "マッチャ"), ("shimbun", "シンブン"), ("jun'ichi", "ジュンイチ"),
+        ("tsunami", "ツナミ"), ("ryū", "リュー"), ("strategy", ""), ("ti", "チ"), ("wi", ""), ("x", ""),
+    ],
+)  # fmt: skip
+def test_romaji_is_read_by_its_syllables(word, kana):
+    assert romaji_kana(word) == kana
 
 
 @needs_dictionary
@@ -30,6 +43,8 @@ def read(text):
         ("一本、二本、三本", "イッポン/、/ニホン/、/サンボン"),
         ("大人二人と子供四人", "オトナ/フタリ/ト/コドモ/ヨニン"),
         ("続き", "ツズキ"),
+        ("konnichiwa、Naruto", "コンニチワ/、/ナルト"),
+        ("DVDとstrategy", "ディーブイディー/ト/エスティーアールエーティーイージーワイ"),
     ],
 )
 def test_words_are_spelled_as_they_sound(text, kana):
