@@ -244,8 +244,8 @@ class G2P(Strict):
     rules: tuple[Rewrite, ...] = ()
     """Rewrites, tried in order at each place of a word; the first that fits wins."""
     readings: tuple[Rewrite, ...] = ()
-    """Readings of words and letters in the engine's own spelling, such as pinyin with tone digits;
-    the first that fits wins."""
+    """Readings of words and letters in the engine's own spelling, such as pinyin with tone digits,
+    or kana for the syllables of a word that a respeller spells; the first that fits wins."""
     corrections: tuple[LabelCorrection, ...] = ()
     """Corrections of the engine's labels, tried in order at each label; the first that fits
     wins."""

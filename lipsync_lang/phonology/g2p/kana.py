@@ -17,7 +17,6 @@ from typing import Any
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS, WHISPER
-from lipsync_lang.phonology.g2p.romaji import romaji_kana
 
 MAX_READ_CHARS = 1000
 """Maximum characters of a part; the dictionary's buffer is not much larger."""
@@ -98,17 +97,7 @@ def _read(sentence: str) -> list[tuple[str, str]]:
         kana[-1] += said if _KANA.fullmatch(said) else sentence[start:stop]
         before = morpheme
     words = (sentence[slice(*span)] for span in pairwise((*cuts, len(sentence))))
-    return [(word, _unspelled(word, said)) for word, said in zip(words, kana, strict=True)]
-
-
-def _unspelled(word: str, kana: str) -> str:
-    """Return the kana of a word in romaji that the dictionary spells; other kana as they are.
-
-    Names of letters have more kana than the word has letters. Capitals alone are an abbreviation.
-    """
-    if len(kana) <= len(word) or word.upper() == word:
-        return kana
-    return romaji_kana(word) or kana
+    return list(zip(words, kana, strict=True))
 
 
 def _belongs(before: dict[str, str], morpheme: dict[str, str]) -> bool:
