@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from lipsync_lang.coverage.entry_words import EntryWords
 from lipsync_lang.coverage.reading_cache import reading_cache
 from lipsync_lang.coverage.report import Corpus
 from lipsync_lang.coverage.script_changes import ScriptDigests
@@ -130,6 +131,8 @@ class Reading(NamedTuple):
     """Scripts of the language; empty if unknown."""
     takes: Takes | None = None
     """Predicate of the lines to count; None for all."""
+    letters: "Iterable[str]" = ()
+    """Letters of the language; empty if unknown."""
 
 
 LinePhonemes = tuple[list[int], list[str]]
@@ -140,7 +143,7 @@ class Count:
     """Phonemes and bigrams of lines in one language."""
 
     def __init__(self, reading: Reading) -> None:
-        performer, scripts, takes = reading
+        performer, scripts, takes, letters = reading
         self._takes: Takes = takes or (lambda _: True)
         self._performer = replace(performer, unknown="rest", shades=False)
         self._speaker = self._performer.speaker
@@ -156,6 +159,7 @@ class Count:
         self.unread, self.unmapped = TallyCounter(), TallyCounter()
         self.dropped = TallyCounter()
         self.others = OtherScripts(self._speaker, scripts)
+        self.entries = EntryWords(self._speaker, letters)
         self._words: dict[str, None] = {}
         self._sets = array("H" if self.size**2 <= UINT16_VALUES else "I")
         self._starts = array("Q", [0])
@@ -170,6 +174,7 @@ class Count:
         own = {n: line for n, line in enumerate(lines, start) if self._takes(line)}
         written = [line for line in own.values() if line.schedule is None]
         spelled = self.others.spelled(written)
+        self.entries.add(written)
         cut: list[list[str]] = []
         for one, spans in zip(written, spelled, strict=True):
             # Gaps and spelled words have unknown sounds; the line is cut at them.

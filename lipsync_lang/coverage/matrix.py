@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.column_joining import shared_of
 from lipsync_lang.coverage.corpus import Pages, Reading, count
+from lipsync_lang.coverage.entry_words import letters_of
 from lipsync_lang.coverage.report import Coverage
 from lipsync_lang.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.coverage.scripts import scripts_of
@@ -71,7 +72,8 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
         if key not in keys:  # pairs with equal counts share a reading
             takes = None if faces is None else partial(_speaks, faces, face)
             keys.append(key)
-            readings.append(Reading(performer, scripts_of(packs[performer.language]), takes))
+            pack = packs[performer.language]
+            readings.append(Reading(performer, scripts_of(pack), takes, letters_of(pack)))
         reading_of.append(keys.index(key))
     with closing(Pages()) as pages:
         corpus, counts = count(lines, readings, pages, faces)

@@ -32,6 +32,14 @@ class OtherScript(Tally):
     """True if a voice reads the word; spelled words are not counted."""
 
 
+class EntryWord(Tally):
+    """A word that deserves an entry in the pack of its language."""
+
+    why: Literal["letters", "name", "engines"]
+    """A letter that the pack's texts do not have, a capital within a sentence, or two engines that
+    read the word differently."""
+
+
 class Corpus(Fact):
     """The lines that were read."""
 
@@ -134,6 +142,8 @@ class CoverageReport(Fact):
     """The column that was read; empty unless the language has several."""
     trigrams: tuple[TrigramNeed, ...] = ()
     """Drawn trigrams, most frequent first; unused ones have a count of 0."""
+    entries: tuple[EntryWord, ...] = ()
+    """Words that the language may misread, and that have no entry in its `words`."""
 
     @property
     def label(self) -> str:

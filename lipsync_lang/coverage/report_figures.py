@@ -148,5 +148,6 @@ def report_of(
         unread=counted.unread.tallies(),
         unmapped=counted.unmapped.tallies(),
         other_scripts=counted.others.tallies(),
+        entries=counted.entries.tallies(),
         trigrams=trigrams,
     )

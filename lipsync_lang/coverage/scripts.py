@@ -15,7 +15,7 @@ from unicodedata import category, name, normalize
 
 from lipsync_lang.coverage.report import OtherScript
 from lipsync_lang.coverage.tally_counter import MAX_TALLY_NAMES, TallyCounter
-from lipsync_lang.phonology.g2p.tokens import PAUSES, counts, pieces, plain
+from lipsync_lang.phonology.g2p.tokens import PAUSES, counts, pieces
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
@@ -84,7 +84,7 @@ class OtherScripts:
                 if is_spelled:
                     spelled_spans[-1].append(span)
                 for word in (piece.text for piece in pieces(phrase)):
-                    if any(map(script, word)) and plain(word) not in self._speaker.manner.words:
+                    if any(map(script, word)) and not self._speaker.has_entry(word):
                         short = len(word) <= MAX_PHRASE_CHARS
                         what = word if short else word[: MAX_PHRASE_CHARS - 1] + "…"
                         (self._spelled if is_spelled else self._read).add(what, line.place)

@@ -1,12 +1,14 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unicodedata import normalize
 
 from lipsync_lang.packs.finding import IPA, beside
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, Settings
-from lipsync_lang.phonology.g2p.spoken_forms import Interjection, SpokenForms
+from lipsync_lang.phonology.g2p.own_words import ipa_labels, stands_alone
+from lipsync_lang.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, looser, normalise, ready
 from lipsync_lang.phonology.manner import Hearing, Manner
@@ -24,9 +26,10 @@ def manner_of(
     """Return the settings for reading and speaking text; a character may add its own words."""
     model, g2p = language.model, language.model.g2p
     own = character.pronunciations if character is not None else {}
+    stated = {word: one.phonemes for word, one in model.words.items() if one.phonemes}
     words = {
         plain(word): tuple(sounds)
-        for said in (model.words, *(own.get(name, {}) for name in (*language.lineage[::-1],)))
+        for said in (stated, *(own.get(name, {}) for name in (*language.lineage[::-1],)))
         for word, sounds in said.items()
     }
     added = {name: phoneme for name, phoneme in model.adds.items() if phoneme is not None}
@@ -146,8 +149,9 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
             if sounds is not None and found:
                 known[spelling] = Interjection(tuple(found), sounds.say)
     vowels = shared.vowels if shared is not None else ""
+    words, phrases = _own_words(language, language.notations.get(notation, ()))
     if stated is None:
-        return SpokenForms(known, vowels=vowels)
+        return SpokenForms(known, phrases, words, vowels=vowels)
     for spelling, own in stated.interjections.items():
         known.pop(spelling, None)
         if own is not None:
@@ -155,7 +159,9 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
     numerals = stated.numerals
     return SpokenForms(
         interjections=known,
-        abbreviations=dict(stated.abbreviations),
+        abbreviations={**stated.abbreviations, **phrases},
+        words=words,
+        endings={last: dict(others) for last, others in stated.endings.items()},
         numbers=dict(stated.numbers),
         counted=numerals.counted if numerals else (),
         named=numerals.named if numerals else (),
@@ -164,3 +170,17 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         hyphenated=stated.hyphenated,
         vowels=vowels,
     )
+
+
+def _own_words(
+    language: "models.Language", labels: Collection[str]
+) -> tuple[dict[str, OwnWord], dict[str, str]]:
+    """Return the words that a pack reads its own way, and respelled ones without spaces around."""
+    words: dict[str, OwnWord] = {}
+    phrases: dict[str, str] = {}
+    for word, reading in language.words.items():
+        if reading.say and not reading.ipa and not stands_alone(word):
+            phrases[word] = reading.say
+        elif reading.ipa or reading.say:
+            words[word] = OwnWord(ipa_labels(reading.ipa, labels), reading.say)
+    return words, phrases

@@ -197,7 +197,8 @@ class PairPacks:
         model = self.language.model
         labels = (s.to for table in model.notations.values() for s in table.values())
         own = (words.values() for words in self.character.model.pronunciations.values())
-        return frozenset(chain(*labels, *model.words.values(), *chain(*own)))
+        words = (reading.phonemes for reading in model.words.values())
+        return frozenset(chain(*labels, *words, *chain(*own)))
 
     @property
     def numbered(self) -> tuple[str, ...]:

@@ -84,7 +84,8 @@ def test_many_words_in_other_scripts_are_judged_as_few_are(packs, monkeypatch):
 
 def test_a_word_in_capitals_is_judged_as_if_it_were_in_small_letters():
     class Shouted:
-        manner = SimpleNamespace(words={})
+        def has_entry(self, _):
+            return False
 
         def transcribe(self, texts):
             spelled = (text.isupper() or len(text) == 1 for text in texts)

@@ -1,5 +1,6 @@
 """Japanese text in kana: readings, grouping, and unreadable text."""
 
+import re
 import sys
 
 import pytest
@@ -7,6 +8,7 @@ from lanes import full
 
 from lipsync_lang import SpeechError
 from lipsync_lang.phonology.g2p.kana import MAX_READ_CHARS, dictionary, respell
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 needs_dictionary = pytest.mark.skipif(
     "not __import__('importlib.util').util.find_spec('pyopenjtalk')",
@@ -17,6 +19,21 @@ needs_dictionary = pytest.mark.skipif(
 def read(text):
     """Return only the spellings, between slashes."""
     return "/".join(spelling for _, spelling in respell(text))
+
+
+@needs_dictionary
+@pytest.mark.parametrize(
+    ("word", "kana"),
+    [
+        ("konnichiwa", "コンニチワ"), ("Shinjuku", "シンジュク"), ("gakkou", "ガッコー"),
+        ("Satō", "サトー"), ("matcha", "マッチャ"), ("shimbun", "シンブン"),
+        ("ryūjin", "リュージン"),
+        ("strategy", "エスティーアールエーティーイージーワイ"), ("DVD", "ディーブイディー"),
+    ],
+)  # fmt: skip
+def test_romaji_is_read_by_its_syllables(word, kana):
+    (one,) = Speaker.of("japanese").transcribe([word])
+    assert re.sub("[a-z]", "", "".join(one.labels)) == kana
 
 
 @needs_dictionary

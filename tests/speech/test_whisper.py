@@ -1,6 +1,7 @@
 """Recognition by Whisper: words come from its model, times from the language's aligner."""
 
 import sys
+from inspect import signature
 from types import SimpleNamespace
 
 import numpy as np
@@ -284,6 +285,27 @@ def test_folders_without_a_model_are_told_before_anything_is_loaded(tmp_path):
         (tmp_path / name).write_text("{")
     with pytest.raises(SpeechError, match=r"config.json: cannot be read"):
         whisper_model(str(tmp_path))
+
+
+def test_the_command_that_fetches_a_model_makes_a_folder_that_is_taken(monkeypatch, tmp_path):
+    def download_model(name, output_dir):
+        assert name == "small"
+        folder = tmp_path / output_dir
+        folder.mkdir(parents=True)
+        for file in whisper_models.MODEL_FILES:
+            (folder / file).write_text("{}")
+
+    fetched = SimpleNamespace(download_model=download_model)
+    monkeypatch.setitem(sys.modules, "faster_whisper", fetched)
+    monkeypatch.chdir(tmp_path)
+    assert whisper_models.FETCH_CODE in whisper_models.FETCH_LINE
+    exec(whisper_models.FETCH_CODE, {})  # noqa: S102 our own code
+    whisper_models.check_folder(tmp_path / "models/whisper-small")
+
+
+def test_the_library_has_the_function_of_that_command():
+    library = pytest.importorskip("faster_whisper")
+    assert [*signature(library.download_model).parameters][:2] == ["size_or_id", "output_dir"]
 
 
 @pytest.mark.usefixtures("installed")

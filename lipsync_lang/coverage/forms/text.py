@@ -23,6 +23,10 @@ MAX_TEXT_SENTENCES = 3
 """Maximum number of lines to draw first, by default."""
 
 
+_WHY = {"letters": "foreign letters", "name": "a name", "engines": "two readings"}
+"""Reasons for an entry of a word."""
+
+
 @FORMS.register("text")
 def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     """Write all reports; several reports are preceded by their total and a table."""
@@ -123,6 +127,9 @@ def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
         yield f"in another script, read by the voice: {_tallies(read)}"
     if spelled:
         yield f"in another script, not counted: {_tallies(spelled)}"
+    if report.entries:
+        words = [f"{one.what} ({one.count}, {_WHY[one.why]})" for one in report.entries]
+        yield f"words that deserve an entry in `words` of the language: {_few(words)}"
     shown = report.sentences if everything else report.sentences[:MAX_TEXT_SENTENCES]
     if shown:
         yield f"{_count(len(report.sentences), 'line')} that use every unauthored bigram:"

@@ -3,7 +3,7 @@
 These checks need the pack alone. `authoring.trial` runs the tests with their engine.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import did_you_mean
@@ -11,6 +11,7 @@ from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.phonology.g2p.g2p_engines import Rule
+from lipsync_lang.phonology.g2p.own_words import ipa_labels, stands_alone
 from lipsync_lang.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow
 from lipsync_lang.phonology.labels import Notation, normalise
 
@@ -26,12 +27,30 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
     yield from _rules(language)
     model = language.model
     notation = notation_of(model, model.g2p_notation)
-    for spelling, sounds in model.text.interjections.items() if model.text else ():
-        for label in sounds.to if sounds and not model.automatic else ():
+    for loc, labels in _own_labels(model) if not model.automatic else ():
+        for label in labels:
             if notation.find(label) is None:
-                loc: Loc = ("text", "interjections", spelling)
                 what = f"'{label}' is not in the notation '{model.g2p_notation}'"
                 yield language.fault(loc, "P218", what, notation.suggest(label))
+    for word, reading in model.words.items():
+        if reading.ipa and not stands_alone(word):
+            what = f"'{word}' has IPA, which serves single words with spaces around them"
+            hint = "write another spelling: `say`"
+            yield language.fault(("words", word), "P115", what, hint, key=True)
+
+
+def _own_labels(model: "models.Language") -> "Iterator[tuple[Loc, Sequence[str]]]":
+    """Yield the place and the labels of each interjection, word in IPA, and ending."""
+    known = model.notations.get(model.g2p_notation, ())
+    for word, reading in model.words.items():
+        yield ("words", word, "ipa"), ipa_labels(reading.ipa, known)
+    if model.text is None:
+        return
+    for spelling, sounds in model.text.interjections.items():
+        yield ("text", "interjections", spelling), sounds.to if sounds else ()
+    for last, endings in model.text.endings.items():
+        for ending, labels in endings.items():
+            yield ("text", "endings", last, ending), labels
 
 
 def check_claims(

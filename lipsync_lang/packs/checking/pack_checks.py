@@ -81,8 +81,9 @@ def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fau
         for label, sounds in labels.items():
             loc: Loc = ("notations", notation, label, "to")
             yield from _phonemes(language, loc, sounds.to, known, common)
-    for word, sounded in model.words.items():
-        yield from _phonemes(language, ("words", word), sounded, known, common)
+    for word, reading in model.words.items():
+        loc = ("words", word, "phonemes")
+        yield from _phonemes(language, loc, reading.phonemes, known, common)
     for index, test in enumerate(model.tests):
         yield from _phonemes(language, ("tests", index, "phonemes"), test.phonemes, known, common)
         yield from _phonemes(language, ("tests", index, "read"), test.read, known, common)

@@ -26,7 +26,7 @@ from lipsync_lang.packs.models.fields import (
     sound_forms,
 )
 from lipsync_lang.packs.models.gesture_models import GestureWords
-from lipsync_lang.packs.models.text_models import LanguageText, SharedText
+from lipsync_lang.packs.models.text_models import LanguageText, SharedText, WordTable
 from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
 from lipsync_lang.phonology.labels import Value
 
@@ -245,8 +245,8 @@ class G2P(Strict):
     rules: tuple[Rewrite, ...] = ()
     """Rewrites, tried in order at each place of a word; the first that fits wins."""
     readings: tuple[Rewrite, ...] = ()
-    """Readings of words and letters in the engine's own spelling, such as pinyin with tone digits;
-    the first that fits wins."""
+    """Readings of words and letters in the engine's own spelling, such as pinyin with tone digits,
+    or kana for the syllables of a word that a respeller spells; the first that fits wins."""
     corrections: tuple[LabelCorrection, ...] = ()
     """Corrections of the engine's labels, tried in order at each label; the first that fits
     wins."""
@@ -357,8 +357,9 @@ class Language(PackModel):
     """For each notation, the common phonemes of each label."""
     stress_digits: tuple[Text, ...] = ()
     """Notations whose labels may end in a digit of stress: 0 none, 1 primary, 2 secondary."""
-    words: dict[Text, Annotated[tuple[Common, ...], Field(min_length=1)]] = Field(default={})
-    """Pronunciations of words, which override the engine."""
+    words: WordTable = Field(default={})
+    """Readings of words, which override the engine: a list of common phonemes, another spelling, or
+    a mapping. A word that is respelled or in IPA takes the `endings` of `text`, too."""
     text: LanguageText | None = None
     """Written forms that the engine would misread: interjections, abbreviations, numerals."""
     asides: tuple[Text, ...] = ()

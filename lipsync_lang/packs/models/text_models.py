@@ -1,10 +1,12 @@
 """Models of written forms that packs read themselves: interjections, abbreviations, numerals."""
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from lipsync_lang.packs.models.fields import (
+    Common,
     Label,
     OrOne,
     Short,
@@ -35,6 +37,38 @@ InterjectionTable = dict[Text, Annotated[InterjectionSounds | None, ShortInterje
 """The sounds of interjections by their shortest spelling; null for a word that is none."""
 
 
+class WordReading(Strict):
+    """The reading of a word: its common phonemes, IPA, or another spelling."""
+
+    phonemes: tuple[Common, ...] = ()
+    """Common phonemes, the mouths, whatever an engine or a voice says."""
+    ipa: str = ""
+    """Labels of the notation that `g2p` writes, such as `ʂ ɛ p a r t`."""
+    say: str = ""
+    """A spelling that is read in place of the word; beside another field, for the voice alone."""
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if bool(self.phonemes) == bool(self.ipa) and (self.phonemes or not self.say):
+            what = "a word needs `phonemes`, `ipa` or `say`, and not both of the first two"
+            raise PydanticCustomError("P115", what)
+        return self
+
+
+def _word(value: Data) -> Data:
+    if isinstance(value, str):
+        return {"say": value}
+    if not isinstance(value, (dict, Strict)):
+        return {"phonemes": value}
+    return value
+
+
+ShortWord = Short(_word, forms=sound_forms)
+
+WordTable = dict[Text, Annotated[WordReading, ShortWord]]
+"""Readings of words: a list of common phonemes, another spelling, or a mapping."""
+
+
 class Numerals(Strict):
     """Roman numerals, and the words before them."""
 
@@ -63,6 +97,9 @@ class LanguageText(Strict):
     number beyond its list is read as the engine reads it."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
+    endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})
+    """Endings that words of `words` take, each with its labels: by the end of the word that they
+    replace, one sound for each letter, or by an empty text."""
     doubled: tuple[Text, ...] = ()
     """Words whose double letter stays if the word is drawn out: `goood` is `good`."""
     hyphenated: tuple[Text, ...] = ()

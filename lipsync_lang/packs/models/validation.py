@@ -135,6 +135,13 @@ def _translate(source: YamlSource, model: type[BaseModel], error: ValidationErro
     return faults
 
 
+_ELSEWHERE = {
+    ("project", "words"): "words belong in the pack of a language, in the folder `languages`; "
+    "one that `extends` its own name adds to it"
+}
+"""Hints for fields that belong in another file, by kind of file and field."""
+
+
 def _say(  # noqa: C901, PLR0911 one return for each family of errors
     source: YamlSource, model: type[BaseModel], loc: Loc, report: PydanticError
 ) -> tuple[str, str, str]:
@@ -142,7 +149,9 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
     subject = _subject(source, loc)
     if sort == "extra_forbidden":
-        return "P101", f"unknown field `{loc[-1]}`", did_you_mean(str(loc[-1]), _fields(model, loc))
+        elsewhere = _ELSEWHERE.get((source.data["kind"], *loc))
+        hint = elsewhere or did_you_mean(str(loc[-1]), _fields(model, loc))
+        return "P101", f"unknown field `{loc[-1]}`", hint
     if sort == "missing" and isinstance(loc[-1], str):
         form = "format: 1" if loc[-1] == "format" else f"{loc[-1]}: ..."
         meaning = _fields(model, loc).get(loc[-1], "")

@@ -87,7 +87,7 @@ class _Keys:
         at = 0
         while start := self._starts.search(text, at):
             at = start.end()
-            if start[0].isalpha() and _is_spaced(text[max(at - 2, 0) : at - 1]):
+            if start[0].isalpha() and is_spaced(text[max(at - 2, 0) : at - 1]):
                 continue
             found, read = self._match(text, start.start())
             if found and _fits(found, read):
@@ -101,12 +101,12 @@ class _Keys:
             if found and key[0] == "~" and not roman(found[1]):
                 continue
             in_word = key[-1].isalpha() or key[-1] == "."
-            if found and not (in_word and _is_spaced(text[found.end() : found.end() + 1])):
+            if found and not (in_word and is_spaced(text[found.end() : found.end() + 1])):
                 return found, self._expansions[key]
         return None, ""
 
 
-def _is_spaced(char: str) -> bool:
+def is_spaced(char: str) -> bool:
     """Return True for a letter or digit of a script that puts spaces between words."""
     return char.isalnum() and not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
 
@@ -218,7 +218,7 @@ def _whole_words(pattern: re.Pattern[str], text: str) -> Iterator[re.Match[str]]
     while found := pattern.search(text, at):
         start, stop = found.start(), found.end("numeral")
         beside = text[max(start - 1, 0) : start], text[stop : stop + 1]
-        whole = not any(map(_is_spaced, beside))
+        whole = not any(map(is_spaced, beside))
         at = found.end() if whole else start + 1
         if whole:
             yield found

@@ -110,6 +110,7 @@ def _compile(number: int, rule: Rule) -> _CompiledRule:
 def engine(settings: Settings) -> G2PEngine:
     """Read text with the rules of a pack."""
     rewriter = Rewriter(settings.rules, settings.labels)
+    readings = Rewriter(settings.readings)
     respell = respeller(settings.respell) if settings.respell else None
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
@@ -120,7 +121,8 @@ def engine(settings: Settings) -> G2PEngine:
         if respell is None:
             yield from read_words(text, rewriter.read)
             return
-        for piece, spelling in respell(text):
+        for piece, respelled in respell(text):
+            spelling = _by_syllables(piece, respelled, readings)
             words = read_words(spelling, rewriter.read)
             if any(word.labels for word in words):
                 yield merged(piece, words, spelling.replace(WHISPER, ""))
@@ -161,6 +163,17 @@ def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:
         if found:
             yield number, min(found)
         first.setdefault((spelling, rule.after, rule.before), number)
+
+
+def _by_syllables(word: str, respelled: str, readings: Rewriter) -> str:
+    """Return the readings of a word that its respelling spells by letters; else the respelling.
+
+    Names of letters are longer than the word. Capitals alone are an abbreviation.
+    """
+    if len(respelled) <= len(word) or word.upper() == word:
+        return respelled
+    read = readings.read(word)
+    return respelled if read.unread else "".join(read.labels) or respelled
 
 
 class StatedReading(NamedTuple):

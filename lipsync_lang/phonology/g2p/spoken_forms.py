@@ -15,6 +15,13 @@ class Interjection(NamedTuple):
     say: str = ""
 
 
+class OwnWord(NamedTuple):
+    """A word of a pack: its labels, and a spelling to read in its place; one may be empty."""
+
+    labels: tuple[str, ...]
+    say: str = ""
+
+
 @dataclass(frozen=True)
 class SpokenForms:
     """The written forms that a language's pack reads in place of its engine: `text` of the pack.
@@ -25,6 +32,8 @@ class SpokenForms:
 
     interjections: Mapping[str, Interjection] = field(default_factory=dict)
     abbreviations: Mapping[str, str] = field(default_factory=dict)
+    words: Mapping[str, OwnWord] = field(default_factory=dict)
+    endings: Mapping[str, Mapping[str, Sequence[str]]] = field(default_factory=dict)
     numbers: Mapping[str, Sequence[str]] = field(default_factory=dict)
     counted: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
@@ -40,5 +49,7 @@ class SpokenForms:
             spelling: Interjection(tuple(labels), say)
             for spelling, (labels, say) in data["interjections"].items()
         }
+        words = {w: OwnWord(tuple(labels), say) for w, (labels, say) in data["words"].items()}
+        tables = {"interjections": known, "words": words}
         lists = ("counted", "named", "ordinals", "doubled", "hyphenated")
-        return cls(**{**data, "interjections": known} | {n: tuple(data[n]) for n in lists})
+        return cls(**{**data, **tables} | {name: tuple(data[name]) for name in lists})

@@ -25,6 +25,7 @@ from lipsync_lang.phonology.g2p.drawn_out import (
 from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement
 from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord, merged
 from lipsync_lang.phonology.g2p.interjections import Interjections
+from lipsync_lang.phonology.g2p.own_words import OwnWords
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.phonology.g2p.tokens import PAUSES, TextPiece, pieces, plain
 
@@ -74,6 +75,7 @@ class Utterances:
         self._forms, self._words, self._is_vowel = forms, words, is_vowel
         self._interjections = Interjections(forms.interjections, is_vowel, forms.vowels)
         self._expansions = Expansions(forms)
+        self._own = OwnWords(forms)
         self._ordinary = ordinary_spellings(forms.doubled)
         self._hyphenated = frozenset(map(plain, forms.hyphenated))
 
@@ -92,16 +94,21 @@ class Utterances:
             for text, parts in zip(texts, cut, strict=True)
         ]
 
+    def has_entry(self, word: str) -> bool:
+        """Return True for a word that the pack reads its own way."""
+        return any(self._own.find(word))
+
     def ordinary(self, text: str) -> bool:
         """Return True for a text that the engine reads without changes."""
         return _is_whole(self.cut(text), text)
 
     def cut(self, text: str) -> list[UtterancePart]:
         """Cut a text into parts; together they are the text."""
-        replaced = self._expansions.find(text)
+        own = self._own.find(text)
+        replaced = _apart(own.respelled, self._expansions.find(text))
         parts: list[UtterancePart] = []
         at, open_part = 0, UtterancePart("")
-        for start, stop, part in self._cuts(text, replaced):
+        for start, stop, part in self._cuts(text, replaced, own.said):
             if start > at:
                 parts += _filled(open_part, text, at, start, replaced)
             at, open_part = start, part
@@ -112,13 +119,19 @@ class Utterances:
             parts += _filled(open_part, text, at, len(text), replaced)
         return parts or [UtterancePart(text)]
 
-    def _cuts(self, text: str, replaced: Sequence[Replacement]) -> Iterator[_PartStart]:
+    def _cuts(
+        self, text: str, replaced: Sequence[Replacement], own: Mapping[int, SpokenWord]
+    ) -> Iterator[_PartStart]:
         tokens = list(pieces(text))
         shouted = text.upper() == text
         within = {p for one in replaced for p in range(one.start, one.stop)}
         odd = bool(_STUTTER_SIGN.search(text))
         done = 0
         for number, token in enumerate(tokens):
+            if (said := own.get(token.start)) is not None:
+                done = token.start + len(token.text)
+                yield _PartStart(token.start, done, UtterancePart(token.text, said=said))
+                continue
             if not (odd or self._interjections.possible(token.text)):
                 continue
             if token.kind != "word" or token.start < done or token.start in within:
@@ -256,6 +269,15 @@ def _filled(
     )
     if lead < stop:
         yield part._replace(text=text[lead:stop], replacements=(*part.replacements, *inside))
+
+
+def _apart(own: list[Replacement], others: list[Replacement]) -> list[Replacement]:
+    """Return all replacements in order; one that touches an own word gives way to it."""
+    if not own:
+        return others
+    taken = {place for one in own for place in range(one.start, one.stop)}
+    free = (one for one in others if taken.isdisjoint(range(one.start, one.stop)))
+    return sorted((*own, *free))
 
 
 def _is_pause(word: SpokenWord) -> bool:

@@ -149,6 +149,10 @@ class Speaker:
 
         return Utterances(self.manner.forms, self.manner.words, is_vowel)
 
+    def has_entry(self, word: str) -> bool:
+        """Return True for a word, perhaps inflected, with a reading of the pack or character."""
+        return plain(word) in self.manner.words or self._utterances.has_entry(word)
+
     def _read_plainly(self, texts: Sequence[str]) -> list[tuple[SpokenWord, ...] | SpeechError]:
         """Return the words of texts as the engine reads them.
 

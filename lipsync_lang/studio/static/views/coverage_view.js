@@ -302,6 +302,7 @@ export class CoverageView {
       ["Words that cannot be read", report.unread],
       ["Sounds without a mapping", report.unmapped],
       ["Words in another script", report.other_scripts],
+      ["Words that deserve an entry in the language's pack", report.entries],
     ])) {
       if (tallies.length)
         parts.push(made("h3", {}, title), made("ul", {}, ...tallies.map((one) => this.#tally(title, one))));

@@ -1,0 +1,92 @@
+"""Words that a pack reads its own way, with the endings of its language.
+
+An entry serves the word and its inflected forms: `Shepardowi` is `Shepard` and `owi`. A hyphen or
+an apostrophe may part the two. An ending that replaces another, as `ę` does the `a` of `Anna`,
+replaces as many sounds as it has letters. An entry with a capital serves inflected forms with a
+capital alone: names are short, and other words begin like them.
+"""
+
+import re
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
+
+from lipsync_lang.phonology.g2p.epitran import segments
+from lipsync_lang.phonology.g2p.expansions import Replacement, is_spaced
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
+from lipsync_lang.phonology.g2p.spoken_forms import OwnWord, SpokenForms
+from lipsync_lang.phonology.g2p.tokens import pieces, plain
+from lipsync_lang.phonology.labels import STRESS, normalise
+
+_HYPHENATED = re.compile("[^-]+")
+
+
+class FoundWords(NamedTuple):
+    """Own words in a text: respelled ones, and those with labels by where they start."""
+
+    respelled: list[Replacement]
+    said: dict[int, SpokenWord]
+
+
+def stands_alone(word: str) -> bool:
+    """Return True for one word of a script that puts spaces between words."""
+    return all(map(is_spaced, re.sub("['’-]", "", word)))
+
+
+def ipa_labels(ipa: str, known: Collection[str]) -> tuple[str, ...]:
+    """Cut IPA into known labels, at its spaces and within them; marks of stress are left out."""
+    unstressed = "".join(letter for letter in ipa if letter not in STRESS)
+    spelled = {normalise(label): label for label in known}
+    found = (label for part in unstressed.split() for label in segments(part, spelled))
+    return tuple(spelled.get(label, label) for label in found)
+
+
+class OwnWords:
+    """A finder of the words of a pack and of their inflected forms."""
+
+    def __init__(self, forms: SpokenForms) -> None:
+        self._words = {plain(word): one for word, one in forms.words.items()}
+        self._names = {plain(word) for word in forms.words if word[0].isupper()}
+        self._endings = forms.endings
+
+    def find(self, text: str) -> FoundWords:
+        """Return the own words of a text."""
+        found = FoundWords([], {})
+        for piece in pieces(text) if self._words else ():
+            own = self._find(piece.text)
+            if own is not None and own.labels:
+                found.said[piece.start] = SpokenWord(piece.text, *own)
+                continue
+            parts = (piece.text,) if own is not None else _HYPHENATED.findall(piece.text)
+            at = piece.start
+            for part in parts:
+                at = text.index(part, at)
+                one = self._find(part)
+                if one is not None and not one.labels:
+                    found.respelled.append(Replacement(at, at + len(part), one.say))
+                at += len(part)
+        return found
+
+    def _find(self, written: str) -> OwnWord | None:
+        word = plain(written)
+        if word in self._words:
+            return self._words[word]
+        for cut in range(len(word) - 1, 0, -1):
+            stem, rest = word[:cut], word[cut:].lstrip("'-")
+            for last, others in self._endings.items():
+                own = self._words.get(stem + last)
+                if own is None or rest not in others:
+                    continue
+                if written[0].isupper() or stem + last not in self._names:
+                    return _inflected(own, last, rest, others)
+        return None
+
+
+def _inflected(
+    own: OwnWord, last: str, ending: str, others: Mapping[str, Collection[str]]
+) -> OwnWord | None:
+    """Return a word with another ending; None if its spelling does not end with the first."""
+    if own.say and not own.say.endswith(last):
+        return None
+    stem = own.labels[: len(own.labels) - len(last)]
+    say = own.say.removesuffix(last) + ending if own.say else ""
+    return OwnWord((*stem, *others[ending]) if own.labels else (), say)

@@ -1,0 +1,160 @@
+"""Words that a pack reads its own way, in IPA or respelled, with the endings of its language."""
+
+from dataclasses import asdict
+from json import dumps, loads
+
+import pytest
+from shipped import LIBRARY
+
+from lipsync_lang.packs.checking.validate import validate
+from lipsync_lang.packs.library import Library
+from lipsync_lang.phonology.g2p import SpokenWord
+from lipsync_lang.phonology.g2p.own_words import ipa_labels
+from lipsync_lang.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
+from lipsync_lang.phonology.g2p.tokens import read_words
+from lipsync_lang.phonology.g2p.utterances import Utterances
+from lipsync_lang.speech.speaking.speaker import Speaker
+
+FORMS = SpokenForms(
+    interjections={"mm": Interjection(("m",))},
+    abbreviations={"Bo": "bob"},
+    words={"Joe": OwnWord((), "djo"), "Anna": OwnWord(tuple("ana")),
+           "Mia": OwnWord(tuple("mia"), "me a"), "xan": OwnWord((), "zan"),
+           "Bo": OwnWord((), "bou")},
+    endings={"": {"em": ("e", "m"), "go": ("g", "o")}, "a": {"i": ("i",), "o": ("o",)}},
+)  # fmt: skip
+
+
+def spell(texts):
+    return [read_words(text, lambda word: SpokenWord(word, tuple(word.lower()))) for text in texts]
+
+
+def read(text):
+    (words,) = Utterances(FORMS, (), "aeiou".__contains__).read([text], spell)
+    return " ".join(f"{w.text}:{''.join(w.labels)}" if w.labels else w.text for w in words)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("no Joe, mm", "no:no Joe:djo , mm:m"),
+        ("JOE joe Joe'go", "JOE:djo joe:djo Joe'go:djogo"),
+        ("Joeem Joe-go Joeks", "Joeem:djoem Joe-go:djogo Joeks:joeks"),
+        ("joeem xanem", "joeem:joeem xanem:zanem"),  # a name, and a word
+        ("Anna Anni Anno, Annem", "Anna:ana Anni:ani Anno:ano , Annem:annem"),
+        ("so Mia Mii", "so:so Mia:mia Mii:mii"),  # `me a` loses its last letter, not `a` alone
+        ("big-Joe's", "big-Joe's:big-joe's"),
+        ("big-Joe", "big-Joe:big-djo"),
+        ("Bo", "Bo:bou"),  # a project's word goes before an abbreviation
+    ],
+)
+def test_words_are_read_by_their_entry_and_its_endings(text, said):
+    assert read(text) == said
+
+
+def test_a_voice_says_the_respelling():
+    words = {"Mia": OwnWord(tuple("mia"), "mea")}
+    forms = SpokenForms(words=words, endings=FORMS.endings)
+    (said,) = Utterances(forms, (), "aeiou".__contains__).read(["Mio"], spell)
+    assert said == (SpokenWord("Mio", tuple("mio"), "meo"),)
+
+
+def test_ipa_is_cut_into_labels_of_the_notation():
+    assert ipa_labels("ˈtʃɛ pa", ("tʃ", "ɛ", "p", "a")) == ("tʃ", "ɛ", "p", "a")
+    assert ipa_labels("ɡ a", ("ɡ", "a")) == ("ɡ", "a")
+
+
+def test_forms_survive_the_cache():
+    kept = SpokenForms.from_plain(loads(dumps(asdict(FORMS))))
+    assert kept.words == FORMS.words
+    assert kept.endings["a"]["i"] == ["i"]
+
+
+POLISH = """\
+kind: language
+format: 1
+name: polish
+tag: pl
+extends: polish
+words:
+  Shepard: szepard
+  Garrus: {ipa: ɡarus, say: garus}
+  Sheila: {ipa: ʂ ɛ j l a}
+  Los Angeles: los andżeles
+"""
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    (tmp_path / "languages").mkdir()
+    (tmp_path / "languages/polish.yaml").write_text(POLISH, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("Shepard", "sh eh bmp aa d d"),
+        ("Sheparda", "sh eh bmp aa d d aa"),
+        ("Shepardowi", "sh eh bmp aa d d ao f iy"),
+        ("Shepardem", "sh eh bmp aa d d eh bmp"),
+        ("Shepardzie", "sh eh bmp aa d d s eh"),
+        ("Garrusa", "kg aa d w s aa"),
+        ("Garrusowi", "kg aa d w s ao f iy"),
+        ("Garrusem", "kg aa d w s eh bmp"),
+        ("Garrusie", "kg aa d w s eh"),
+        ("Sheila", "sh eh iy l aa"),
+        ("Sheilę", "sh eh iy l eh"),
+        ("Sheilą", "sh eh iy l ao w"),
+        ("Los Angeles", "l ao s aa n ch eh l eh s"),
+    ],
+)
+@pytest.mark.usefixtures("project")
+def test_a_name_in_a_project_takes_its_cases(written, said):
+    (found,) = Speaker.of("polish").transcribe([written])
+    assert " ".join(found.phonemes) == said
+
+
+@pytest.mark.usefixtures("project")
+def test_a_word_in_ipa_needs_no_voice_and_no_time_of_its_own():
+    schedule = Speaker.of("polish").speak("Widzę Garrusa", engine="none")
+    assert [word.text for word in schedule.words] == ["Widzę", "Garrusa"]
+    assert "".join(schedule.labels).endswith("ɡarusa")
+
+
+@pytest.mark.parametrize(
+    ("entry", "code", "what"),
+    [
+        ("Shepard: {ipa: ʂœ}", "P218", "'œ' is not in the notation 'ipa'"),
+        ("Shepard: {ipa: a, phonemes: [l]}", "P115", "a word needs"),
+        ("Shepard: {}", "P115", "a word needs"),
+        ("Shepard: [zz]", "P202", "unknown phoneme 'zz'"),
+        ("New York: {ipa: nu}", "P115", "'New York' has IPA"),
+    ],
+)
+def test_a_wrong_entry_is_located(project, entry, code, what):
+    path = project / "languages/polish.yaml"
+    path.write_text(POLISH.replace("Shepard: szepard", entry), encoding="utf-8")
+    found = validate(Library(), [path])
+    assert [(fault.code, fault.line) for fault in found] == [(code, 7)]
+    assert what in found[0].what
+
+
+def test_every_ending_has_labels_of_its_language():
+    stated = [
+        (found.name, last, ending, sounds)
+        for found in LIBRARY.names("language")
+        for last, endings in getattr(LIBRARY.language(found.name).model.text, "endings", {}).items()
+        for ending, sounds in endings.items()
+    ]
+    assert len({name for name, *_ in stated}) > 10
+    assert all(sounds for *_, sounds in stated)
+
+
+def test_words_in_a_project_file_are_sent_to_a_pack(project):
+    path = project / "lipsync.yaml"
+    path.write_text("kind: project\nformat: 1\nwords: {polish: {a: b}}\n", encoding="utf-8")
+    (fault,) = validate(Library(), [path])
+    assert (fault.code, fault.line) == ("P101", 3)
+    assert "in the folder `languages`" in fault.hint
