@@ -1,4 +1,4 @@
-"""The ear: causal scores of context-independent phones, from sound that arrives in parts.
+"""The ear: causal features of a sound, and scores of context-independent phones, from sound that arrives in parts.
 
 Frames are 10 ms apart; frame n has its middle at ``n FRAME_SECONDS + MIDDLE_SECONDS``. The features
 are those of the acoustic model, but the mean of the cepstra follows a live voice: it begins at that
@@ -9,7 +9,7 @@ Scores are natural logarithms of likelihoods; T frames, N phones.
 
 from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -42,6 +42,9 @@ MEMORY_FRAMES = 800.0
 HISS_SAMPLES = 1 << 16
 """Length of the added noise, which is repeated."""
 
+BLOCK_FRAMES = 16
+"""Frames whose Gaussians are worked out at once, to stay in the processor's cache."""
+
 MIDDLE_SECONDS = WINDOW_SAMPLES / SPEECH_RATE / 2
 """Middle of the first frame, in seconds."""
 
@@ -63,27 +66,25 @@ class PhoneScores:
         groups = np.array([number.get(name, len(neighbours)) for name in model.names])
         self.loop = PhoneLoop(groups, np.isin(np.arange(len(groups)), sorted(model.fillers)))
         gaussians = model.gaussians[[phone.book for phone in model.alone]]
-        # one product for all phones: (27, phones x Gaussians) of each stream
-        self._factors = [
-            np.ascontiguousarray(gaussians[:, stream].swapaxes(0, 1).reshape(27, -1))
-            for stream in range(STREAMS)
-        ]
+        # (streams, N, 27, Gaussians), so that each product is too small for threads, which cost
+        # more than it does
+        self._factors = np.ascontiguousarray(gaussians.swapaxes(0, 1))
         self._weights = _group_weights(model, groups)
 
     def of(self, features: Floats) -> Singles:
         """Return the log likelihood of each frame, (T, 3, 13), in each state: (T, N, S)."""
-        count, (_, phones, mixtures, _) = len(features), self._weights.shape
-        found = np.zeros((phones, count, self._weights.shape[-1]), np.float32)
-        for stream in range(STREAMS):
-            here = features[:, stream]
-            terms = np.hstack([here * here, here, np.ones((count, 1))]).astype(np.float32)
-            near = (terms @ self._factors[stream]).reshape(count, phones, mixtures)
+        terms = np.concatenate([features**2, features, np.ones_like(features[..., :1])], axis=-1)
+        rows = terms.astype(np.float32).swapaxes(0, 1)[:, None]
+        found = np.empty((len(features), *self._weights.shape[1::2]), np.float32)
+        for start in range(0, len(features), BLOCK_FRAMES):
+            block = slice(start, start + BLOCK_FRAMES)
+            near = rows[:, :, block] @ self._factors
             most = near.max(axis=-1, keepdims=True)
             near -= most
             np.maximum(near, FAINTEST_LOG, out=near)
-            shares = np.exp(near, out=near).swapaxes(0, 1)
-            found += np.log(shares @ self._weights[stream]) + most.swapaxes(0, 1)
-        return found.swapaxes(0, 1)
+            shares = np.exp(near, out=near) @ self._weights
+            found[block] = (np.log(shares, out=shares) + most).sum(axis=0).swapaxes(0, 1)
+        return found
 
 
 def _group_weights(model: "AcousticModel", groups: Ints) -> Singles:
@@ -116,36 +117,26 @@ def phone_scores(
     return PhoneScores(model, neighbours)
 
 
-class Heard(NamedTuple):
-    """Scores of some frames, and how fast the sound changes in them."""
-
-    scores: Singles
-    """(k, N, S) of each state."""
-    change: Floats
-    """(k,) as `change_of` measures it."""
-
-
 class Ear:
-    """Scores of phones for a sound that arrives in parts, at `SPEECH_RATE`."""
+    """Features of a sound that arrives in parts, at `SPEECH_RATE`."""
 
-    def __init__(self, scores: PhoneScores) -> None:
-        self.scores = scores
+    def __init__(self) -> None:
         self._frames = CepstralFrames()
         self._heard = 0
         self._wide = np.zeros((0, CEPSTRA))
         self._sum, self._count = MEAN_PRIOR * PRIOR_FRAMES, PRIOR_FRAMES
 
-    def hear(self, samples: Floats) -> Heard:
-        """Return what is heard in the frames whose features are complete now."""
+    def hear(self, samples: Floats) -> Floats:
+        """Return the features that are complete now: (k, 3, 13)."""
         at = (self._heard + np.arange(len(samples))) % HISS_SAMPLES
         self._heard += len(samples)
-        return self._scored(self._less_mean(self._frames.push(samples + _hiss()[at])))
+        return self._derived(self._less_mean(self._frames.push(samples + _hiss()[at])))
 
-    def finish(self) -> Heard:
-        """Return what is heard in the last frames."""
+    def finish(self) -> Floats:
+        """Return the features of the last frames."""
         last = self._less_mean(self._frames.last(np.zeros(0)))
         end = last if len(last) else self._wide
-        return self._scored(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
+        return self._derived(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
 
     def _less_mean(self, cepstra: Floats) -> Floats:
         """Take the mean of the voice so far from cepstra."""
@@ -156,15 +147,14 @@ class Ear:
             less[number] = here - self._sum / self._count
         return less
 
-    def _scored(self, less: Floats) -> Heard:
+    def _derived(self, less: Floats) -> Floats:
         if not len(self._wide):  # the first frame stands in for those before it
             less = np.concatenate([np.repeat(less[:1], DELTA_FRAMES, axis=0), less])
         wide = np.concatenate([self._wide, less])
         self._wide = wide[-2 * DELTA_FRAMES :]
         if len(wide) <= 2 * DELTA_FRAMES:
             wide = np.zeros((2 * DELTA_FRAMES, CEPSTRA))
-        found = derived(wide)
-        return Heard(self.scores.of(found), change_of(found))
+        return derived(wide)
 
 
 def change_of(features: Floats) -> Floats:
