@@ -13,7 +13,8 @@ A closure of the text is found if the lips reach their floor within 50 ms of it;
 listener is invented if none of the text is as near. `real` compares with coils on real lips.
 `rest` states the largest weight in sounds that nobody speaks. `speed` states the share of a core,
 the time of a push at the 99th percentile, and how many times faster than real time twenty voices
-are heard that are pushed together; time is that of the processor, at the best of five runs. `hour` states the growth of memory and the drift in an hour.
+are heard that are pushed together; time is that of the processor, at the best of five runs. `hour`
+states the growth of memory and the drift in an hour.
 """
 
 import argparse

@@ -1,8 +1,8 @@
-"""The ear: causal features of a sound, and scores of context-independent phones, from sound that arrives in parts.
+"""The ear: causal features of a sound that arrives in parts, and scores of its phones.
 
 Frames are 10 ms apart; frame n has its middle at ``n FRAME_SECONDS + MIDDLE_SECONDS``. The features
 are those of the acoustic model, but the mean of the cepstra follows a live voice: it begins at that
-of ordinary recordings.
+of ordinary recordings. Phones are those without a context.
 
 Scores are natural logarithms of likelihoods; T frames, N phones.
 """

@@ -86,7 +86,7 @@ class Listener:
         self.delays["lead"] = delay - sum(self.delays.values())
         self.poses, self.rate, self.fps = poses, rate, fps
         self.phones = scores.model.names
-        self._scores, self._ear = scores, Ear()
+        self.scores, self._ear = scores, Ear()
         self._smoother = Smoother(scores.loop, lag)
         self._mouth = mouth
         self._gate, self._voiced = VoiceGate(), np.zeros(1)
@@ -118,7 +118,7 @@ class Listener:
         """Return the last frames; the mouth comes to rest."""
         rest = np.zeros(0) if self._resampler is None else self._resampler.finish()
         heard = np.concatenate([self._ear.hear(rest), self._ear.finish()])
-        belief, last = self._calmed(heard, self._scores.of(heard)), self._smoother.finish()
+        belief, last = self._calmed(heard, self.scores.of(heard)), self._smoother.finish()
         calmed = self._smoother.loop.calmed(last, np.repeat(self._voiced, len(last)))
         return self._moved(np.concatenate([belief, calmed]))
 
@@ -145,22 +145,24 @@ class Listener:
         >>> found[19].weights.shape
         (2, 9)
         """
-        if len({one._scores for one in listeners}) > 1:
-            return [one.push(sound) for one, sound in zip(listeners, sounds, strict=True)]
         checked = [_samples(sound) for sound in sounds]
-        heard = [one._hear(sound) for one, sound in zip(listeners, checked, strict=True)]
+        if len({one.scores for one in listeners}) > 1:
+            return [one.push(sound) for one, sound in zip(listeners, sounds, strict=True)]
+        heard = [one.hear(sound) for one, sound in zip(listeners, checked, strict=True)]
         if not heard:
             return []
-        scores = listeners[0]._scores.of(np.concatenate(heard))
+        scores = listeners[0].scores.of(np.concatenate(heard))
         parts = np.split(scores, np.cumsum([len(one) for one in heard])[:-1])
-        return [
-            one._moved(one._calmed(*part))
-            for one, *part in zip(listeners, heard, parts, strict=True)
-        ]
+        both = zip(listeners, heard, parts, strict=True)
+        return [one.move(own, part) for one, own, part in both]
 
-    def _hear(self, sound: Floats) -> Floats:
+    def hear(self, sound: Floats) -> Floats:
         """Return the features that are complete with these samples: (k, 3, 13)."""
         return self._ear.hear(sound if self._resampler is None else self._resampler.push(sound))
+
+    def move(self, heard: Floats, scores: Singles) -> FinalFrames:
+        """Return the frames that are final with the next features, given their scores."""
+        return self._moved(self._calmed(heard, scores))
 
     def _calmed(self, heard: Floats, scores: Singles) -> Floats:
         """Return the belief of the frames that are final; it is quiet where nobody speaks."""
