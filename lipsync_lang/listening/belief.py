@@ -26,19 +26,6 @@ SCORE_SHARE = 0.25
 """Factor of the log likelihoods."""
 
 
-FAST_FRAMES, SLOW_FRAMES = 12, 40
-"""Frames over which the change of a sound is averaged: a voice that begins, and one that lasts."""
-
-FAST_EXCESS = 1.5
-"""Change by which the fast average must exceed the slow one's limits, as it varies more."""
-
-STEADY_CHANGE, VOICED_CHANGE = 7.0, 8.0
-"""Change of sound up to which nobody speaks, and from which somebody surely does.
-
-Speech has 12 in the middle and rarely less than 8, hiss and hum less than 6.5, music about 7.
-"""
-
-
 @dataclass(frozen=True, eq=False)
 class PhoneLoop:
     """A loop of phones.
@@ -126,26 +113,6 @@ class PhoneLoop:
         out[:, count + 1 :] += self._member @ begun
         out /= out.sum()
         return out
-
-
-class VoiceGate:
-    """The share of a sound that is a voice: a voice changes, and hiss, hum and tones hardly do."""
-
-    def __init__(self) -> None:
-        self._kept = np.full(SLOW_FRAMES, STEADY_CHANGE - FAST_EXCESS)
-
-    def push(self, change: Floats) -> Floats:
-        """Return the share of each frame, from 0 to 1, from its change of sound: (k,)."""
-        wide = np.concatenate([self._kept, change])
-        self._kept = wide[len(change) :]
-        sums = np.cumsum(wide)
-        slow, fast = (
-            (sums[SLOW_FRAMES:] - sums[SLOW_FRAMES - n : len(sums) - n]) / n
-            for n in (SLOW_FRAMES, FAST_FRAMES)
-        )
-        most = np.maximum(slow, fast - FAST_EXCESS)
-        share: Floats = (most - STEADY_CHANGE) / (VOICED_CHANGE - STEADY_CHANGE)
-        return share.clip(0, 1)
 
 
 def thirds(belief: Floats) -> Floats:

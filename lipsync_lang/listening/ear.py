@@ -9,12 +9,13 @@ Scores are natural logarithms of likelihoods; T frames, N phones.
 
 from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints, Singles
 from lipsync_lang.listening.belief import PhoneLoop
+from lipsync_lang.listening.voice import ToneTrack
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG, STREAMS
 from lipsync_lang.speech.hearing.sphinx.features import (
     CEPSTRA,
@@ -117,26 +118,42 @@ def phone_scores(
     return PhoneScores(model, neighbours)
 
 
+class Heard(NamedTuple):
+    """Some frames of a sound."""
+
+    features: Floats
+    """(k, 3, 13)"""
+    tones: Floats
+    """(k,) as `ToneTrack` measures them."""
+
+
 class Ear:
     """Features of a sound that arrives in parts, at `SPEECH_RATE`."""
 
     def __init__(self) -> None:
-        self._frames = CepstralFrames()
+        self._frames, self._tones = CepstralFrames(), ToneTrack()
         self._heard = 0
         self._wide = np.zeros((0, CEPSTRA))
+        self._last_tone = np.zeros(1)
         self._sum, self._count = MEAN_PRIOR * PRIOR_FRAMES, PRIOR_FRAMES
 
-    def hear(self, samples: Floats) -> Floats:
-        """Return the features that are complete now: (k, 3, 13)."""
+    def hear(self, samples: Floats) -> Heard:
+        """Return the frames that are complete now."""
         at = (self._heard + np.arange(len(samples))) % HISS_SAMPLES
         self._heard += len(samples)
-        return self._derived(self._less_mean(self._frames.push(samples + _hiss()[at])))
+        sound = samples + _hiss()[at]
+        tones = self._tones.push(sound)
+        self._last_tone = tones[-1:] if len(tones) else self._last_tone
+        found = self._derived(self._less_mean(self._frames.push(sound)))
+        # tones need no later frames, so the first of them come before the first features
+        return Heard(found, tones[len(tones) - len(found) :])
 
-    def finish(self) -> Floats:
-        """Return the features of the last frames."""
+    def finish(self) -> Heard:
+        """Return the last frames."""
         last = self._less_mean(self._frames.last(np.zeros(0)))
         end = last if len(last) else self._wide
-        return self._derived(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
+        found = self._derived(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
+        return Heard(found, np.repeat(self._last_tone, len(found)))
 
     def _less_mean(self, cepstra: Floats) -> Floats:
         """Take the mean of the voice so far from cepstra."""
@@ -155,12 +172,6 @@ class Ear:
         if len(wide) <= 2 * DELTA_FRAMES:
             wide = np.zeros((2 * DELTA_FRAMES, CEPSTRA))
         return derived(wide)
-
-
-def change_of(features: Floats) -> Floats:
-    """Return how fast a sound changes in each frame of its features, (T, 3, 13): (T,)."""
-    change: Floats = np.abs(features[:, 1]).mean(axis=-1)
-    return change
 
 
 @cache

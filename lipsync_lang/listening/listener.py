@@ -11,17 +11,18 @@ import numpy.typing as npt
 
 from lipsync_lang.arrays import Floats, Singles
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.listening.belief import Smoother, VoiceGate, thirds
+from lipsync_lang.listening.belief import Smoother, thirds
 from lipsync_lang.listening.ear import (
     LOOK_AHEAD_SECONDS,
     MIDDLE_SECONDS,
     Ear,
+    Heard,
     PhoneScores,
-    change_of,
     phone_scores,
 )
 from lipsync_lang.listening.mouth import Mouth, heard_values, state_targets
 from lipsync_lang.listening.resampler import Resampler
+from lipsync_lang.listening.voice import VoiceGate, change_of, contrast_of
 from lipsync_lang.pipeline.perform import FinalFrames
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
@@ -117,8 +118,9 @@ class Listener:
     def finish(self) -> FinalFrames:
         """Return the last frames; the mouth comes to rest."""
         rest = np.zeros(0) if self._resampler is None else self._resampler.finish()
-        heard = np.concatenate([self._ear.hear(rest), self._ear.finish()])
-        belief, last = self._calmed(heard, self.scores.of(heard)), self._smoother.finish()
+        both = zip(self._ear.hear(rest), self._ear.finish(), strict=True)
+        heard = Heard(*map(np.concatenate, both))
+        belief, last = self._calmed(heard, self.scores.of(heard.features)), self._smoother.finish()
         calmed = self._smoother.loop.calmed(last, np.repeat(self._voiced, len(last)))
         return self._moved(np.concatenate([belief, calmed]))
 
@@ -151,23 +153,24 @@ class Listener:
         heard = [one.hear(sound) for one, sound in zip(listeners, checked, strict=True)]
         if not heard:
             return []
-        scores = listeners[0].scores.of(np.concatenate(heard))
-        parts = np.split(scores, np.cumsum([len(one) for one in heard])[:-1])
+        scores = listeners[0].scores.of(np.concatenate([one.features for one in heard]))
+        parts = np.split(scores, np.cumsum([len(one.features) for one in heard])[:-1])
         both = zip(listeners, heard, parts, strict=True)
         return [one.move(own, part) for one, own, part in both]
 
-    def hear(self, sound: Floats) -> Floats:
-        """Return the features that are complete with these samples: (k, 3, 13)."""
+    def hear(self, sound: Floats) -> Heard:
+        """Return the frames that are complete with these samples."""
         return self._ear.hear(sound if self._resampler is None else self._resampler.push(sound))
 
-    def move(self, heard: Floats, scores: Singles) -> FinalFrames:
-        """Return the frames that are final with the next features, given their scores."""
+    def move(self, heard: Heard, scores: Singles) -> FinalFrames:
+        """Return the frames that are final with the next ones heard, given their scores."""
         return self._moved(self._calmed(heard, scores))
 
-    def _calmed(self, heard: Floats, scores: Singles) -> Floats:
+    def _calmed(self, heard: Heard, scores: Singles) -> Floats:
         """Return the belief of the frames that are final; it is quiet where nobody speaks."""
         belief = self._smoother.push(scores)
-        voiced = self._gate.push(change_of(heard))
+        contrast = contrast_of(scores, self.scores.loop.quiet)
+        voiced = self._gate.push(change_of(heard.features), heard.tones, contrast)
         self._voiced = voiced[-1:] if len(voiced) else self._voiced
         # the newest frames tell most about those that the smoother returns
         return self._smoother.loop.calmed(belief, voiced[len(voiced) - len(belief) :])
