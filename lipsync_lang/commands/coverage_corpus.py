@@ -35,7 +35,7 @@ class CorpusPart:
     names: tuple[str, ...]
     title: str
     recordings: tuple[Path, ...] = ()
-    """Those without a text, which are heard; such a part has one language."""
+    """Recordings without a text, which are heard; such a part has one language."""
     languages: list[str] = field(default_factory=list)
 
 

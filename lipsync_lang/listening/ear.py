@@ -43,7 +43,7 @@ MEMORY_FRAMES = 800.0
 HISS_SAMPLES = 1 << 16
 """Length of the added noise, which is repeated."""
 
-BLOCK_FRAMES = 16
+CACHED_FRAMES = 16
 """Frames whose Gaussians are worked out at once, to stay in the processor's cache."""
 
 MIDDLE_SECONDS = WINDOW_SAMPLES / SPEECH_RATE / 2
@@ -77,8 +77,8 @@ class PhoneScores:
         terms = np.concatenate([features**2, features, np.ones_like(features[..., :1])], axis=-1)
         rows = terms.astype(np.float32).swapaxes(0, 1)[:, None]
         found = np.empty((len(features), *self._weights.shape[1::2]), np.float32)
-        for start in range(0, len(features), BLOCK_FRAMES):
-            block = slice(start, start + BLOCK_FRAMES)
+        for start in range(0, len(features), CACHED_FRAMES):
+            block = slice(start, start + CACHED_FRAMES)
             near = rows[:, :, block] @ self._factors
             most = near.max(axis=-1, keepdims=True)
             near -= most
