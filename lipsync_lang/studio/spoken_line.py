@@ -83,9 +83,9 @@ class SpokenLine:
 
     def restore(self) -> None:
         """Restore the times as opened."""
-        self.replace(replace(self.whole, times=self.opened.times))
+        self.retime(replace(self.whole, times=self.opened.times))
 
-    def replace(self, whole: Schedule) -> None:
+    def retime(self, whole: Schedule) -> None:
         """Take over other times or words of the same phonemes; the shown part stays."""
         number = int(self.whole.times.searchsorted(self.at, "right")) - 1
         self.whole = whole
@@ -103,7 +103,7 @@ class SpokenLine:
             raise LipsyncError(f"emphasis must be a number from 0 to {MAX_EMPHASIS:g}")
         changed = list(self.whole.words)
         changed[words[word]] = replace(changed[words[word]], emphasis=level)
-        self.replace(replace(self.whole, words=tuple(changed)))
+        self.retime(replace(self.whole, words=tuple(changed)))
 
     def hear(self, audio: Audio) -> None:
         """Add the sound."""

@@ -359,7 +359,7 @@ class Workshop:
         self._followed = self.desk.revision
         stated = self._stated.get(self.name, {})
         whole = corrected(stated, compiled, self.line.opened, self.name)
-        self.line.replace(whole)
+        self.line.retime(whole)
         styles, dials = (
             {
                 name: (
