@@ -19,8 +19,7 @@ from lipsync_lang.lines.columns import NAME_COLUMNS, SPEAKER_COLUMNS, first_colu
 from lipsync_lang.lines.line_readers import LineFile, by_suffix, line_files
 from lipsync_lang.lines.table import cell
 from lipsync_lang.packs.finding import Finder, Kind
-
-AUDIO_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")
+from lipsync_lang.speech.sound_forms import AUDIO_SUFFIXES
 
 FACE_KINDS: tuple[Kind, ...] = ("character", "poseset")
 

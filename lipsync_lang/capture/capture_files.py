@@ -21,9 +21,7 @@ from lipsync_lang.lines.line_readers import LineFile
 from lipsync_lang.lines.table import cell, open_table
 from lipsync_lang.lines.timings import TIMING_SUFFIXES, is_timed
 from lipsync_lang.schedules.timing_file import HEAD_BYTES
-
-SOUND_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")
-"""Suffixes of sounds beside a capture, the most likely first."""
+from lipsync_lang.speech.sound_forms import AUDIO_SUFFIXES
 
 TEXT_SUFFIXES = (".txt", ".lab")
 """Suffixes of texts beside a capture, the most likely first."""
@@ -253,7 +251,7 @@ class _Neighbours:
         beside = [self.folder / name for name in near if name != capture.name]
         timed = [path for path in beside if _is_timings(path)]
         told = (p for suffix in TEXT_SUFFIXES for p in beside if p.suffix.lower() == suffix)
-        heard = (p for suffix in SOUND_SUFFIXES for p in beside if p.suffix.lower() == suffix)
+        heard = (p for suffix in AUDIO_SUFFIXES for p in beside if p.suffix.lower() == suffix)
         name = capture.with_name(base if base not in self._shared else stem)
         shown = name.relative_to(root) if name.is_relative_to(root) else Path(name.name)
         above = [capture.parent, *capture.parent.parents]

@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import replace
 from functools import cache, partial
 from io import TextIOWrapper
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -48,7 +49,8 @@ def add_coverage(add: Add) -> None:
     )
     coverage_.add_argument(
         "corpus", metavar="CORPUS", type=argument_path, nargs="*",
-        help="a file of lines, a folder, or - for standard input [the project's lines]",
+        help="a file of lines, a recording, a folder, or - for standard input "
+        "[the project's lines]",
     )  # fmt: skip
     coverage_.set_defaults(words={}, lines=(), text_column=None, speaker_column=None, cast=None)
     for short, name, what in (
@@ -121,13 +123,15 @@ def _counted(options: Namespace) -> "Coverage":
     """Count all lines together and each column separately."""
     from lipsync_lang.coverage import coverage as count
     from lipsync_lang.coverage.column_joining import joined
+    from lipsync_lang.coverage.heard_lines import heard_lines
     from lipsync_lang.lines import read_lines
     from lipsync_lang.speech.needed_extras import engines_of, refuse_missing
+    from lipsync_lang.speech.sound_forms import AUDIO_SUFFIXES
     from lipsync_lang.speech.speaking.speaker import Speaker
 
     parts = corpus_parts(options)
     weights = weights_of(options)
-    shown = shown_names(path for part in parts for path in part.paths)
+    shown = shown_names(path for part in parts for path in (*part.paths, *part.recordings))
 
     @cache  # each remark once, however many columns are read
     def tell(remark: str) -> None:
@@ -141,9 +145,11 @@ def _counted(options: Namespace) -> "Coverage":
         lines = read_lines(
             part.paths, column=part.column, encoding=options.encoding, remark=tell,
             cleaning=cleaning(options), names=part.names, speaker=options.speaker_column,
+            elsewhere=AUDIO_SUFFIXES,
         )  # fmt: skip
+        heard = heard_lines(part.recordings, speakers[part.languages[0]], tell)
         found = count(
-            _shown(lines, shown), part.languages, options.character,
+            _shown(chain(lines, heard), shown), part.languages, options.character,
             paths=options.path, minutes=options.minutes, weights=weights, cast=options.cast,
         )  # fmt: skip
         counted.append((part, found))

@@ -34,6 +34,8 @@ class CorpusPart:
     column: str | None
     names: tuple[str, ...]
     title: str
+    recordings: tuple[Path, ...] = ()
+    """Recordings without a text, which are heard; such a part has one language."""
     languages: list[str] = field(default_factory=list)
 
 
@@ -45,6 +47,7 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
     LipsyncError
         Nothing is to be read, or a table has no column for a language.
     """
+    from lipsync_lang.coverage.heard_lines import is_recording, unwritten
     from lipsync_lang.lines.line_readers import line_files
     from lipsync_lang.packs.finding import Finder, folders_of
 
@@ -59,6 +62,8 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
         paths = tuple(
             options.corpus or (Path(str(path).replace(WORD, word)) for path in options.lines)
         )
+        recordings = tuple(unwritten(paths))
+        paths = tuple(path for path in paths if not (is_recording(path) and path.exists()))
         if not options.corpus:
             line_files(paths, lambda _: None, project=options.home)
         default = options.text_column and options.text_column.replace(WORD, word)
@@ -66,8 +71,9 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
         for column in stated.get(language, [default]):
             found = column or finding.of(language, paths)
             title = column or finding.title(paths, found) or language
-            part = CorpusPart(paths, column, names, title)
-            parts.setdefault((paths, found), part).languages.append(language)
+            part = CorpusPart(paths, column, names, title, recordings)
+            own = language if recordings else None
+            parts.setdefault((paths, found, own), part).languages.append(language)
     return list(parts.values())
 
 

@@ -42,6 +42,7 @@ def joined(
         corpus=Corpus(
             files=tuple(dict.fromkeys(file for corpus in corpora for file in corpus.files)),
             lines=sum(corpus.lines for corpus in corpora),
+            heard=sum(corpus.heard for corpus in corpora),
             words=sum(corpus.words for corpus in corpora),
             dropped=tuple(sorted(dropped.values(), key=lambda tally: -tally.count)),
             other_speakers=tuple(others.values()),

@@ -86,6 +86,7 @@ class CorpusTotals:
     files: dict[str, None] = field(default_factory=dict)
     lines: int = 0
     words: int = 0
+    heard: int = 0
     dropped: TallyCounter = field(default_factory=TallyCounter)
     faces: SpeakerFaces | None = None
     """Characters of the speakers; None if every character speaks every line."""
@@ -97,6 +98,7 @@ class CorpusTotals:
         self.files.setdefault(line.file or line.place)
         self.lines += 1
         self.words += sum(piece.kind == "word" for piece in pieces(line.text))
+        self.heard += line.schedule is not None and line.schedule.recognised
         self.digests.add(line)
         for what in line.dropped:
             self.dropped.add(what, line.place)
@@ -112,6 +114,7 @@ class CorpusTotals:
             files=tuple(self.files),
             lines=self.lines,
             words=self.words,
+            heard=self.heard,
             dropped=self.dropped.tallies(),
             other_speakers=self.others.tallies(),
             script=self.digests.lines(languages),

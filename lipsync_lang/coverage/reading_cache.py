@@ -74,7 +74,7 @@ def reading_cache(performer: "Performer") -> ReadingCache | None:
     plain["settings"]["labels"].sort()
     try:
         lexicon = manner.settings.file.read_bytes() if manner.settings.file else b""
-        settings = json.dumps([plain, performer.compiled.notations, _versions()], sort_keys=True)
+        settings = json.dumps([plain, performer.compiled.notations, versions()], sort_keys=True)
         whole = sha256(settings.encode() + lexicon).digest()
         return ReadingCache(home / READINGS_FILE, whole)
     except (OSError, sqlite3.Error):
@@ -82,7 +82,7 @@ def reading_cache(performer: "Performer") -> ReadingCache | None:
 
 
 @cache
-def _versions() -> list[str]:
+def versions() -> list[str]:
     """Return the digest of the program's code, and the versions of all libraries that it uses."""
     found = [compiler()]
     for requirement in requires(PROGRAM) or ():

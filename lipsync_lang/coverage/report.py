@@ -52,6 +52,8 @@ class Corpus(Fact):
     """Speakers without a character of their own, whose lines the default character speaks."""
     script: tuple[ScriptLines, ...] = ()
     """Digests of the lines, which a later document is compared with."""
+    heard: int = 0
+    """Lines that are recordings without a text: their phonemes are heard, and some are wrong."""
 
 
 class BigramNeed(Fact):

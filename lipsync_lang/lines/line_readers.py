@@ -134,6 +134,7 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
     cleaning: Cleaning = AS_WRITTEN,
     names: Sequence[str] = (),
     speaker: str | None = None,
+    elsewhere: Sequence[str] = (),
 ) -> Iterator[Line]:
     """Read the lines of files, and of folders with all below them in order of name.
 
@@ -147,6 +148,7 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
     cleaning : values of placeholders, and what is not spoken
     names : of the language: its name, title, tag and aliases; a column with one of them is the text
     speaker : column of the speakers, by name or number from 1; None for the likeliest
+    elsewhere : suffixes of files in folders that the caller reads itself, without a remark
 
     Raises
     ------
@@ -154,7 +156,7 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
         A path is missing or of no known format (at once), or a file cannot be read (when it is
         its turn). Files of a folder that are of no known format are left out with a remark.
     """
-    found = line_files(paths, remark)
+    found = line_files(paths, remark, elsewhere=elsewhere)
     tables = (file == STANDARD_STREAM or _format_of(file).table is not None for file, _ in found)
     if column is not None and not any(tables):
         remark(f"`column={column!r}`: not used, because no file is a table")
@@ -163,7 +165,11 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
 
 
 def line_files(
-    paths: str | Path | Iterable[str | Path], remark: Remark = _warn, *, project: Path | None = None
+    paths: str | Path | Iterable[str | Path],
+    remark: Remark = _warn,
+    *,
+    project: Path | None = None,
+    elsewhere: Sequence[str] = (),
 ) -> list[tuple[Path, bool]]:
     """List the files that lines are read from, each once, with True for those found in a folder.
 
@@ -180,7 +186,7 @@ def line_files(
         if not known and not path.is_dir():
             what = f"no reader of lines for '{path.suffix}'" if path.suffix else "has no suffix"
             raise LipsyncError(f"{path}: {what}; known: {', '.join(sorted(by_suffix()))}")
-        for file in _below(path, remark) if path.is_dir() else [path]:
+        for file in _below(path, remark, elsewhere) if path.is_dir() else [path]:
             if project is not None and file.is_symlink():
                 refuse_outside(file, project)
             found.setdefault(os.path.realpath(file), (file, path.is_dir()))
@@ -210,7 +216,7 @@ def _format_of(path: Path) -> LineReader:
     return by_suffix()[path.suffix.lower()]
 
 
-def _below(folder: Path, remark: Remark) -> Iterator[Path]:
+def _below(folder: Path, remark: Remark, elsewhere: Sequence[str]) -> Iterator[Path]:
     """Yield the readable files of a folder, and report the others by suffix."""
     others: dict[str, list[Path]] = {}
 
@@ -226,7 +232,7 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
             path = Path(here, name)
             if path.suffix.lower() in by_suffix():
                 yield path
-            else:
+            elif path.suffix.lower() not in elsewhere:
                 others.setdefault(path.suffix.lower(), []).append(path)
     for suffix, left in sorted(others.items()):
         what = f"'{suffix}'" if suffix else "files without a suffix"

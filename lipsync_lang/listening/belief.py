@@ -26,19 +26,6 @@ SCORE_SHARE = 0.25
 """Factor of the log likelihoods."""
 
 
-FAST_FRAMES, SLOW_FRAMES = 12, 40
-"""Frames over which the change of a sound is averaged: a voice that begins, and one that lasts."""
-
-FAST_EXCESS = 1.5
-"""Change by which the fast average must exceed the slow one's limits, as it varies more."""
-
-STEADY_CHANGE, VOICED_CHANGE = 7.0, 8.0
-"""Change of sound up to which nobody speaks, and from which somebody surely does.
-
-Speech has 12 in the middle and rarely less than 8, hiss and hum less than 6.5, music about 7.
-"""
-
-
 @dataclass(frozen=True, eq=False)
 class PhoneLoop:
     """A loop of phones.
@@ -61,15 +48,20 @@ class PhoneLoop:
 
     @cached_property
     def _entry(self) -> Floats:
-        """(N, 1) probability of each phone among those of its group."""
-        out: Floats = (1 / self._member.sum(axis=0))[self.groups, None]
+        """(N, G) probability of leaving a state for each phone, given its group."""
+        out: Floats = (1 - self.stay) * self._member / self._member.sum(axis=0)
         return out
 
     @cached_property
     def _next(self) -> Floats:
-        """(G,) probability that the next phone is of each group."""
-        out: Floats = self._member.mean(axis=0)
+        """(1, G) probability of leaving a middle state for a last one before each group."""
+        out: Floats = (1 - self.stay) * self._member.mean(axis=0, keepdims=True)
         return out
+
+    @cached_property
+    def _leave(self) -> Floats:
+        """(G,) probability of leaving each first state."""
+        return np.full(self._member.shape[1], 1 - self.stay)
 
     def likelihoods(self, scores: Singles) -> Floats:
         """Return scaled likelihoods of scores (T, N, S), relative to each frame's best."""
@@ -77,25 +69,28 @@ class PhoneLoop:
         likely: Floats = np.exp(scaled - scaled.max(axis=(1, 2), keepdims=True))
         return likely
 
+    @cached_property
     def start(self) -> Floats:
-        """Return the belief before the first frame: (N, S)."""
+        """(N, S) belief before the first frame."""
         states = 2 * self._member.shape[1] + 1
         return np.repeat(self.quiet[:, None] / (self.quiet.sum() * states), states, axis=1)
 
     def calmed(self, belief: Floats, voiced: Floats) -> Floats:
         """Return a belief (T, N, S) that is quiet as far as a sound is no voice, (T,)."""
+        if (voiced == 1).all():
+            return belief
         share = voiced[:, None, None]
-        return share * belief + (1 - share) * self.start()
+        return share * belief + (1 - share) * self.start
 
     def forward(self, before: Floats, likely: Floats) -> Floats:
         """Return the belief after one frame more, (N, S), given that before and likelihoods."""
-        count, leave = self._member.shape[1], 1 - self.stay
+        count = self._member.shape[1]
         now = self.stay * before
-        # (group of the phone that ends, group of the one that begins)
-        passed = self._member.T @ before[:, count + 1 :]
-        now[:, :count] += leave * self._entry * passed.T[self.groups]
-        now[:, count] += leave * before[:, :count].sum(axis=1)
-        now[:, count + 1 :] += leave * before[:, count, None] * self._next
+        # (group of the phone that begins, group of the one that ends)
+        passed = before[:, count + 1 :].T @ self._member
+        now[:, :count] += self._entry @ passed
+        now[:, count] += before[:, :count] @ self._leave
+        now[:, count + 1 :] += before[:, count, None] * self._next
         now *= likely
         now /= now.sum()
         return now
@@ -108,43 +103,23 @@ class PhoneLoop:
         after : the same for the frame after, up to a factor
         likely : likelihoods of that frame
         """
-        count, leave = self._member.shape[1], 1 - self.stay
+        count = self._member.shape[1]
         seen = after * likely
         out = self.stay * seen
-        out[:, :count] += leave * seen[:, count, None]
-        out[:, count] += leave * (seen[:, count + 1 :] @ self._next)
-        # (group of the phone that begins, group of the one that ended)
-        begun = self._member.T @ (self._entry * seen[:, :count])
-        out[:, count + 1 :] += leave * begun.T[self.groups]
+        out[:, :count] += seen[:, count, None] * self._leave
+        out[:, count] += seen[:, count + 1 :] @ self._next[0]
+        # (group of the phone that ended, group of the one that begins)
+        begun = seen[:, :count].T @ self._entry
+        out[:, count + 1 :] += self._member @ begun
         out /= out.sum()
         return out
-
-
-class VoiceGate:
-    """The share of a sound that is a voice: a voice changes, and hiss, hum and tones hardly do."""
-
-    def __init__(self) -> None:
-        self._kept = np.full(SLOW_FRAMES, STEADY_CHANGE - FAST_EXCESS)
-
-    def push(self, change: Floats) -> Floats:
-        """Return the share of each frame, from 0 to 1, from its `Heard.change`: (k,)."""
-        wide = np.concatenate([self._kept, change])
-        self._kept = wide[len(change) :]
-        sums = np.cumsum(wide)
-        slow, fast = (
-            (sums[SLOW_FRAMES:] - sums[SLOW_FRAMES - n : len(sums) - n]) / n
-            for n in (SLOW_FRAMES, FAST_FRAMES)
-        )
-        most = np.maximum(slow, fast - FAST_EXCESS)
-        share: Floats = (most - STEADY_CHANGE) / (VOICED_CHANGE - STEADY_CHANGE)
-        return share.clip(0, 1)
 
 
 def thirds(belief: Floats) -> Floats:
     """Return the belief in the first, the middle and the last state of each phone: (T, N, 3)."""
     count = belief.shape[-1] // 2
-    parts = (belief[..., :count], belief[..., count : count + 1], belief[..., count + 1 :])
-    return np.stack([part.sum(axis=-1) for part in parts], axis=-1)
+    found: Floats = np.add.reduceat(belief, (0, count, count + 1), axis=-1)
+    return found
 
 
 class Smoother:
@@ -157,7 +132,7 @@ class Smoother:
 
     def __init__(self, loop: PhoneLoop, lag: int) -> None:
         self.loop, self.lag = loop, lag
-        self._now = loop.start()
+        self._now = loop.start
         self._beliefs: list[Floats] = []
         self._likely: list[Floats] = []
 
@@ -177,11 +152,15 @@ class Smoother:
         return self._stacked([self._oldest() for _ in range(len(self._beliefs))])
 
     def _oldest(self) -> Floats:
-        after = np.ones_like(self._now)
-        for likely in self._likely[:0:-1]:
-            after = self.loop.backward(after, likely)
-        belief = self._beliefs.pop(0) * after
+        belief = self._beliefs.pop(0)
+        later = self._likely[:0:-1]
         self._likely.pop(0)
+        if not later:
+            return belief
+        after = np.ones_like(belief)
+        for likely in later:
+            after = self.loop.backward(after, likely)
+        belief = belief * after
         out: Floats = belief / belief.sum()
         return out
 
@@ -202,7 +181,7 @@ def smoothed(loop: PhoneLoop, scores: Singles) -> Floats:
     """
     likely = loop.likelihoods(scores)
     belief = np.empty_like(likely)
-    now = loop.start()
+    now = loop.start
     for number, here in enumerate(likely):
         belief[number] = now = loop.forward(now, here)
     after = np.ones_like(now)

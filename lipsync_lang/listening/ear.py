@@ -1,8 +1,8 @@
-"""The ear: causal scores of context-independent phones, from sound that arrives in parts.
+"""The ear: causal features of a sound that arrives in parts, and scores of its phones.
 
 Frames are 10 ms apart; frame n has its middle at ``n FRAME_SECONDS + MIDDLE_SECONDS``. The features
 are those of the acoustic model, but the mean of the cepstra follows a live voice: it begins at that
-of ordinary recordings.
+of ordinary recordings. Phones are those without a context.
 
 Scores are natural logarithms of likelihoods; T frames, N phones.
 """
@@ -16,7 +16,8 @@ import numpy as np
 from lipsync_lang.arrays import Floats, Ints, Singles
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.listening.belief import PhoneLoop
-from lipsync_lang.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG
+from lipsync_lang.listening.voice import ToneTrack
+from lipsync_lang.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG, STREAMS
 from lipsync_lang.speech.hearing.sphinx.features import (
     CEPSTRA,
     DELTA_FRAMES,
@@ -46,6 +47,9 @@ MEMORY_FRAMES = 800.0
 HISS_SAMPLES = 1 << 16
 """Length of the added noise, which is repeated."""
 
+CACHED_FRAMES = 16
+"""Frames whose Gaussians are worked out at once, to stay in the processor's cache."""
+
 MIDDLE_SECONDS = WINDOW_SAMPLES / SPEECH_RATE / 2
 """Middle of the first frame, in seconds."""
 
@@ -74,27 +78,25 @@ class PhoneScores:
                 "each have one codebook; other models align texts"
             )
         gaussians = model.gaussians[books[:, 0]]
-        # one product for all phones: (27, phones x Gaussians) of each stream
-        self._factors = [
-            np.ascontiguousarray(gaussians[:, stream].swapaxes(0, 1).reshape(27, -1))
-            for stream in range(STREAMS)
-        ]
+        # (streams, N, 27, Gaussians), so that each product is too small for threads, which cost
+        # more than it does
+        self._factors = np.ascontiguousarray(gaussians.swapaxes(0, 1))
         self._weights = _group_weights(model, groups)
 
     def of(self, features: Floats) -> Singles:
         """Return the log likelihood of each frame, (T, 3, 13), in each state: (T, N, S)."""
-        count, (_, phones, mixtures, _) = len(features), self._weights.shape
-        found = np.zeros((phones, count, self._weights.shape[-1]), np.float32)
-        for stream in range(STREAMS):
-            here = features[:, stream]
-            terms = np.hstack([here * here, here, np.ones((count, 1))]).astype(np.float32)
-            near = (terms @ self._factors[stream]).reshape(count, phones, mixtures)
+        terms = np.concatenate([features**2, features, np.ones_like(features[..., :1])], axis=-1)
+        rows = terms.astype(np.float32).swapaxes(0, 1)[:, None]
+        found = np.empty((len(features), *self._weights.shape[1::2]), np.float32)
+        for start in range(0, len(features), CACHED_FRAMES):
+            block = slice(start, start + CACHED_FRAMES)
+            near = rows[:, :, block] @ self._factors
             most = near.max(axis=-1, keepdims=True)
             near -= most
             np.maximum(near, FAINTEST_LOG, out=near)
-            shares = np.exp(near, out=near).swapaxes(0, 1)
-            found += np.log(shares @ self._weights[stream]) + most.swapaxes(0, 1)
-        return found.swapaxes(0, 1)
+            shares = np.exp(near, out=near) @ self._weights
+            found[block] = (np.log(shares, out=shares) + most).sum(axis=0).swapaxes(0, 1)
+        return found
 
 
 def _group_weights(model: "AcousticModel", groups: Ints) -> Singles:
@@ -128,35 +130,41 @@ def phone_scores(
 
 
 class Heard(NamedTuple):
-    """Scores of some frames, and how fast the sound changes in them."""
+    """Some frames of a sound."""
 
-    scores: Singles
-    """(k, N, S) of each state."""
-    change: Floats
-    """(k,) as `change_of` measures it."""
+    features: Floats
+    """(k, 3, 13)"""
+    tones: Floats
+    """(k,) as `ToneTrack` measures them."""
 
 
 class Ear:
-    """Scores of phones for a sound that arrives in parts, at `SPEECH_RATE`."""
+    """Features of a sound that arrives in parts, at `SPEECH_RATE`."""
 
-    def __init__(self, scores: PhoneScores) -> None:
-        self.scores = scores
-        self._frames = CepstralFrames()
+    def __init__(self) -> None:
+        self._frames, self._tones = CepstralFrames(), ToneTrack()
         self._heard = 0
         self._wide = np.zeros((0, CEPSTRA))
+        self._last_tone = np.zeros(1)
         self._sum, self._count = MEAN_PRIOR * PRIOR_FRAMES, PRIOR_FRAMES
 
     def hear(self, samples: Floats) -> Heard:
-        """Return what is heard in the frames whose features are complete now."""
+        """Return the frames that are complete now."""
         at = (self._heard + np.arange(len(samples))) % HISS_SAMPLES
         self._heard += len(samples)
-        return self._scored(self._less_mean(self._frames.push(samples + _hiss()[at])))
+        sound = samples + _hiss()[at]
+        tones = self._tones.push(sound)
+        self._last_tone = tones[-1:] if len(tones) else self._last_tone
+        found = self._derived(self._less_mean(self._frames.push(sound)))
+        # tones need no later frames, so the first of them come before the first features
+        return Heard(found, tones[len(tones) - len(found) :])
 
     def finish(self) -> Heard:
-        """Return what is heard in the last frames."""
+        """Return the last frames."""
         last = self._less_mean(self._frames.cepstra(self._frames.last(np.zeros(0))))
         end = last if len(last) else self._wide
-        return self._scored(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
+        found = self._derived(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
+        return Heard(found, np.repeat(self._last_tone, len(found)))
 
     def _less_mean(self, cepstra: Floats) -> Floats:
         """Take the mean of the voice so far from cepstra."""
@@ -167,21 +175,14 @@ class Ear:
             less[number] = here - self._sum / self._count
         return less
 
-    def _scored(self, less: Floats) -> Heard:
+    def _derived(self, less: Floats) -> Floats:
         if not len(self._wide):  # the first frame stands in for those before it
             less = np.concatenate([np.repeat(less[:1], DELTA_FRAMES, axis=0), less])
         wide = np.concatenate([self._wide, less])
         self._wide = wide[-2 * DELTA_FRAMES :]
         if len(wide) <= 2 * DELTA_FRAMES:
             wide = np.zeros((2 * DELTA_FRAMES, CEPSTRA))
-        found = derived(wide)
-        return Heard(self.scores.of(found), change_of(found))
-
-
-def change_of(features: Floats) -> Floats:
-    """Return how fast a sound changes in each frame of its features, (T, 3, 13): (T,)."""
-    change: Floats = np.abs(features[:, 1]).mean(axis=-1)
-    return change
+        return derived(wide)
 
 
 @cache

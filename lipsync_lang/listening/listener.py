@@ -9,18 +9,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.arrays import Floats
+from lipsync_lang.arrays import Floats, Singles
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.listening.belief import Smoother, VoiceGate, thirds
+from lipsync_lang.listening.belief import Smoother, thirds
 from lipsync_lang.listening.ear import (
     LOOK_AHEAD_SECONDS,
     MIDDLE_SECONDS,
     Ear,
+    Heard,
     PhoneScores,
     phone_scores,
 )
 from lipsync_lang.listening.mouth import Mouth, heard_values, state_targets
 from lipsync_lang.listening.resampler import Resampler
+from lipsync_lang.listening.voice import VoiceGate, change_of, contrast_of
 from lipsync_lang.pipeline.perform import FinalFrames
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
@@ -28,9 +30,8 @@ from lipsync_lang.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.speech.sound import FASTEST, INT16_FULL_SCALE, SLOWEST, SPEECH_RATE
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    from lipsync_lang.listening.ear import Heard
     from lipsync_lang.phonology.labels import Notation
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.tables import Tables
@@ -86,13 +87,13 @@ class Listener:
         self.delays["lead"] = delay - sum(self.delays.values())
         self.poses, self.rate, self.fps = poses, rate, fps
         self.phones = scores.model.names
-        self._ear = Ear(scores)
+        self.scores, self._ear = scores, Ear()
         self._smoother = Smoother(scores.loop, lag)
         self._mouth = mouth
         self._gate, self._voiced = VoiceGate(), np.zeros(1)
         self._given = self._frames = 0
         self._last = np.zeros((0, len(poses)))
-        self.belief = scores.loop.start().sum(axis=-1)
+        self.belief = scores.loop.start.sum(axis=-1)
         """(N,) probability of each phone in the newest frame."""
 
     @property
@@ -112,33 +113,64 @@ class Listener:
         LipsyncError
             The samples have another form.
         """
-        sound = np.asarray(samples)
-        if sound.ndim != 1:
-            raise LipsyncError(f"samples of shape {sound.shape}: give one channel, shape (n,)")
-        if sound.dtype != np.int16:
-            if sound.dtype.kind != "f" or not np.isfinite(sound).all():
-                raise LipsyncError(
-                    f"samples of type {sound.dtype} that are no sound: give int16, or finite "
-                    "floats from -1 to 1"
-                )
-            sound = sound * float(INT16_FULL_SCALE)
-        sound = sound.astype(np.float64)
-        if self._resampler is not None:
-            sound = self._resampler.push(sound)
-        return self._moved(self._calmed(self._ear.hear(sound)))
+        return self.push_together([self], [samples])[0]
 
     def finish(self) -> FinalFrames:
         """Return the last frames; the mouth comes to rest."""
         rest = np.zeros(0) if self._resampler is None else self._resampler.finish()
-        parts = [self._calmed(self._ear.hear(rest)), self._calmed(self._ear.finish())]
-        last = self._smoother.finish()
-        parts.append(self._smoother.loop.calmed(last, np.repeat(self._voiced, len(last))))
-        return self._moved(np.concatenate(parts))
+        both = zip(self._ear.hear(rest), self._ear.finish(), strict=True)
+        heard = Heard(*map(np.concatenate, both))
+        belief, last = self._calmed(heard, self.scores.of(heard.features)), self._smoother.finish()
+        calmed = self._smoother.loop.calmed(last, np.repeat(self._voiced, len(last)))
+        return self._moved(np.concatenate([belief, calmed]))
 
-    def _calmed(self, heard: "Heard") -> Floats:
+    @staticmethod
+    def push_together(
+        listeners: "Sequence[Listener]", sounds: "Sequence[npt.ArrayLike]"
+    ) -> list[FinalFrames]:
+        """Push the next samples of many voices, which costs less than one after the other.
+
+        Parameters
+        ----------
+        listeners : each once
+        sounds : samples of each, as for `push`; an empty array waits
+
+        Raises
+        ------
+        LipsyncError
+            Samples have another form; no voice has heard anything then.
+
+        Examples
+        --------
+        >>> voices = [ll.resolve("english", "facefx").listen() for _ in range(20)]
+        >>> found = voices[0].push_together(voices, [np.zeros(1600, np.int16)] * 20)
+        >>> found[19].weights.shape
+        (2, 9)
+        """
+        checked = [_samples(sound) for sound in sounds]
+        if len({one.scores for one in listeners}) > 1:
+            return [one.push(sound) for one, sound in zip(listeners, sounds, strict=True)]
+        heard = [one.hear(sound) for one, sound in zip(listeners, checked, strict=True)]
+        if not heard:
+            return []
+        scores = listeners[0].scores.of(np.concatenate([one.features for one in heard]))
+        parts = np.split(scores, np.cumsum([len(one.features) for one in heard])[:-1])
+        both = zip(listeners, heard, parts, strict=True)
+        return [one.move(own, part) for one, own, part in both]
+
+    def hear(self, sound: Floats) -> Heard:
+        """Return the frames that are complete with these samples."""
+        return self._ear.hear(sound if self._resampler is None else self._resampler.push(sound))
+
+    def move(self, heard: Heard, scores: Singles) -> FinalFrames:
+        """Return the frames that are final with the next ones heard, given their scores."""
+        return self._moved(self._calmed(heard, scores))
+
+    def _calmed(self, heard: Heard, scores: Singles) -> Floats:
         """Return the belief of the frames that are final; it is quiet where nobody speaks."""
-        belief = self._smoother.push(heard.scores)
-        voiced = self._gate.push(heard.change)
+        belief = self._smoother.push(scores)
+        contrast = contrast_of(scores, self.scores.loop.quiet)
+        voiced = self._gate.push(change_of(heard.features), heard.tones, contrast)
         self._voiced = voiced[-1:] if len(voiced) else self._voiced
         # the newest frames tell most about those that the smoother returns
         return self._smoother.loop.calmed(belief, voiced[len(voiced) - len(belief) :])
@@ -165,6 +197,21 @@ class Listener:
         high = np.minimum(low + 1, len(curves) - 1)
         shown = curves[low] * (1 - share) + curves[high] * share
         return FinalFrames(times, self._mouth.constrained(shown))
+
+
+def _samples(samples: npt.ArrayLike) -> Floats:
+    """Return samples in the range of int16."""
+    sound = np.asarray(samples)
+    if sound.ndim != 1:
+        raise LipsyncError(f"samples of shape {sound.shape}: give one channel, shape (n,)")
+    if sound.dtype != np.int16:
+        if sound.dtype.kind != "f" or not np.isfinite(sound).all():
+            raise LipsyncError(
+                f"samples of type {sound.dtype} that are no sound: give int16, or finite floats "
+                "from -1 to 1"
+            )
+        sound = sound * float(INT16_FULL_SCALE)
+    return sound.astype(np.float64)
 
 
 def open_listener(  # noqa: PLR0913 what moves, the language, and three settings

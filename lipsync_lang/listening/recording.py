@@ -19,9 +19,16 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints, Singles
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.listening.belief import FAST_FRAMES, VoiceGate, smoothed
-from lipsync_lang.listening.ear import change_of, phone_scores
+from lipsync_lang.listening.belief import smoothed
+from lipsync_lang.listening.ear import phone_scores
 from lipsync_lang.listening.mouth import heard_labels
+from lipsync_lang.listening.voice import (
+    FAST_FRAMES,
+    ToneTrack,
+    VoiceGate,
+    change_of,
+    contrast_of,
+)
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.resolver.nearest_phonemes import ModelPhones, model_phones
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
@@ -29,7 +36,7 @@ from lipsync_lang.speech.hearing import progress
 from lipsync_lang.speech.hearing.recognise.recognisers import recogniser
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.hearing.sphinx.decoders import parts
-from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS, WINDOW_SAMPLES
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
@@ -118,12 +125,14 @@ def recorded_belief(audio: Audio, known: ModelPhones, models: "Models") -> Singl
     found = []
     for start, stop in parts(sound):
         progress.tell(start, len(sound))
-        heard = models.model.front_end(prepared(Audio(sound[start:stop], SPEECH_RATE), peak))
+        part = prepared(Audio(sound[start:stop], SPEECH_RATE), peak)
+        heard = models.model.front_end(part)
+        scored, tones = scores.of(heard), ToneTrack().push(np.pad(part, (0, WINDOW_SAMPLES)))
+        measures = change_of(heard), tones[: len(heard)], contrast_of(scored, scores.loop.quiet)
         # a voice is told by the frames around, not only by those before
         ahead = FAST_FRAMES // 2
-        change = np.pad(change_of(heard), (0, ahead))
-        voiced = VoiceGate().push(change)[ahead:]
-        belief = scores.loop.calmed(smoothed(scores.loop, scores.of(heard)), voiced)
+        wide = (np.pad(measure, (0, ahead), mode="edge") for measure in measures)
+        belief = scores.loop.calmed(smoothed(scores.loop, scored), VoiceGate().push(*wide)[ahead:])
         found.append(belief.sum(axis=-1).astype(np.float32))
     whole: Singles = np.concatenate(found)
     return whole

@@ -30,6 +30,9 @@ FORM_BYTES = 16
 SURPLUS_SECONDS = 0.1
 """Tolerated sound after the stated end, where some programs write tags."""
 
+AUDIO_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")
+"""Suffixes of recordings, the most likely first."""
+
 PLACEHOLDER_BYTES = 0x7FFF_0000
 """Minimum placeholder size, written by streaming programs in place of the unknown size."""
 

@@ -65,7 +65,7 @@ def test_other_settings_are_other_readings(performer, monkeypatch):
     assert Manner.from_plain(plain).words != {"ta": ("d", "aa")}
     changed = replace(performer.compiled, manner={**plain, "words": {"ta": ("d", "aa")}})
     assert reading_cache(replace(performer, compiled=changed)).get("ta sa") is None
-    monkeypatch.setattr("lipsync_lang.coverage.reading_cache._versions", lambda: ["newer"])
+    monkeypatch.setattr("lipsync_lang.coverage.reading_cache.versions", lambda: ["newer"])
     assert reading_cache(performer).get("ta sa") is None
 
 

@@ -1,11 +1,10 @@
 """Belief: probabilities add up, and every way of looking ahead agrees with the whole."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lipsync_lang.listening.belief import PhoneLoop, Smoother, VoiceGate, smoothed, thirds
+from lipsync_lang.listening.belief import PhoneLoop, Smoother, smoothed, thirds
 
 GROUPS, PHONES = 3, 7
 LOOP = PhoneLoop(np.arange(PHONES) % GROUPS, np.arange(PHONES) == 0)
@@ -58,16 +57,3 @@ def test_thirds_keep_the_belief_of_each_phone():
     found = smoothed(LOOP, scores(1, 5))
     np.testing.assert_allclose(thirds(found).sum(axis=-1), found.sum(axis=-1))
     assert thirds(found).shape == (5, PHONES, 3)
-
-
-@pytest.mark.parametrize(("change", "share"), [(1.0, 0.0), (6.0, 0.0), (12.0, 1.0)])
-def test_a_voice_is_what_changes(change, share):
-    assert VoiceGate().push(np.full(100, change))[-1] == share
-
-
-@given(st.integers(0, 99), st.integers(0, 60))
-def test_the_gate_does_not_depend_on_the_parts(seed, cut):
-    change = np.random.default_rng(seed).uniform(4, 14, 60)
-    gate = VoiceGate()
-    parts = np.concatenate([gate.push(change[:cut]), gate.push(change[cut:])])
-    np.testing.assert_allclose(parts, VoiceGate().push(change), atol=1e-9)

@@ -37,6 +37,27 @@ def test_pushes_in_any_parts_agree(performer, sound):
         np.testing.assert_allclose(weights, others, atol=1e-5)
 
 
+def test_voices_pushed_together_are_those_pushed_alone(performer, sound):
+    rates, cut = (16_000, 48_000, 16_000), len(sound) // 2
+    alone = [performer.listen(rate) for rate in rates]
+    many = [performer.listen(rate) for rate in rates]
+    for sounds in ([sound[:cut], sound, []], [sound[cut:], [], sound / 2**15]):
+        given = [np.asarray(one) for one in sounds]
+        found = many[0].push_together(many, given)
+        for one, own, part in zip(alone, found, given, strict=True):
+            for column, expected in zip(own, one.push(part), strict=True):
+                np.testing.assert_allclose(column, expected, atol=1e-5)
+    assert many[0].push_together([], []) == []
+
+
+def test_a_wrong_sound_among_many_changes_no_voice(performer, sound):
+    voices = [performer.listen() for _ in range(2)]
+    with pytest.raises(ll.LipsyncError, match="one channel"):
+        voices[0].push_together(voices, [sound, np.zeros((10, 2))])
+    times, _ = voices[0].push(sound)
+    assert np.array_equal(times, performer.listen().push(sound)[0])
+
+
 def test_bounds_speed_and_constraints_hold(performer, sound):
     fps = 60
     _, weights = heard(performer.listen(fps=fps), sound)

@@ -11,7 +11,13 @@ from lipsync_lang.reports.percentages import percentage_text, ranked_text
 from lipsync_lang.reports.text_table import columns
 
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.report import Coverage, CoverageChanges, CoverageReport, Tally
+    from lipsync_lang.coverage.report import (
+        Corpus,
+        Coverage,
+        CoverageChanges,
+        CoverageReport,
+        Tally,
+    )
 
 MAX_RANKING_ROWS = 20
 """Number of rows of the ranking by default."""
@@ -30,13 +36,7 @@ _WHY = {"letters": "foreign letters", "name": "a name", "engines": "two readings
 @FORMS.register("text")
 def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     """Write all reports; several reports are preceded by their total and a table."""
-    corpus = coverage.corpus
-    read = (len(corpus.files), "file"), (corpus.lines, "line"), (corpus.words, "word")
-    blocks = [[", ".join(_count(number, thing) for number, thing in read)]]
-    if corpus.dropped:
-        blocks[0].append(f"not spoken: {_tallies(corpus.dropped)}")
-    if corpus.other_speakers:
-        blocks[0].append(f"no character of their own: {_tallies(corpus.other_speakers)}")
+    blocks = [list(_corpus(coverage.corpus))]
     if len(coverage.reports) > 1:
         if coverage.total is not None:
             blocks[0].insert(0, headline(coverage.total))
@@ -64,6 +64,19 @@ def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
             blocks[-1].append(f"{own.language} adds {added}")
     blocks += [_since(coverage.since)] if coverage.since else []
     out.write("\n\n".join("\n".join(lines) for lines in blocks) + "\n")
+
+
+def _corpus(corpus: "Corpus") -> Iterator[str]:
+    """Yield what was read, what was heard, and what was left out."""
+    read = (len(corpus.files), "file"), (corpus.lines, "line"), (corpus.words, "word")
+    yield ", ".join(_count(number, thing) for number, thing in read)
+    if corpus.heard:
+        lines = _count(corpus.heard, "line")
+        yield f"heard in recordings, and not read: {lines}; some sounds are wrong"
+    if corpus.dropped:
+        yield f"not spoken: {_tallies(corpus.dropped)}"
+    if corpus.other_speakers:
+        yield f"no character of their own: {_tallies(corpus.other_speakers)}"
 
 
 def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:

@@ -118,7 +118,7 @@ def derived(wide: Floats) -> Floats:
     # weights: other derivatives fit none of their Gaussians.
     change = at(2) - at(-2)
     turn = (at(3) - at(-1)) - (at(1) - at(-3))
-    return np.stack([at(0), change, turn], axis=1)
+    return np.concatenate([at(0), change, turn], axis=1).reshape(count, 3, CEPSTRA)
 
 
 class CepstralFrames:
@@ -238,12 +238,10 @@ class _BandNoise:
 
     def quieted(self, spectra: Floats) -> Floats:
         """Subtract the noise from the next frames: (k, bands)."""
-        quieted = np.empty_like(spectra)
+        powers, signals = np.empty_like(spectra), np.empty_like(spectra)
         power, noise, floor, peak = self.power, self.noise, self.floor, self.peak
-        sums = np.arange(len(power))
-        first, last = np.maximum(sums - 4, 0), np.minimum(sums + 5, len(power))
         for number, here in enumerate(spectra):
-            power = 0.7 * power + 0.3 * here
+            powers[number] = power = 0.7 * power + 0.3 * here
             noise = _envelope(power, noise)
             signal = np.maximum(power - noise, 1.0)
             floor = _envelope(signal, floor)
@@ -253,13 +251,16 @@ class _BandNoise:
             heard = signal
             signal = np.where(signal < 0.85 * peak, 0.2 * peak, signal)
             peak = np.maximum(peak, heard)
-            signal = np.maximum(signal, floor)
-            gain = np.clip(signal / np.maximum(power, 1e-300), 1 / 20, 20)
-            # A moving mean over nine bands from differences of the running sum, which has a 0 in
-            # front.
-            whole = np.concatenate([[0.0], np.cumsum(gain)])
-            quieted[number] = here * (whole[last] - whole[first]) / (last - first)
+            np.maximum(signal, floor, out=signals[number])
         self.power, self.noise, self.floor, self.peak = power, noise, floor, peak
+        gain = np.clip(signals / np.maximum(powers, 1e-300), 1 / 20, 20)
+        # A moving mean over nine bands from differences of the running sum, which has a 0 in front.
+        bands = np.arange(len(power))
+        first, last = np.maximum(bands - 4, 0), np.minimum(bands + 5, len(power))
+        whole = np.zeros((len(gain), len(power) + 1))
+        np.cumsum(gain, axis=1, out=whole[:, 1:])
+        quieted: Floats = spectra * (whole[:, last] - whole[:, first])
+        quieted /= last - first
         return quieted
 
 
