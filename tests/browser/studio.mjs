@@ -386,6 +386,34 @@ const stories = {
     return result;
   },
 
+  /** This line in two formats as downloads, and all lines of the script in a folder. */
+  async exports() {
+    const page = await show(), files = {};
+    page.on("download", async (one) => { files[one.suggestedFilename()] = (await import("node:fs")).statSync(await one.path()).size; });
+    await page.click("#export");
+    await page.waitForSelector("#exporting [name=format]");
+    const result = { formats: await page.$$eval("#exporting li b", (all) => all.map((one) => one.textContent)) };
+    const done = (words) => page.waitForFunction((told) => document.querySelector("#exporting [role=status]").textContent.includes(told), words, { timeout: 120000 });
+    await page.click("#exporting .main");
+    await done("Choose a format");
+    for (const name of ["csv", "html"]) await page.check(`#exporting [value=${name}]`);
+    await page.click("#exporting .main");
+    await done("Exported");
+    await page.waitForFunction(() => true);
+    await picture(page, "export");
+    await page.check("#exporting [value=all]");
+    await page.click("#exporting .main");
+    await done("files:");
+    result.told = await text(page, "#exporting [role=status]");
+    await page.click("#exporting .main");
+    await done("exists");
+    said.splice(0); // the refusals, which a browser tells of
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("Control+e");
+    result.kept = await page.$$eval("#exporting [name=format]:checked", (all) => all.map((one) => one.value));
+    return { ...result, files };
+  },
+
   /** What is open at the start, without a hand on it. */
   async start() {
     const page = await show();

@@ -15,6 +15,7 @@ from lanes import full
 from shipped import LIBRARY
 from test_consumers import chromium, found
 
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.project_folder import starter
 from lipsync_lang.performing.resolving import resolve
 
@@ -187,9 +188,10 @@ def test_every_view_fits_every_screen(studio):
     assert telling(studio, "views")["overflow"] == []
 
 
-def script(folder):
-    """Write a project of a thousand lines in two languages, for two faces."""
-    rows = [f"line_{n:04},{'Bob' if n % 2 else 'Eve'},Line {n}.,Rivi {n}." for n in range(1, 1001)]
+def script(folder, count=1000):
+    """Write a project of many lines in two languages, for two faces."""
+    numbers = range(1, count + 1)
+    rows = [f"line_{n:04},{'Bob' if n % 2 else 'Eve'},Line {n}.,Rivi {n}." for n in numbers]
     table = "\n".join(["id,speaker,english,finnish", *rows])
     (folder / "lines.csv").write_text(table, "utf-8")
     (folder / "lipsync.yaml").write_text(
@@ -213,6 +215,20 @@ def test_the_lines_of_a_script_are_opened_one_by_one(studio):
     assert told["other"] == ["line_0987 · 987 of 1000", "Rivi 987.", "crab"]
     assert told["typed"] == "Lines (1000)"
     assert told["wide"] <= 0
+
+
+@pytest.mark.parametrize("studio", [("--tts", "none")], indirect=True)
+def test_lines_are_exported(studio):
+    script(studio.folder, 3)
+    studio.kill()
+    studio.start()
+    told = telling(studio, "exports")
+    assert told["formats"] == list(WRITERS)
+    assert {*told["files"]} == {"line_0001.csv", "line_0001.html"}
+    assert min(told["files"].values()) > 1000
+    assert told["told"].startswith("Exported 6 files: exports/crab/line_0001.csv")
+    assert len([*(studio.folder / "exports").rglob("*.*")]) == 6
+    assert told["kept"] == ["csv", "html"]
 
 
 def test_a_new_project_is_made_built_and_opened(studio):

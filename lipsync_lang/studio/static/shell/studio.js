@@ -5,6 +5,7 @@ import { BigramView } from "../views/bigram_view.js";
 import { CharacterView } from "../views/character_view.js";
 import { CoverageView } from "../views/coverage_view.js";
 import { made, the } from "./elements.js";
+import { ExportDialog } from "./export_dialog.js";
 import { LanguageView } from "../views/language_view.js";
 import { chosen, fillNames } from "./form_fields.js";
 import { PlayerBar } from "./player_bar.js";
@@ -95,6 +96,7 @@ export class Studio {
     this.edits = new Edits(this);
     this.bar = new PlayerBar(this);
     this.script = new ScriptLines(this);
+    this.exporting = new ExportDialog(this);
     this.performing = false;
     /** Wishes for another take: the newest of each path. @type {Map<string, Record<string, any>>} */
     this.wishes = new Map();
