@@ -28,7 +28,7 @@ class Exported(NamedTuple):
 
 
 def format_rows(workshop: Workshop) -> list[dict[str, str]]:
-    """Return each format: its name, its suffix, its description, and why the line cannot have it."""
+    """Return the formats with their descriptions, and why the line cannot have one."""
     line = None if workshop.line is None else workshop.performer.rigged(workshop.perform())
     return [
         {

@@ -191,6 +191,37 @@ const stories = {
     return { shared, conflict, kept: JSON.stringify(await points(one)) === JSON.stringify(last) };
   },
 
+  /** A server that is killed while a line is edited, and started again: the page goes on. */
+  async killed() {
+    const page = await show();
+    await speak(page, "Bob bumps my blue boat.");
+    const jaw = page.locator("[type=range][aria-label=jaw]").last();
+    const set = (level) => jaw.evaluate((one, value) => {
+      one.value = value;
+      for (const kind of ["input", "change"]) one.dispatchEvent(new Event(kind, { bubbles: true }));
+    }, level);
+    const kept = () => page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("was started again"), null, { timeout: 60000 });
+    const notices = () => page.$$eval("#toasts li", (all) => all.map((one) => one.textContent));
+    await set("1.4");
+    await unsaved(page);
+    tell("kill");
+    await told();
+    await set("1.7"); // with no server
+    await page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("stopped"), null, { timeout: 60000 });
+    const lost = await notices();
+    await picture(page, "stopped");
+    tell("start");
+    await told();
+    await kept();
+    const found = await notices();
+    await picture(page, "back");
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("Undo"));
+    said.length = 0; // requests to a dead server are errors of the browser
+    await page.keyboard.press("Control+s");
+    await saved(page);
+    return { lost, found, text: await page.inputValue("#text"), level: await jaw.inputValue() };
+  },
+
   /** The first start: choose a pair, or take the tour to its end. */
   async tour() {
     const page = await show();

@@ -38,11 +38,13 @@ class Studio:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
         self.process = None
+        self.token = True
 
     def start(self):
+        at = ("--token", TOKEN, "--port", str(self.port)) if self.token else ()
         command = [
-            sys.executable, "-m", "lipsync_lang", *self.command, "--no-browser", "--token", TOKEN,
-            "--port", str(self.port), *self.arguments,
+            sys.executable, "-m", "lipsync_lang", *self.command, "--no-browser", *at,
+            *self.arguments,
         ]  # fmt: skip
         state = os.environ | {"XDG_STATE_HOME": str(self.folder.parent / "state")}
         self.process = subprocess.Popen(
@@ -153,6 +155,31 @@ def test_two_tabs_a_changed_file_and_a_killed_server(studio):
     assert told["shared"]
     assert "w-bmp" in told["conflict"]
     assert told["kept"]
+
+
+def test_the_page_goes_on_after_a_killed_server(studio):
+    """With the address that the studio chose, and kept for its next start."""
+    studio.kill()
+    studio.token = False
+    studio.start()
+    kept = next((studio.folder.parent / "state").rglob("*.address"))
+    assert kept.stat().st_mode & 0o777 == 0o600
+    address = studio.address
+    with Story(studio, "killed") as story:
+        assert story.line() == "kill"
+        studio.kill()
+        story.go_on()
+        assert story.line() == "start"
+        studio.start()
+        assert studio.address == address
+        story.go_on()
+        told = story.end()
+    (lost,), (found,) = told["lost"], told["found"]
+    assert lost.startswith("The studio has stopped. Start it again in its folder")
+    assert "goes on with your unsaved edits (1)" in found
+    assert (told["text"], told["level"]) == ("Bob bumps my blue boat.", "1.7")
+    (file,) = studio.folder.rglob("characters/crab.yaml")
+    assert "1.7" in file.read_text("utf-8")
 
 
 @pytest.mark.parametrize("studio", [()], indirect=True)

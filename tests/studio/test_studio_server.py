@@ -2,6 +2,7 @@
 
 import errno
 import gzip
+import hmac
 import json
 import sys
 from contextlib import suppress
@@ -21,7 +22,7 @@ from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.routes import line_routes
 from lipsync_lang.studio.routes.requests import MAX_TEXT_CHARS, StudioRequest
 from lipsync_lang.studio.routes.table import ROUTES
-from lipsync_lang.studio.server import MAX_REQUEST_BYTES
+from lipsync_lang.studio.server import MAX_REQUEST_BYTES, app
 from lipsync_lang.studio.workshop import Workshop
 
 TIMES = b"""{"notation": "arpabet", "phonemes": [
@@ -91,6 +92,23 @@ def test_requests_of_others_are_refused(caller, headers, status):
 @pytest.mark.parametrize("token", ["", "x", TOKEN[:-1], TOKEN + "x", "ä"])
 def test_the_token_is_needed(caller, token):
     assert caller.ask("GET", f"/{token}/api/state").status == 404
+
+
+def test_a_server_proves_that_it_knows_the_token(caller):
+    found = caller.ask("GET", "/proof/some-text")
+    assert (found.status, len(found.content)) == (200, 32)
+    assert found.content == hmac.digest(TOKEN.encode(), b"some-text", "sha256")
+    assert caller.ask("GET", "/proof/some-text", headers={"host": "evil.example"}).status == 421
+    assert caller.ask("GET", "/proof/x", headers={"origin": "http://evil.example"}).status == 403
+
+
+def test_other_machines_get_no_proof(workshop):
+    """Tokens of people could be tried against it."""
+    other = Caller(workshop)
+    other.app = app(workshop, TOKEN, ["192.168.0.7:8000"])
+    at = {"host": "192.168.0.7:8000"}
+    assert other.ask("GET", "/proof/some-text", headers=at).status == 404
+    assert other.ask("GET", f"/{TOKEN}/api/state", headers=at).status == 200
 
 
 def test_the_studio_itself_may_ask(caller):

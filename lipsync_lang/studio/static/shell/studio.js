@@ -50,6 +50,12 @@ const LOOK = 3000;
 const SHADE_LATER = 600;
 /** Milliseconds after which the server prepares for edits: the first picture does not wait for it. */
 const WARM_LATER = 800;
+/** Notices of a server that has ended, and of another one at its address. */
+const STOPPED =
+  "The studio has stopped. Start it again in its folder with the same command: this page then goes on by itself. " +
+  "Your edits are kept.";
+const MOVED =
+  "Another program has the address of this page. Open the address that the studio printed. Your edits are kept.";
 /** Degrees of the view for a pixel of a drag. */
 const TURN = 0.5;
 /** The studio as a whole; views get it. */
@@ -98,6 +104,8 @@ export class Studio {
     this.script = new ScriptLines(this);
     this.exporting = new ExportDialog(this);
     this.performing = false;
+    /** Requests that opened the line, for a server that is started again. @type {[string, object][]} */
+    this.openings = [];
     /** Wishes for another take: the newest of each path. @type {Map<string, Record<string, any>>} */
     this.wishes = new Map();
     /**
@@ -109,6 +117,8 @@ export class Studio {
 
   async start() {
     this.#listen();
+    this.api.lost = (silent) => this.tell(silent ? STOPPED : MOVED, "fault", true);
+    this.api.back = () => this.#back();
     const face = this.api.packed("face").catch(() => null); // asked for at once: it takes longest
     this.project = await this.api.get("project");
     this.state = this.project.state;
@@ -221,16 +231,39 @@ export class Studio {
     });
   }
 
+  /** Go on with a server that was started again: open the pair and the line there. */
+  async #back() {
+    const { direct } = this.api, { language, character, line, name } = this.state;
+    const { time } = this.player, { fps } = this.settings;
+    let state = await direct.get("state");
+    const notes = [...(state.notes ?? [])];
+    if (language && (state.language !== language || state.character !== character))
+      state = await direct.post("open", { language, character });
+    this.state = state;
+    if (line && (!state.line || state.name !== name))
+      for (const [path, body] of this.openings) this.#heard(await direct.sent(path, body));
+    else if (state.line) this.#heard(await direct.packed("line"));
+    if (line && this.settings.fps !== fps) await direct.sent("take", { settings: { ...this.settings, fps } });
+    this.seek(time);
+    this.stated(await direct.get("state"));
+    const count = this.state.unsaved?.length, edits = count ? ` with your unsaved edits (${count})` : "";
+    this.tell([`The studio was started again, and this page goes on${edits}`, ...notes].join("\n"));
+  }
+
   // The line
 
   /** @param {string} text */
   async speak(text) {
-    await this.busy(async () => this.#heard(await this.api.sent("line", { text })));
+    await this.openLine("line", { text });
   }
 
   /** @param {string} path of the request @param {object} body */
   async openLine(path, body) {
-    await this.busy(async () => this.#heard(await this.api.sent(path, body)));
+    await this.busy(async () => {
+      this.#heard(await this.api.sent(path, body));
+      const added = path.startsWith("sound") && !/[?&](text|hear)=/.test(path);
+      this.openings = [...(added ? this.openings : []), [path, body]];
+    });
   }
 
   /** @param {import("../payloads.js").Line} told take and sound of a new line */
@@ -433,14 +466,14 @@ export class Studio {
 
   // Words
 
-  /** @param {string} text @param {"" | "fault"} [kind] */
-  tell(text, kind = "") {
+  /** @param {string} text @param {"" | "fault"} [kind] @param {boolean} [stays] until the next one */
+  tell(text, kind = "", stays = false) {
     const one = made("li", { class: kind }, text);
     const close = made("button", { type: "button", "aria-label": "Close" }, "×");
     close.addEventListener("click", () => one.remove());
     one.append(close);
     the("toasts").replaceChildren(one);
-    setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
+    if (!stays) setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
   }
 
   /** @param {() => Promise<void>} does @returns {Promise<void>} a refusal is told, not thrown */
