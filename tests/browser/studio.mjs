@@ -171,6 +171,7 @@ const stories = {
     await one.keyboard.press("Control+s");
     await one.waitForSelector("dialog[open] select");
     const conflict = await text(one, "dialog[open] li b");
+    const drawn = await one.$$eval("dialog[open] figure", (all) => all.map((figure) => [figure.querySelector("figcaption").textContent, ...[...figure.querySelectorAll("polyline")].map((line) => line.getAttribute("class"))]));
     await picture(one, "conflict");
     await one.selectOption("dialog[open] select", "mine");
     await one.click("dialog[open] .main");
@@ -188,7 +189,24 @@ const stories = {
     await one.waitForSelector("html[data-ready]", { timeout: 120000 });
     await one.waitForSelector(".curve-plot g.front [data-index]");
     await unsaved(one);
-    return { shared, conflict, kept: JSON.stringify(await points(one)) === JSON.stringify(last) };
+    return { shared, conflict, drawn, kept: JSON.stringify(await points(one)) === JSON.stringify(last) };
+  },
+
+  /** Two tabs on one line: what one does, the other shows. */
+  async tabs() {
+    const one = await show(), other = await show();
+    await speak(one, "Bob bumps my blue boat.");
+    const follow = (page, text) => page.waitForFunction((told) => document.querySelector("#text").value === told && document.querySelector("#clock").textContent, text, { timeout: 60000 });
+    await follow(other, "Bob bumps my blue boat.");
+    const jaw = (page) => page.locator("[type=range][aria-label=jaw]").last();
+    await jaw(other).evaluate((input) => { input.value = "1.6"; for (const kind of ["input", "change"]) input.dispatchEvent(new Event(kind, { bubbles: true })); });
+    await unsaved(one);
+    await one.waitForFunction(() => [...document.querySelectorAll("[type=range][aria-label=jaw]")].at(-1).value === "1.6");
+    await one.keyboard.press("Control+z");
+    await other.waitForFunction(() => [...document.querySelectorAll("[type=range][aria-label=jaw]")].at(-1).value === "1");
+    await one.selectOption("#of-character", "facefx");
+    await other.waitForSelector("#faces canvas[aria-label='Face of facefx']", { timeout: 60000 });
+    return { character: await other.inputValue("#of-character") };
   },
 
   /** A server that is killed while a line is edited, and started again: the page goes on. */

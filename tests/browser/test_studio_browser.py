@@ -154,7 +154,12 @@ def test_two_tabs_a_changed_file_and_a_killed_server(studio):
         told = story.end()
     assert told["shared"]
     assert "w-bmp" in told["conflict"]
+    assert ["mouthOO", "mine", "theirs"] in told["drawn"]
     assert told["kept"]
+
+
+def test_two_tabs_on_one_line_follow_each_other(studio):
+    assert telling(studio, "tabs")["character"] == "facefx"
 
 
 def test_the_page_goes_on_after_a_killed_server(studio):

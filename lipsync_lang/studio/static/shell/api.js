@@ -25,6 +25,9 @@ const LOOK = 1000;
 /** Requests that are not repeated: whether the ended server has done them cannot be known. */
 const ONCE = ["undo", "redo"];
 
+/** The other tabs of this studio, which hear of each change. */
+const others = new BroadcastChannel(location.pathname);
+
 /** Ends when a server answers again; null while one does. @type {Promise<void> | null} */
 let away = null;
 
@@ -72,7 +75,10 @@ async function asked(path, init, direct) {
     if (ONCE.includes(path)) throw new Refusal(0, { error: `The studio ended before it could ${path}` });
     return asked(path, init, direct);
   }
-  if (answer.ok) return answer;
+  if (answer.ok) {
+    if (init.method === "POST") others.postMessage(path);
+    return answer;
+  }
   const told = await answer.json().catch(() => ({}));
   throw new Refusal(answer.status, told);
 }
@@ -113,4 +119,6 @@ export const api = {
   lost: (_) => {},
   /** Called when a server answers again, before the requests that wait. @type {() => Promise<void>} */
   back: async () => {},
+  /** Call a function when another tab may have changed something. @param {() => void} does */
+  heard: (does) => { others.onmessage = does; },
 };

@@ -46,6 +46,8 @@ const VIEWS = /** @type {[string, string, new (studio: Studio, place: HTMLElemen
 const TOLD = 6000;
 /** Milliseconds between looks for edits of another tab. */
 const LOOK = 3000;
+/** Milliseconds from a change of another tab to the look for it: a drag changes much at once. */
+const FOLLOW = 100;
 /** Milliseconds after which a face is shaded. */
 const SHADE_LATER = 600;
 /** Milliseconds after which the server prepares for edits: the first picture does not wait for it. */
@@ -361,11 +363,15 @@ export class Studio {
     await this.attempt(async () => {
       const state = await this.api.get("state");
       const moved = state.revision !== this.state.revision || state.unsaved.length !== this.state.unsaved?.length;
-      const known = /** @type {const} */ (["language", "character", "opened"]);
-      const other = known.some((one) => state[one] !== this.state[one]);
-      if (other) {
+      const pair = state.language !== this.state.language || state.character !== this.state.character;
+      if (pair || (!state.line && this.take)) {
         this.state = state;
+        fillNames(the("of-language"), this.project.languages, state.language);
+        fillNames(the("of-character"), this.project.characters, state.character);
         await this.#opened();
+      } else if (state.opened !== this.state.opened) {
+        this.stated(state);
+        if (state.line) this.#heard(await this.api.packed("line"));
       } else if (moved) {
         this.stated(state);
         await this.perform();
@@ -522,6 +528,11 @@ export class Studio {
     document.addEventListener("keydown", (event) => shellKeys(this, event));
     addEventListener("focus", () => this.state.language && this.look());
     setInterval(() => { if (this.state.language && !document.hidden && !this.edits.sending) this.look(); }, LOOK);
+    let soon = 0;
+    this.api.heard(() => {
+      clearTimeout(soon);
+      soon = setTimeout(() => { if (this.state.language && !this.edits.sending) this.look(); }, FOLLOW);
+    });
   }
 }
 
