@@ -240,11 +240,13 @@ const stories = {
     return { lost, found, text: await page.inputValue("#text"), level: await jaw.inputValue() };
   },
 
-  /** The first start: choose a pair, or take the tour to its end. */
+  /** The first start: a line is spoken at once; the tour is taken to its end, and again. */
   async tour() {
     const page = await show();
+    await page.waitForFunction(() => !document.body.classList.contains("busy"));
+    const result = { pair: [await page.inputValue("#of-language"), await page.inputValue("#of-character")], line: await page.inputValue("#text"), seen: await page.isVisible("#timeline") };
     await picture(page, "first");
-    await page.click(".empty button:not(.main)");
+    await page.click("#toasts button:not([aria-label=Close])");
     await page.waitForSelector(".tour", { timeout: 120000 });
     const titles = [], outside = [];
     for (;;) {
@@ -257,7 +259,12 @@ const stories = {
       await page.click(".tour .main");
       if (last) break;
     }
-    return { titles, outside, left: await page.locator(".tour").count() };
+    const left = await page.locator(".tour").count(), focus = await page.evaluate(() => document.activeElement.id);
+    await page.click("#keys");
+    await page.click("#tours button");
+    await page.waitForSelector(".tour");
+    const again = await text(page, ".tour h2");
+    return { ...result, titles, outside, left, focus, again, view: await page.evaluate(() => document.body.dataset.view) };
   },
 
   /** A character: its poses, its targets, its rules and its tongue. */
@@ -473,6 +480,34 @@ const stories = {
       pair: [await page.inputValue("#of-language"), await page.inputValue("#of-character")],
       drawn: await page.isVisible("#timeline"),
     };
+  },
+
+  /** Findings of axe-core in every view and dialog, light and dark. */
+  async axe() {
+    const found = [], page = await show();
+    await speak(page, "Bob bumps my blue boat.");
+    await page.evaluate((await import("node:fs")).readFileSync(`${modules}/axe-core/axe.min.js`, "utf-8"));
+    const look = async (name) => {
+      const seen = await page.evaluate(() => globalThis.axe.run());
+      for (const one of seen.violations) found.push([name, one.id, one.impact, ...one.nodes.slice(0, 3).map((node) => node.html.slice(0, 160))]);
+    };
+    const views = ["sentence", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"];
+    for (const colorScheme of ["light", "dark"]) {
+      await page.emulateMedia({ colorScheme });
+      for (const view of views) {
+        await page.evaluate((name) => { location.hash = `#${name}`; }, view);
+        await page.waitForLoadState("networkidle");
+        await page.waitForTimeout(500);
+        await look(`${view} ${colorScheme}`);
+      }
+      for (const button of colorScheme === "dark" ? [] : ["#export", "#keys"]) {
+        await page.click(button);
+        await page.waitForSelector("dialog[open]");
+        await look(`${button} ${colorScheme}`);
+        await page.keyboard.press("Escape");
+      }
+    }
+    return { found };
   },
 
   /** Every view, light and dark, on small and large screens: nothing overflows. */

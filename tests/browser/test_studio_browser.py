@@ -190,8 +190,12 @@ def test_the_page_goes_on_after_a_killed_server(studio):
 @pytest.mark.parametrize("studio", [()], indirect=True)
 def test_the_tour_of_the_crab(studio):
     told = telling(studio, "tour")
-    assert len(told["titles"]) >= 5
-    assert (told["outside"], told["left"]) == ([], 0)
+    tour = json.loads((LIBRARY.find("poseset", "crab").parent / "tour.json").read_bytes())
+    assert (told["pair"], told["line"]) == ([tour["language"], "crab"], tour["line"])
+    assert told["seen"]
+    assert told["titles"] == [step["title"] for step in tour["steps"]]
+    assert (told["outside"], told["left"], told["focus"]) == ([], 0, "text")
+    assert (told["again"], told["view"]) == (told["titles"][0], "sentence")
 
 
 def test_a_character_is_posed_seen_through_and_edited(studio):
@@ -218,6 +222,11 @@ def test_a_character_is_posed_seen_through_and_edited(studio):
 
 def test_every_view_fits_every_screen(studio):
     assert telling(studio, "views")["overflow"] == []
+
+
+def test_axe_finds_nothing_in_any_view(studio):
+    found("axe-core")
+    assert telling(studio, "axe")["found"] == []
 
 
 def script(folder, count=1000):

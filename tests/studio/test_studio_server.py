@@ -335,3 +335,25 @@ def test_options_that_cannot_be_are_told(capsys, tmp_path, monkeypatch, argument
     monkeypatch.chdir(tmp_path)
     assert main(["studio", *arguments]) != 0
     assert told in capsys.readouterr().err
+
+
+def test_a_pair_and_a_line_are_proposed_and_the_users_own_packs_come_first(tmp_path):
+    caller = Caller(Workshop(tmp_path, engine="none"))
+    tours = caller.api("project").json["tours"]
+    found = caller.api("project").json["first"]
+    tour = caller.api(f"tour/{tours[0]}").json
+    assert found == {
+        "language": tour["language"], "character": tours[0], "line": tour["line"],
+    }  # fmt: skip
+    (tmp_path / "languages").mkdir()
+    (tmp_path / "languages/stage.yaml").write_text(
+        "kind: language\nformat: 1\nname: stage\ntag: en-x-stage\nextends: english\n"
+        "tests:\n  - {text: maps and boats, phonemes: [bmp]}\n  - {text: a, phonemes: [ah]}\n"
+    )
+    (tmp_path / "characters").mkdir()
+    (tmp_path / "characters/hero.yaml").write_text(
+        "kind: character\nformat: 1\nname: hero\nposeset: facefx\n"
+    )
+    caller = Caller(Workshop(tmp_path, engine="none"))
+    first = caller.api("project").json["first"]
+    assert first == {"language": "stage", "character": "hero", "line": "maps and boats"}

@@ -7,7 +7,7 @@ import { CoverageView } from "../views/coverage_view.js";
 import { made, the } from "./elements.js";
 import { ExportDialog } from "./export_dialog.js";
 import { LanguageView } from "../views/language_view.js";
-import { chosen, fillNames } from "./form_fields.js";
+import { actButton, chosen, fillNames } from "./form_fields.js";
 import { PlayerBar } from "./player_bar.js";
 import { Edits } from "./studio_edits.js";
 import { Player } from "../line/player.js";
@@ -44,6 +44,7 @@ const VIEWS = /** @type {[string, string, new (studio: Studio, place: HTMLElemen
 
 /** Milliseconds for which a message stays. */
 const TOLD = 6000;
+const SECOND = 1000;
 /** Milliseconds between looks for edits of another tab. */
 const LOOK = 3000;
 /** Milliseconds from a change of another tab to the look for it: a drag changes much at once. */
@@ -131,7 +132,8 @@ export class Studio {
     if (told.length) this.tell(told.join("\n"), notes.length ? "fault" : "");
     if (this.state.language) await this.#opened(await face);
     await this.script.start();
-    if (!this.state.language) this.#choose();
+    if (!this.state.language) await this.#first();
+    the("tours").replaceChildren(...this.#tours());
     document.documentElement.dataset.ready = "";
     setTimeout(() => this.api.post("warm").catch(() => {}), WARM_LATER);
   }
@@ -198,29 +200,25 @@ export class Studio {
     this.notify("face");
   }
 
-  /** Ask for a pair if no pair is open. */
-  #choose() {
-    const start = made("button", { type: "button", class: "main" }, "Open");
-    start.addEventListener("click", () => this.open(chosen("of-language"), chosen("of-character")));
-    const tours = this.project.tours.map((/** @type {string} */ name) => {
-      const one = made("button", { type: "button" }, `Take the tour: ${name}`);
-      one.addEventListener("click", () => this.tour(name));
-      return one;
-    });
-    the("view").replaceChildren(
-      made(
-        "section",
-        { class: "empty" },
-        made("h2", {}, "Choose a language and a character"),
-        made(
-          "p",
-          {},
-          "The lists above hold all languages and characters of this folder and of the installed packs. " +
-            "Edits are saved in this folder only.",
-        ),
-        made("p", { class: "row" }, start, ...tours),
-      ),
-    );
+  /** Open a pair and say a line if nothing is chosen, and offer the tours. */
+  async #first() {
+    const { first } = this.project;
+    if (first) await this.open(first.language, first.character);
+    if (!this.state.language) {
+      const words = "Choose a language and a character above. Edits are saved in this folder only.";
+      the("view").replaceChildren(made("section", { class: "empty" }, made("h2", {}, words)));
+    }
+    if (this.state.language && !this.take && first?.line) await this.speak(first.line);
+    this.tell("Edits are saved in this folder only.", "", true, ...this.#tours());
+  }
+
+  /** @returns {HTMLElement[]} a button for each tour */
+  #tours() {
+    return this.project.tours.map((name) => actButton(`Take the tour: ${name}`, `Take the tour: ${name}`, () => {
+      /** @type {HTMLDialogElement} */ (the("help")).close();
+      the("toasts").replaceChildren();
+      this.tour(name);
+    }));
   }
 
   /** @param {string} character that has a tour */
@@ -256,16 +254,16 @@ export class Studio {
 
   /** @param {string} text */
   async speak(text) {
-    await this.openLine("line", { text });
+    await this.openLine("line", { text }, "Speaking the line");
   }
 
-  /** @param {string} path of the request @param {object} body */
-  async openLine(path, body) {
+  /** @param {string} path of the request @param {object} body @param {string} [words] about long work */
+  async openLine(path, body, words) {
     await this.busy(async () => {
       this.#heard(await this.api.sent(path, body));
       const added = path.startsWith("sound") && !/[?&](text|hear)=/.test(path);
       this.openings = [...(added ? this.openings : []), [path, body]];
-    });
+    }, words);
   }
 
   /** @param {import("../payloads.js").Line} told take and sound of a new line */
@@ -391,7 +389,7 @@ export class Studio {
   async #go() {
     if (!this.state.language) return;
     const [asked, argument = ""] = location.hash.slice(1).split("/");
-    const [name, , Kind] = VIEWS.find(([one]) => one === asked) ?? VIEWS[0];
+    const [name, title, Kind] = VIEWS.find(([one]) => one === asked) ?? VIEWS[0];
     let known = this.views.get(name);
     if (!known) {
       const place = made("section", { "aria-label": name });
@@ -404,7 +402,7 @@ export class Studio {
     }
     [this.view, this.viewName] = [known.view, name];
     document.body.dataset.view = name;
-    the("view").replaceChildren(known.place);
+    the("view").replaceChildren(made("h2", { class: "unseen" }, title), known.place);
     for (const one of the("tabs").children) {
       if (one.getAttribute("href") === `#${name}`) one.setAttribute("aria-current", "page");
       else one.removeAttribute("aria-current");
@@ -472,14 +470,19 @@ export class Studio {
 
   // Words
 
-  /** @param {string} text @param {"" | "fault"} [kind] @param {boolean} [stays] until the next one */
-  tell(text, kind = "", stays = false) {
+  /**
+   * Show a notice in the place of the last one.
+   * @param {string} text @param {"" | "fault"} [kind] @param {boolean} [stays] until the next one
+   * @param {...Node} more after the text
+   */
+  tell(text, kind = "", stays = false, ...more) {
     const one = made("li", { class: kind }, text);
     const close = made("button", { type: "button", "aria-label": "Close" }, "×");
     close.addEventListener("click", () => one.remove());
-    one.append(close);
+    one.append(...more, close);
     the("toasts").replaceChildren(one);
     if (!stays) setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
+    return one;
   }
 
   /** @param {() => Promise<void>} does @returns {Promise<void>} a refusal is told, not thrown */
@@ -495,10 +498,17 @@ export class Studio {
     }
   }
 
-  /** @param {() => Promise<void>} does what takes a while */
-  async busy(does) {
+  /** @param {() => Promise<void>} does what takes a while @param {string} [words] about it, after a second */
+  async busy(does, words = "") {
+    const since = performance.now(), seconds = made("span", { "aria-hidden": "true" });
     document.body.classList.add("busy");
+    const working = setInterval(() => {
+      if (words && !seconds.textContent) this.tell(words, "", true, seconds);
+      seconds.textContent = ` … ${Math.round((performance.now() - since) / SECOND)} s`;
+    }, SECOND);
     await this.attempt(does);
+    clearInterval(working);
+    seconds.closest("#toasts li")?.remove();
     document.body.classList.remove("busy");
   }
 
@@ -509,7 +519,7 @@ export class Studio {
     for (const id of ["of-language", "of-character"])
       the(id).addEventListener(
         "change",
-        () => this.state.language && this.open(chosen("of-language"), chosen("of-character")),
+        () => this.open(chosen("of-language"), chosen("of-character")),
       );
     the("pair").addEventListener("submit", (event) => event.preventDefault());
     the("say").addEventListener("submit", (event) => {
