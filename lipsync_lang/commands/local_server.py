@@ -13,6 +13,7 @@ from lipsync_lang.extras import install_line
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable, Collection
+    from pathlib import Path
 
     from starlette.types import ASGIApp
 
@@ -26,6 +27,9 @@ LEAST_TOKEN_CHARS = 16
 """Minimum length of a token from the user."""
 
 MAX_PORT = 65535
+
+ADDRESS_SECONDS = 7 * 24 * 3600
+"""Time for which a kept address is used again."""
 
 SHUTDOWN_SECONDS = 1
 """Time for open requests when the server closes."""
@@ -52,6 +56,7 @@ def serve(
     what: str,
     end: str,
     open_app: "Callable[[str, Collection[str]], ASGIApp]",
+    kept: "Path | None" = None,
     **settings: Any,
 ) -> None:
     """Serve an application until it is interrupted, and open its address in a browser.
@@ -62,13 +67,14 @@ def serve(
     what : the name of the page in messages
     end : how to end it
     open_app : takes the token and the accepted `Host` headers; may lack a package
+    kept : private file of the address, so that open pages find the next server; None for a new one
     settings : further settings of uvicorn
     """
     import threading
     import webbrowser
 
-    token = _token(options)
-    with _listening(options.host, options.port) as listener:
+    listener, token = _address(options, kept)
+    with listener:
         port = listener.getsockname()[1]
         names = {options.host, *((LOCAL, "localhost") if options.host == LOCAL else ())}
         hosts = [f"{name}:{port}" for name in names]
@@ -92,8 +98,46 @@ def serve(
             uvicorn.Server(config).run(sockets=[listener])
 
 
-def _token(options: Namespace) -> str:
-    """Return the secret part of the address; the user must choose it for other machines."""
+def _address(options: Namespace, kept: "Path | None") -> "tuple[socket.socket, str]":
+    """Return a listening socket and the token: those of the server before, if it kept them.
+
+    A token holds for its port alone, since another program on that port may have been sent it.
+    """
+    from secrets import token_urlsafe
+
+    from lipsync_lang.files.private import write_private
+
+    token = _token(options)
+    if kept is None or token is not None or options.host != LOCAL:
+        return _listening(options.host, options.port), token or token_urlsafe(TOKEN_BYTES)
+    before = _read(kept)
+    if before is not None and options.port in {0, before[0]}:
+        with suppress(LipsyncError):  # the port is taken
+            return _listening(LOCAL, before[0]), before[1]
+    listener, token = _listening(LOCAL, options.port), token_urlsafe(TOKEN_BYTES)
+    with suppress(OSError):  # open pages then need the new address
+        write_private(kept, f"{listener.getsockname()[1]} {token}".encode())
+    return listener, token
+
+
+def _read(kept: "Path") -> tuple[int, str] | None:
+    """Return the port and the token in a private file; None if it has none, or old ones."""
+    from time import time
+
+    from lipsync_lang.files.private import read_private
+
+    content, written = read_private(kept) or (b"", 0.0)
+    port, _, token = content.decode("ascii", "replace").partition(" ")
+    valid = port.isdecimal() and 0 < int(port) <= MAX_PORT and _sound(token)
+    return (int(port), token) if valid and time() - written < ADDRESS_SECONDS else None
+
+
+def _sound(token: str) -> bool:
+    return len(token) >= LEAST_TOKEN_CHARS and token.replace("-", "").replace("_", "").isalnum()
+
+
+def _token(options: Namespace) -> str | None:
+    """Return the user's token; None for a random one, which is for this machine only."""
     from secrets import token_urlsafe
 
     if options.token is None:
@@ -102,9 +146,9 @@ def _token(options: Namespace) -> str:
                 f"--host {options.host} lets other machines in: choose a secret for the address "
                 "with --token SECRET"
             )
-        return token_urlsafe(TOKEN_BYTES)
+        return None
     token: str = options.token
-    if len(token) < LEAST_TOKEN_CHARS or not token.replace("-", "").replace("_", "").isalnum():
+    if not _sound(token):
         raise LipsyncError(
             f"--token: use at least {LEAST_TOKEN_CHARS} letters, digits, - and _, such as "
             f"{token_urlsafe(TOKEN_BYTES)}"

@@ -47,8 +47,9 @@ def studio(options: Namespace) -> int:
     # Unsaved edits are kept outside the project, in a file of its own.
     name = sha256(str(Path.cwd().resolve()).encode()).hexdigest()[:16]
     journal = user_state_path("lipsync-lang") / "studio" / f"{name}.jsonl"
+    desk = Desk(journal)
     workshop = Workshop(
-        Path.cwd(), options.path, Desk(journal),
+        Path.cwd(), options.path, desk,
         motion=motion_settings(options.settings), engine=options.tts, cleaning=cleaning(options),
         script=ProjectLines(find_project(), options.path),
     )  # fmt: skip
@@ -62,5 +63,6 @@ def studio(options: Namespace) -> int:
         return app(workshop, token, hosts)
 
     end = "close it with Ctrl-C; unsaved edits are kept"
-    serve(options, "the studio", end, open_app, ws="none")
+    kept = journal.with_suffix(".address") if desk.journaled else None
+    serve(options, "the studio", end, open_app, kept, ws="none")
     return SOUND

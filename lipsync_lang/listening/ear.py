@@ -17,7 +17,7 @@ from lipsync_lang.arrays import Floats, Ints, Singles
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.listening.belief import PhoneLoop
 from lipsync_lang.listening.voice import ToneTrack
-from lipsync_lang.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG, STREAMS
+from lipsync_lang.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG
 from lipsync_lang.speech.hearing.sphinx.features import (
     CEPSTRA,
     DELTA_FRAMES,

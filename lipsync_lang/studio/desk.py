@@ -118,6 +118,11 @@ class Desk:
     # What there is
 
     @property
+    def journaled(self) -> bool:
+        """True if this desk keeps the journal; another studio of the project may have it."""
+        return self._journal is not None
+
+    @property
     def undo_title(self) -> str | None:
         """Title of the step that `undo` reverts."""
         return self._done[-1].title if self._done else None

@@ -92,6 +92,18 @@ class ProjectLines:
         ]
         return {"name": line.name, "number": number, "count": len(own), "beside": beside}
 
+    def named(self, language: str, character: str) -> list[tuple[str, str]]:
+        """Return each line of a language with each of its characters.
+
+        If the script gives no line to the open `character`, it has all lines.
+        """
+        unused = character not in self._characters
+        return [
+            (name, one)
+            for name, by in self._lines.get(language, {}).items()
+            for one in ([character] if unused else by)
+        ]
+
     def has(self, name: str) -> bool:
         """Return True if the script has a line of this name."""
         return any(name in own for own in self._lines.values())

@@ -2,9 +2,13 @@
 
 The address contains a random token. A page of another site cannot guess it, and cannot use it with
 another `Host` or `Origin`. Every response forbids scripts, styles and requests of other sites.
+
+A page whose server has ended sends the token to no server that does not prove first that it knows
+it: by the HMAC of a text of the page.
 """
 
 import gzip
+import hmac
 import json
 import logging
 from collections.abc import Callable, Collection, Mapping
@@ -40,6 +44,12 @@ _log = logging.getLogger(__name__)
 
 MAX_REQUEST_BYTES = 64 * 2**20
 """Maximum size of a request: a recording of some minutes."""
+
+PROOF = "/proof/"
+"""Start of the path at which a server proves that it knows the token; the rest is any text."""
+
+MAX_PROVED_CHARS = 100
+"""Maximum length of a text to prove."""
 
 STUDIO_SCRIPT = "studio.bundle.js"
 """Name of the script that `studio.html` loads."""
@@ -86,6 +96,8 @@ class RequestCheck:
 
     def __init__(self, inner: ASGIApp, token: str, hosts: frozenset[str]) -> None:
         self.inner, self.token, self.hosts = inner, token, hosts
+        # Other machines could try tokens that a person chose against a proof.
+        self.proves = any(host.startswith("127.0.0.1:") for host in hosts)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request."""
@@ -125,6 +137,9 @@ class RequestCheck:
         foreign = origin is not None and urlsplit(origin).netloc not in self.hosts
         if foreign or site not in {"none", "same-origin"}:
             return _error(403, "requests from other sites are refused")
+        if path.startswith(PROOF) and self.proves:
+            text = path.removeprefix(PROOF)[:MAX_PROVED_CHARS]
+            return Response(hmac.digest(self.token.encode(), text.encode(), "sha256"))
         token = path.split("/", 2)[1] if path.startswith("/") else ""
         if not compare_digest(token.encode(), self.token.encode()):
             return _error(

@@ -6,6 +6,7 @@ of one user, one call at a time.
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import asdict, dataclass, field, replace
 from itertools import chain, count
 from pathlib import Path
@@ -479,14 +480,42 @@ class Workshop:
             raise LipsyncError("there is no line; type one, or open timed phonemes")
         return self.line
 
-    def perform(self, performer: Performer | None = None) -> Animation:
-        """Perform the line with another performer or the open one."""
-        schedule, settings = self.spoken.part(self.part_seconds), self.settings
+    def perform(
+        self,
+        performer: Performer | None = None,
+        schedule: Schedule | None = None,
+        gestures: str | None = None,
+    ) -> Animation:
+        """Perform the shown part of the line, or another schedule of it, with any performer."""
+        schedule, settings = schedule or self.spoken.part(self.part_seconds), self.settings
         loud = None if schedule.audio is None else settings.intensity
         return (performer or self.performer).perform(
             schedule, settings.fps, line=settings.line, styles=settings.styles or None,
             dials=settings.dials or None, intensity=loud, bends=settings.bends or None,
+            gestures=gestures,
         )  # fmt: skip
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Return the lines of the open language with their characters: of the script, or kept."""
+        language, character = self.opened_pair()
+        found = self.script.named(language, character)
+        kept = [name for name, line in self._stated.items() if line.get("language") == language]
+        return found or [(name, character) for name in kept if self._stated[name].get("text")]
+
+    def aside(self, name: str, character: str) -> "Workshop":
+        """Return a workshop with the same packs and edits, and another line open in it."""
+        if (name, character) == (self.name, self.opened_pair()[1]) and self.line is not None:
+            return self
+        other = copy(self)
+        if character != self.opened_pair()[1]:
+            other.open(self.language, character)
+        if other.script.has(name):
+            other.open_script_line(name)
+        elif "text" in other._stated.get(name, {}):  # noqa: SLF001 of its own class
+            other.speak(other._stated[name]["text"])  # noqa: SLF001
+        else:
+            raise LipsyncError(f"there is no line '{name}'; open the dialog again")
+        return other
 
     def state(self) -> Json:
         """Return the state for all views as JSON data."""

@@ -171,6 +171,7 @@ const stories = {
     await one.keyboard.press("Control+s");
     await one.waitForSelector("dialog[open] select");
     const conflict = await text(one, "dialog[open] li b");
+    const drawn = await one.$$eval("dialog[open] figure", (all) => all.map((figure) => [figure.querySelector("figcaption").textContent, ...[...figure.querySelectorAll("polyline")].map((line) => line.getAttribute("class"))]));
     await picture(one, "conflict");
     await one.selectOption("dialog[open] select", "mine");
     await one.click("dialog[open] .main");
@@ -188,14 +189,64 @@ const stories = {
     await one.waitForSelector("html[data-ready]", { timeout: 120000 });
     await one.waitForSelector(".curve-plot g.front [data-index]");
     await unsaved(one);
-    return { shared, conflict, kept: JSON.stringify(await points(one)) === JSON.stringify(last) };
+    return { shared, conflict, drawn, kept: JSON.stringify(await points(one)) === JSON.stringify(last) };
   },
 
-  /** The first start: choose a pair, or take the tour to its end. */
+  /** Two tabs on one line: what one does, the other shows. */
+  async tabs() {
+    const one = await show(), other = await show();
+    await speak(one, "Bob bumps my blue boat.");
+    const follow = (page, text) => page.waitForFunction((told) => document.querySelector("#text").value === told && document.querySelector("#clock").textContent, text, { timeout: 60000 });
+    await follow(other, "Bob bumps my blue boat.");
+    const jaw = (page) => page.locator("[type=range][aria-label=jaw]").last();
+    await jaw(other).evaluate((input) => { input.value = "1.6"; for (const kind of ["input", "change"]) input.dispatchEvent(new Event(kind, { bubbles: true })); });
+    await unsaved(one);
+    await one.waitForFunction(() => [...document.querySelectorAll("[type=range][aria-label=jaw]")].at(-1).value === "1.6");
+    await one.keyboard.press("Control+z");
+    await other.waitForFunction(() => [...document.querySelectorAll("[type=range][aria-label=jaw]")].at(-1).value === "1");
+    await one.selectOption("#of-character", "facefx");
+    await other.waitForSelector("#faces canvas[aria-label='Face of facefx']", { timeout: 60000 });
+    return { character: await other.inputValue("#of-character") };
+  },
+
+  /** A server that is killed while a line is edited, and started again: the page goes on. */
+  async killed() {
+    const page = await show();
+    await speak(page, "Bob bumps my blue boat.");
+    const jaw = page.locator("[type=range][aria-label=jaw]").last();
+    const set = (level) => jaw.evaluate((one, value) => {
+      one.value = value;
+      for (const kind of ["input", "change"]) one.dispatchEvent(new Event(kind, { bubbles: true }));
+    }, level);
+    const kept = () => page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("was started again"), null, { timeout: 60000 });
+    const notices = () => page.$$eval("#toasts li", (all) => all.map((one) => one.textContent));
+    await set("1.4");
+    await unsaved(page);
+    tell("kill");
+    await told();
+    await set("1.7"); // with no server
+    await page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("stopped"), null, { timeout: 60000 });
+    const lost = await notices();
+    await picture(page, "stopped");
+    tell("start");
+    await told();
+    await kept();
+    const found = await notices();
+    await picture(page, "back");
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("Undo"));
+    said.length = 0; // requests to a dead server are errors of the browser
+    await page.keyboard.press("Control+s");
+    await saved(page);
+    return { lost, found, text: await page.inputValue("#text"), level: await jaw.inputValue() };
+  },
+
+  /** The first start: a line is spoken at once; the tour is taken to its end, and again. */
   async tour() {
     const page = await show();
+    await page.waitForFunction(() => !document.body.classList.contains("busy"));
+    const result = { pair: [await page.inputValue("#of-language"), await page.inputValue("#of-character")], line: await page.inputValue("#text"), seen: await page.isVisible("#timeline") };
     await picture(page, "first");
-    await page.click(".empty button:not(.main)");
+    await page.click("#toasts button:not([aria-label=Close])");
     await page.waitForSelector(".tour", { timeout: 120000 });
     const titles = [], outside = [];
     for (;;) {
@@ -208,7 +259,12 @@ const stories = {
       await page.click(".tour .main");
       if (last) break;
     }
-    return { titles, outside, left: await page.locator(".tour").count() };
+    const left = await page.locator(".tour").count(), focus = await page.evaluate(() => document.activeElement.id);
+    await page.click("#keys");
+    await page.click("#tours button");
+    await page.waitForSelector(".tour");
+    const again = await text(page, ".tour h2");
+    return { ...result, titles, outside, left, focus, again, view: await page.evaluate(() => document.body.dataset.view) };
   },
 
   /** A character: its poses, its targets, its rules and its tongue. */
@@ -386,6 +442,34 @@ const stories = {
     return result;
   },
 
+  /** This line in two formats as downloads, and all lines of the script in a folder. */
+  async exports() {
+    const page = await show(), files = {};
+    page.on("download", async (one) => { files[one.suggestedFilename()] = (await import("node:fs")).statSync(await one.path()).size; });
+    await page.click("#export");
+    await page.waitForSelector("#exporting [name=format]");
+    const result = { formats: await page.$$eval("#exporting li b", (all) => all.map((one) => one.textContent)) };
+    const done = (words) => page.waitForFunction((told) => document.querySelector("#exporting [role=status]").textContent.includes(told), words, { timeout: 120000 });
+    await page.click("#exporting .main");
+    await done("Choose a format");
+    for (const name of ["csv", "html"]) await page.check(`#exporting [value=${name}]`);
+    await page.click("#exporting .main");
+    await done("Exported");
+    await page.waitForFunction(() => true);
+    await picture(page, "export");
+    await page.check("#exporting [value=all]");
+    await page.click("#exporting .main");
+    await done("files:");
+    result.told = await text(page, "#exporting [role=status]");
+    await page.click("#exporting .main");
+    await done("exists");
+    said.splice(0); // the refusals, which a browser tells of
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("Control+e");
+    result.kept = await page.$$eval("#exporting [name=format]:checked", (all) => all.map((one) => one.value));
+    return { ...result, files };
+  },
+
   /** What is open at the start, without a hand on it. */
   async start() {
     const page = await show();
@@ -396,6 +480,34 @@ const stories = {
       pair: [await page.inputValue("#of-language"), await page.inputValue("#of-character")],
       drawn: await page.isVisible("#timeline"),
     };
+  },
+
+  /** Findings of axe-core in every view and dialog, light and dark. */
+  async axe() {
+    const found = [], page = await show();
+    await speak(page, "Bob bumps my blue boat.");
+    await page.evaluate((await import("node:fs")).readFileSync(`${modules}/axe-core/axe.min.js`, "utf-8"));
+    const look = async (name) => {
+      const seen = await page.evaluate(() => globalThis.axe.run());
+      for (const one of seen.violations) found.push([name, one.id, one.impact, ...one.nodes.slice(0, 3).map((node) => node.html.slice(0, 160))]);
+    };
+    const views = ["sentence", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"];
+    for (const colorScheme of ["light", "dark"]) {
+      await page.emulateMedia({ colorScheme });
+      for (const view of views) {
+        await page.evaluate((name) => { location.hash = `#${name}`; }, view);
+        await page.waitForLoadState("networkidle");
+        await page.waitForTimeout(500);
+        await look(`${view} ${colorScheme}`);
+      }
+      for (const button of colorScheme === "dark" ? [] : ["#export", "#keys"]) {
+        await page.click(button);
+        await page.waitForSelector("dialog[open]");
+        await look(`${button} ${colorScheme}`);
+        await page.keyboard.press("Escape");
+      }
+    }
+    return { found };
   },
 
   /** Every view, light and dark, on small and large screens: nothing overflows. */

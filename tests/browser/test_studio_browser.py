@@ -15,6 +15,7 @@ from lanes import full
 from shipped import LIBRARY
 from test_consumers import chromium, found
 
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.project_folder import starter
 from lipsync_lang.performing.resolving import resolve
 
@@ -37,11 +38,13 @@ class Studio:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
         self.process = None
+        self.token = True
 
     def start(self):
+        at = ("--token", TOKEN, "--port", str(self.port)) if self.token else ()
         command = [
-            sys.executable, "-m", "lipsync_lang", *self.command, "--no-browser", "--token", TOKEN,
-            "--port", str(self.port), *self.arguments,
+            sys.executable, "-m", "lipsync_lang", *self.command, "--no-browser", *at,
+            *self.arguments,
         ]  # fmt: skip
         state = os.environ | {"XDG_STATE_HOME": str(self.folder.parent / "state")}
         self.process = subprocess.Popen(
@@ -151,14 +154,48 @@ def test_two_tabs_a_changed_file_and_a_killed_server(studio):
         told = story.end()
     assert told["shared"]
     assert "w-bmp" in told["conflict"]
+    assert ["mouthOO", "mine", "theirs"] in told["drawn"]
     assert told["kept"]
+
+
+def test_two_tabs_on_one_line_follow_each_other(studio):
+    assert telling(studio, "tabs")["character"] == "facefx"
+
+
+def test_the_page_goes_on_after_a_killed_server(studio):
+    """With the address that the studio chose, and kept for its next start."""
+    studio.kill()
+    studio.token = False
+    studio.start()
+    kept = next((studio.folder.parent / "state").rglob("*.address"))
+    assert kept.stat().st_mode & 0o777 == 0o600
+    address = studio.address
+    with Story(studio, "killed") as story:
+        assert story.line() == "kill"
+        studio.kill()
+        story.go_on()
+        assert story.line() == "start"
+        studio.start()
+        assert studio.address == address
+        story.go_on()
+        told = story.end()
+    (lost,), (found,) = told["lost"], told["found"]
+    assert lost.startswith("The studio has stopped. Start it again in its folder")
+    assert "goes on with your unsaved edits (1)" in found
+    assert (told["text"], told["level"]) == ("Bob bumps my blue boat.", "1.7")
+    (file,) = studio.folder.rglob("characters/crab.yaml")
+    assert "1.7" in file.read_text("utf-8")
 
 
 @pytest.mark.parametrize("studio", [()], indirect=True)
 def test_the_tour_of_the_crab(studio):
     told = telling(studio, "tour")
-    assert len(told["titles"]) >= 5
-    assert (told["outside"], told["left"]) == ([], 0)
+    tour = json.loads((LIBRARY.find("poseset", "crab").parent / "tour.json").read_bytes())
+    assert (told["pair"], told["line"]) == ([tour["language"], "crab"], tour["line"])
+    assert told["seen"]
+    assert told["titles"] == [step["title"] for step in tour["steps"]]
+    assert (told["outside"], told["left"], told["focus"]) == ([], 0, "text")
+    assert (told["again"], told["view"]) == (told["titles"][0], "sentence")
 
 
 def test_a_character_is_posed_seen_through_and_edited(studio):
@@ -187,9 +224,15 @@ def test_every_view_fits_every_screen(studio):
     assert telling(studio, "views")["overflow"] == []
 
 
-def script(folder):
-    """Write a project of a thousand lines in two languages, for two faces."""
-    rows = [f"line_{n:04},{'Bob' if n % 2 else 'Eve'},Line {n}.,Rivi {n}." for n in range(1, 1001)]
+def test_axe_finds_nothing_in_any_view(studio):
+    found("axe-core")
+    assert telling(studio, "axe")["found"] == []
+
+
+def script(folder, count=1000):
+    """Write a project of many lines in two languages, for two faces."""
+    numbers = range(1, count + 1)
+    rows = [f"line_{n:04},{'Bob' if n % 2 else 'Eve'},Line {n}.,Rivi {n}." for n in numbers]
     table = "\n".join(["id,speaker,english,finnish", *rows])
     (folder / "lines.csv").write_text(table, "utf-8")
     (folder / "lipsync.yaml").write_text(
@@ -213,6 +256,20 @@ def test_the_lines_of_a_script_are_opened_one_by_one(studio):
     assert told["other"] == ["line_0987 · 987 of 1000", "Rivi 987.", "crab"]
     assert told["typed"] == "Lines (1000)"
     assert told["wide"] <= 0
+
+
+@pytest.mark.parametrize("studio", [("--tts", "none")], indirect=True)
+def test_lines_are_exported(studio):
+    script(studio.folder, 3)
+    studio.kill()
+    studio.start()
+    told = telling(studio, "exports")
+    assert told["formats"] == list(WRITERS)
+    assert {*told["files"]} == {"line_0001.csv", "line_0001.html"}
+    assert min(told["files"].values()) > 1000
+    assert told["told"].startswith("Exported 6 files: exports/crab/line_0001.csv")
+    assert len([*(studio.folder / "exports").rglob("*.*")]) == 6
+    assert told["kept"] == ["csv", "html"]
 
 
 def test_a_new_project_is_made_built_and_opened(studio):

@@ -15,6 +15,7 @@ from studio_calls import Caller
 
 import lipsync_lang as ll
 from lipsync_lang.packs.library import Library
+from lipsync_lang.rigs.model import read_model
 from lipsync_lang.studio.workshop import Workshop
 
 LINE = ll.Schedule(("B", "AA", "W", "S", "TH", "OW", "M"), [0, 0.1, 0.3, 0.4, 0.5, 0.6, 0.8, 0.9])
@@ -149,9 +150,9 @@ def test_a_copy_that_would_not_be_used_is_refused(tmp_path):
     assert not (tmp_path / "project").exists()
 
 
-def glb(change):
-    """Return the crab's model with its JSON changed."""
-    content = (shipped("crab") / "model.glb").read_bytes()
+def glb(change, poseset="crab"):
+    """Return the model of a pose set, with its JSON changed."""
+    content = (shipped(poseset) / "model.glb").read_bytes()
     length = struct.unpack_from("<I", content, 12)[0]
     document = change(content[20 : 20 + length].rstrip(b" "))
     document += b" " * (-len(document) % 4)
@@ -204,3 +205,36 @@ def test_a_model_without_these_poses_is_refused_and_a_character_is_drafted_from_
     assert told["match"] == "8 of 8 poses of crab"
     assert {*told["wrote"]} == {"characters/krabbe.yaml", "characters/crab.glb"}
     assert Library(project=tmp_path).character("krabbe").model.poseset == "crab"
+
+
+def renamed(model, rig):
+    """Return a change of a model's JSON: its shapes get the names of a rig's channels."""
+    names = dict(zip(model.shape_names, rig.channels, strict=False))
+
+    def change(text):
+        for old, new in names.items():
+            text = text.replace(f'"{old}"'.encode(), f'"{new}"'.encode())
+        return text
+
+    return change
+
+
+def test_a_rig_is_offered_for_a_model_before_anything_is_written(tmp_path):
+    _, caller = opened(tmp_path, "facefx")
+    rig = LIBRARY.load(shipped("facefx") / "rigs/facefx-to-oculus.yaml", "rig").model
+    head = glb(renamed(read_model(shipped("facefx") / "model.glb"), rig), "facefx")
+    offer = caller.post("model", head, {"name": "head.glb"}).json["offer"]
+    assert offer["rig"] == "facefx-to-oculus"
+    assert 0 < offer["shown"] <= offer["poses"]
+    assert not [*tmp_path.rglob("*.glb")]
+    assert caller.post("model", head, {"name": "head.glb", "rig": ""}).status == 422  # declined
+    told = caller.post("model", head, {"name": "head.glb", "rig": offer["rig"]}).json
+    assert told["name"] == "head.glb"
+    edits = [
+        {"file": "character", "at": ["model"], "value": told["name"]},
+        {"file": "character", "at": ["rig"], "value": offer["rig"]},
+    ]
+    assert caller.post("edit", {"title": "Model", "edits": edits}).status == 200
+    assert caller.api("character").json["rig"] == "facefx-to-oculus"
+    again = caller.post("model", head, {"name": "head.glb"}).json
+    assert "offer" not in again

@@ -2,6 +2,7 @@
 
 import errno
 import gzip
+import hmac
 import json
 import sys
 from contextlib import suppress
@@ -21,7 +22,7 @@ from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.routes import line_routes
 from lipsync_lang.studio.routes.requests import MAX_TEXT_CHARS, StudioRequest
 from lipsync_lang.studio.routes.table import ROUTES
-from lipsync_lang.studio.server import MAX_REQUEST_BYTES
+from lipsync_lang.studio.server import MAX_REQUEST_BYTES, app
 from lipsync_lang.studio.workshop import Workshop
 
 TIMES = b"""{"notation": "arpabet", "phonemes": [
@@ -91,6 +92,23 @@ def test_requests_of_others_are_refused(caller, headers, status):
 @pytest.mark.parametrize("token", ["", "x", TOKEN[:-1], TOKEN + "x", "ä"])
 def test_the_token_is_needed(caller, token):
     assert caller.ask("GET", f"/{token}/api/state").status == 404
+
+
+def test_a_server_proves_that_it_knows_the_token(caller):
+    found = caller.ask("GET", "/proof/some-text")
+    assert (found.status, len(found.content)) == (200, 32)
+    assert found.content == hmac.digest(TOKEN.encode(), b"some-text", "sha256")
+    assert caller.ask("GET", "/proof/some-text", headers={"host": "evil.example"}).status == 421
+    assert caller.ask("GET", "/proof/x", headers={"origin": "http://evil.example"}).status == 403
+
+
+def test_other_machines_get_no_proof(workshop):
+    """Tokens of people could be tried against it."""
+    other = Caller(workshop)
+    other.app = app(workshop, TOKEN, ["192.168.0.7:8000"])
+    at = {"host": "192.168.0.7:8000"}
+    assert other.ask("GET", "/proof/some-text", headers=at).status == 404
+    assert other.ask("GET", f"/{TOKEN}/api/state", headers=at).status == 200
 
 
 def test_the_studio_itself_may_ask(caller):
@@ -317,3 +335,25 @@ def test_options_that_cannot_be_are_told(capsys, tmp_path, monkeypatch, argument
     monkeypatch.chdir(tmp_path)
     assert main(["studio", *arguments]) != 0
     assert told in capsys.readouterr().err
+
+
+def test_a_pair_and_a_line_are_proposed_and_the_users_own_packs_come_first(tmp_path):
+    caller = Caller(Workshop(tmp_path, engine="none"))
+    tours = caller.api("project").json["tours"]
+    found = caller.api("project").json["first"]
+    tour = caller.api(f"tour/{tours[0]}").json
+    assert found == {
+        "language": tour["language"], "character": tours[0], "line": tour["line"],
+    }  # fmt: skip
+    (tmp_path / "languages").mkdir()
+    (tmp_path / "languages/stage.yaml").write_text(
+        "kind: language\nformat: 1\nname: stage\ntag: en-x-stage\nextends: english\n"
+        "tests:\n  - {text: maps and boats, phonemes: [bmp]}\n  - {text: a, phonemes: [ah]}\n"
+    )
+    (tmp_path / "characters").mkdir()
+    (tmp_path / "characters/hero.yaml").write_text(
+        "kind: character\nformat: 1\nname: hero\nposeset: facefx\n"
+    )
+    caller = Caller(Workshop(tmp_path, engine="none"))
+    first = caller.api("project").json["first"]
+    assert first == {"language": "stage", "character": "hero", "line": "maps and boats"}

@@ -22,8 +22,8 @@ from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.resolver.pose_arrays import SOFTNESS_SECONDS
 from lipsync_lang.resolver.settings import RANGES
-from lipsync_lang.rigs.model import read_model
-from lipsync_lang.rigs.recognise import find
+from lipsync_lang.rigs.model import Model, read_model
+from lipsync_lang.rigs.recognise import Match, find, recognise
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
@@ -141,20 +141,24 @@ def own(workshop: Workshop, _: StudioRequest) -> Json:
 def model(workshop: Workshop, request: StudioRequest) -> Json:
     """Put a model beside the character's pack in the project, and measure its fit.
 
-    The answer has `name`, the value of the character's `model`.
+    The answer has `name`, the value of the character's `model`. If another rig of the pose set
+    shows more poses, the answer is its `offer`, and nothing is written; the query `rig` accepts it
+    by its name, or declines it with an empty one.
     """
-    performer = workshop.performer
+    chosen = request.query.get("rig")
     with TemporaryDirectory() as folder:
         path = _glb(request, Path(folder))
         with _without_folder(folder):
-            sent = read_model(path, bones=performer.compiled.rig is not None)
-            rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
-            animation = replace(performer.rigged(performer.perform(rest)), model=path)
-            _draw(animation)
-            channels = animation.columns
-            found = find(channels, sent)
-        names = [channel.name for channel in channels]
-        missing = [name for name in names if name not in found.places]
+            better = None if chosen == "" else _better_rig(workshop, read_model(path))
+            if better is not None and better.rig != chosen:
+                shown = {"rig": better.rig, "shown": better.shown, "poses": len(better.poses)}
+                return {"offer": shown}
+            if better is None:
+                names, missing = _channels(workshop.performer, path)
+            else:
+                _draw_match(better, path)
+                missing = list(better.missing)
+                names = [*better.found.places, *missing]
         pack, _ = workshop.editable("character")
         target = pack.with_name(path.name)
         content = path.read_bytes()
@@ -174,6 +178,27 @@ def model(workshop: Workshop, request: StudioRequest) -> Json:
     }
 
 
+def _better_rig(workshop: Workshop, sent: Model) -> Match | None:
+    """Return the rig of the pose set that shows more poses on a model than the character's own."""
+    compiled = workshop.performer.compiled
+    now = None if compiled.rig is None else compiled.rig["name"]
+    fits = [one for one in recognise(workshop.library(), sent) if one.poseset == compiled.poseset]
+    own = max((one.shown for one in fits if one.rig == now), default=0)
+    found = next((one for one in fits if one.rig is not None and one.enough), None)
+    return found if found is not None and found.rig != now and found.shown > own else None
+
+
+def _channels(performer: Performer, path: Path) -> tuple[list[str], list[str]]:
+    """Return the channels of a character, and those that a drawable model lacks."""
+    sent = read_model(path, bones=performer.compiled.rig is not None)
+    rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
+    animation = replace(performer.rigged(performer.perform(rest)), model=path)
+    _draw(animation)
+    found = find(animation.columns, sent)
+    names = [channel.name for channel in animation.columns]
+    return names, [name for name in names if name not in found.places]
+
+
 def drafted(workshop: Workshop, request: StudioRequest) -> Json:
     """Draft a character from a model, with the pose set and the rig that fit it best."""
     from lipsync_lang.authoring.character_draft import CharacterWish, draft
@@ -183,10 +208,7 @@ def drafted(workshop: Workshop, request: StudioRequest) -> Json:
         name = request.query.get("as", "") or _NOT_IN_A_NAME.sub("-", path.stem).strip("-")
         with _without_folder(folder):
             made = draft(workshop.library(), CharacterWish(name, path), workshop.project)
-            shapes = [shape for own in made.match.found.places.values() for shape in own]
-            times, still = np.array([0, 0.1]), np.zeros((2, len(shapes)))
-            rest = Schedule(("_",), times)
-            _draw(Animation(times, tuple(shapes), still, 10.0, rest, model=path))
+            _draw_match(made.match, path)
             made.write()
     workshop.open(workshop.language, workshop.character)  # to find the new packs
     return {
@@ -217,6 +239,13 @@ def _without_folder(folder: str) -> Iterator[None]:
         yield
     except LipsyncError as error:
         raise LipsyncError(str(error).replace(f"{folder}/", "")) from None
+
+
+def _draw_match(match: Match, path: Path) -> None:
+    """Draw a model with the shapes of a match once; raise ModelError if it cannot be drawn."""
+    shapes = [shape for own in match.found.places.values() for shape in own]
+    times, still = np.array([0, 0.1]), np.zeros((2, len(shapes)))
+    _draw(Animation(times, tuple(shapes), still, 10.0, Schedule(("_",), times), model=path))
 
 
 def _draw(animation: Animation) -> None:

@@ -24,8 +24,30 @@ def project(workshop: Workshop, _: StudioRequest) -> Json:
         "languages": _names(library, "language"),
         "characters": sorted({*_names(library, "character"), *_names(library, "poseset")}),
         "tours": [name for name in _names(library, "poseset") if _tour(library, name)],
+        "first": _first(workshop, library),
         "state": workshop.state(),
     }
+
+
+def _first(workshop: Workshop, library: Library) -> Json | None:
+    """Return the pair and the line to open if none is chosen; None without a tour to take them of.
+
+    The user's own packs come first; a language of theirs says the longest of its examples.
+    """
+    told = next((name for name in _names(library, "poseset") if _tour(library, name)), None)
+    if told is None:
+        return None
+    found = tour(workshop, StudioRequest(told))
+    own = {
+        kind: next((one.name for one in library.names(kind) if workshop.own(one.path)), None)
+        for kind in ("language", "character", "poseset")
+    }
+    language, line = own["language"], found["line"]
+    if language is not None:
+        examples = [test.text for test in library.language(language).model.tests]
+        line = max(examples, key=len, default="")
+    face = own["character"] or own["poseset"] or told
+    return {"language": language or found["language"], "character": face, "line": line}
 
 
 def tour(workshop: Workshop, request: StudioRequest) -> Json:

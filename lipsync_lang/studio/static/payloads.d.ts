@@ -287,6 +287,8 @@ export interface Project {
   languages: string[];
   characters: string[];
   tours: string[];
+  /** What is opened if nothing is chosen; null without a tour. */
+  first: { language: string; character: string; line: string } | null;
   state: State;
 }
 

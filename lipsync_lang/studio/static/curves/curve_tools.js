@@ -22,7 +22,7 @@ export class CurveTools {
     this.grid = button("Snap", "Snap to steps of 0.05 (G). Hold Shift while dragging for the opposite.", () =>
       this.snapped(),
     );
-    this.delete = button("− Point", "Delete the chosen points (Delete)", () => editor.remove());
+    this.delete = button("− Point", "− Point: delete the chosen points (Delete)", () => editor.remove());
     this.haunts = made("span", { class: "group ghosts", role: "group", "aria-label": "Faint curves for comparison" });
     this.start = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Start from other curves" }));
     this.start.addEventListener("change", () => {

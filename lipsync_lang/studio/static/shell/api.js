@@ -19,15 +19,66 @@ export class Refusal extends Error {
   }
 }
 
-/** @param {string} path @param {RequestInit} [init] @returns {Promise<Response>} */
-async function asked(path, init) {
+/** Milliseconds between looks for a server that has ended. */
+const LOOK = 1000;
+
+/** Requests that are not repeated: whether the ended server has done them cannot be known. */
+const ONCE = ["undo", "redo"];
+
+/** The other tabs of this studio, which hear of each change. */
+const others = new BroadcastChannel(location.pathname);
+
+/** Ends when a server answers again; null while one does. @type {Promise<void> | null} */
+let away = null;
+
+/**
+ * True if the server knows the token of the address, which is not sent to one that does not.
+ * @returns {Promise<boolean>}
+ */
+async function proved() {
+  const [, token] = location.pathname.split("/"), nonce = crypto.randomUUID(), text = new TextEncoder();
+  const kind = { name: "HMAC", hash: "SHA-256" };
+  const key = await crypto.subtle.importKey("raw", text.encode(token), kind, false, ["verify"]);
+  const answer = await fetch(`/proof/${nonce}`);
+  return answer.ok && crypto.subtle.verify("HMAC", key, await answer.arrayBuffer(), text.encode(nonce));
+}
+
+/** Wait for a server at this address, and let the studio go on. */
+async function back() {
+  for (let told = false; ; await new Promise((done) => setTimeout(done, LOOK))) {
+    const known = await proved().catch(() => null);
+    if (known) {
+      try {
+        await api.back();
+        return;
+      } catch { /* it has ended again */ }
+    } else if (!told || known === false) {
+      api.lost(known === null);
+      told = true;
+    }
+  }
+}
+
+/**
+ * @param {string} path @param {RequestInit} init @param {boolean} direct not to wait for a server that has ended
+ * @returns {Promise<Response>}
+ */
+async function asked(path, init, direct) {
+  if (away && !direct) await away;
   let answer;
   try {
     answer = await fetch(`api/${path}`, init);
   } catch {
-    throw new Refusal(0, { error: "The studio does not answer. Start it again in its terminal. Your edits are kept." });
+    if (direct) throw new Refusal(0, { error: "The studio does not answer" });
+    away ??= back().finally(() => { away = null; });
+    await away;
+    if (ONCE.includes(path)) throw new Refusal(0, { error: `The studio ended before it could ${path}` });
+    return asked(path, init, direct);
   }
-  if (answer.ok) return answer;
+  if (answer.ok) {
+    if (init.method === "POST") others.postMessage(path);
+    return answer;
+  }
   const told = await answer.json().catch(() => ({}));
   throw new Refusal(answer.status, told);
 }
@@ -47,13 +98,27 @@ async function unpacked(answer) {
   return filled(document, arraysOf(bytes.subarray(4 + length), document.arrays));
 }
 
-export const api = {
+/** @param {boolean} direct */
+const requests = (direct) => ({
   /** @param {string} path @returns {Promise<any>} */
-  get: async (path) => (await asked(path)).json(),
+  get: async (path) => (await asked(path, {}, direct)).json(),
   /** @param {string} path @param {object} body @returns {Promise<any>} */
-  post: async (path, body = {}) => (await asked(path, posted(body))).json(),
+  post: async (path, body = {}) => (await asked(path, posted(body), direct)).json(),
   /** @param {string} path @returns {Promise<any>} */
-  packed: async (path) => unpacked(await asked(path)),
+  packed: async (path) => unpacked(await asked(path, {}, direct)),
   /** @param {string} path @param {object} body a JSON value, or a file @returns {Promise<any>} */
-  sent: async (path, body = {}) => unpacked(await asked(path, posted(body))),
+  sent: async (path, body = {}) => unpacked(await asked(path, posted(body), direct)),
+});
+
+/** Requests; while no server answers, they wait for the next one. */
+export const api = {
+  ...requests(false),
+  /** Requests that do not wait. */
+  direct: requests(true),
+  /** Called when the server has ended, with false if another one has its address. @param {boolean} _ */
+  lost: (_) => {},
+  /** Called when a server answers again, before the requests that wait. @type {() => Promise<void>} */
+  back: async () => {},
+  /** Call a function when another tab may have changed something. @param {() => void} does */
+  heard: (does) => { others.onmessage = does; },
 };

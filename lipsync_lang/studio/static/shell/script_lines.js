@@ -156,7 +156,7 @@ export class ScriptLines {
     the("all-lines").textContent = `${line.name} …`;
     try {
       if (!open()) await studio.open(line.language, line.character, false);
-      if (open()) await studio.openLine("script", { name: line.name });
+      if (open()) await studio.openLine("script", { name: line.name }, `Opening ${line.name}`);
     } finally {
       this.#shown();
     }

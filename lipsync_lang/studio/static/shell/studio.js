@@ -5,8 +5,9 @@ import { BigramView } from "../views/bigram_view.js";
 import { CharacterView } from "../views/character_view.js";
 import { CoverageView } from "../views/coverage_view.js";
 import { made, the } from "./elements.js";
+import { ExportDialog } from "./export_dialog.js";
 import { LanguageView } from "../views/language_view.js";
-import { chosen, fillNames } from "./form_fields.js";
+import { actButton, chosen, fillNames } from "./form_fields.js";
 import { PlayerBar } from "./player_bar.js";
 import { Edits } from "./studio_edits.js";
 import { Player } from "../line/player.js";
@@ -44,12 +45,21 @@ const VIEWS = /** @type {[string, string, new (studio: Studio, place: HTMLElemen
 
 /** Milliseconds for which a message stays. */
 const TOLD = 6000;
+const SECOND = 1000;
 /** Milliseconds between looks for edits of another tab. */
 const LOOK = 3000;
+/** Milliseconds from a change of another tab to the look for it: a drag changes much at once. */
+const FOLLOW = 100;
 /** Milliseconds after which a face is shaded. */
 const SHADE_LATER = 600;
 /** Milliseconds after which the server prepares for edits: the first picture does not wait for it. */
 const WARM_LATER = 800;
+/** Notices of a server that has ended, and of another one at its address. */
+const STOPPED =
+  "The studio has stopped. Start it again in its folder with the same command: this page then goes on by itself. " +
+  "Your edits are kept.";
+const MOVED =
+  "Another program has the address of this page. Open the address that the studio printed. Your edits are kept.";
 /** Degrees of the view for a pixel of a drag. */
 const TURN = 0.5;
 /** The studio as a whole; views get it. */
@@ -100,9 +110,12 @@ export class Studio {
     this.edits = new Edits(this);
     this.bar = new PlayerBar(this);
     this.script = new ScriptLines(this);
+    this.exporting = new ExportDialog(this);
     this.performing = false;
     /** The line plays because something is dragged. */
     this.heldPlaying = false;
+    /** Requests that opened the line, for a server that is started again. @type {[string, object][]} */
+    this.openings = [];
     /** Wishes for another take: the newest of each path. @type {Map<string, Record<string, any>>} */
     this.wishes = new Map();
     /**
@@ -114,6 +127,8 @@ export class Studio {
 
   async start() {
     this.#listen();
+    this.api.lost = (silent) => this.tell(silent ? STOPPED : MOVED, "fault", true);
+    this.api.back = () => this.#back();
     const face = this.api.packed("face").catch(() => null); // asked for at once: it takes longest
     this.project = await this.api.get("project");
     this.state = this.project.state;
@@ -124,7 +139,8 @@ export class Studio {
     if (told.length) this.tell(told.join("\n"), notes.length ? "fault" : "");
     if (this.state.language) await this.#opened(await face);
     await this.script.start();
-    if (!this.state.language) this.#choose();
+    if (!this.state.language) await this.#first();
+    the("tours").replaceChildren(...this.#tours());
     document.documentElement.dataset.ready = "";
     setTimeout(() => this.api.post("warm").catch(() => {}), WARM_LATER);
   }
@@ -191,29 +207,25 @@ export class Studio {
     this.notify("face");
   }
 
-  /** Ask for a pair if no pair is open. */
-  #choose() {
-    const start = made("button", { type: "button", class: "main" }, "Open");
-    start.addEventListener("click", () => this.open(chosen("of-language"), chosen("of-character")));
-    const tours = this.project.tours.map((/** @type {string} */ name) => {
-      const one = made("button", { type: "button" }, `Take the tour: ${name}`);
-      one.addEventListener("click", () => this.tour(name));
-      return one;
-    });
-    the("view").replaceChildren(
-      made(
-        "section",
-        { class: "empty" },
-        made("h2", {}, "Choose a language and a character"),
-        made(
-          "p",
-          {},
-          "The lists above hold all languages and characters of this folder and of the installed packs. " +
-            "Edits are saved in this folder only.",
-        ),
-        made("p", { class: "row" }, start, ...tours),
-      ),
-    );
+  /** Open a pair and say a line if nothing is chosen, and offer the tours. */
+  async #first() {
+    const { first } = this.project;
+    if (first) await this.open(first.language, first.character);
+    if (!this.state.language) {
+      const words = "Choose a language and a character above. Edits are saved in this folder only.";
+      the("view").replaceChildren(made("section", { class: "empty" }, made("h2", {}, words)));
+    }
+    if (this.state.language && !this.take && first?.line) await this.speak(first.line);
+    this.tell("Edits are saved in this folder only.", "", true, ...this.#tours());
+  }
+
+  /** @returns {HTMLElement[]} a button for each tour */
+  #tours() {
+    return this.project.tours.map((name) => actButton(`Take the tour: ${name}`, `Take the tour: ${name}`, () => {
+      /** @type {HTMLDialogElement} */ (the("help")).close();
+      the("toasts").replaceChildren();
+      this.tour(name);
+    }));
   }
 
   /** @param {string} character that has a tour */
@@ -226,16 +238,39 @@ export class Studio {
     });
   }
 
+  /** Go on with a server that was started again: open the pair and the line there. */
+  async #back() {
+    const { direct } = this.api, { language, character, line, name } = this.state;
+    const { time } = this.player, { fps } = this.settings;
+    let state = await direct.get("state");
+    const notes = [...(state.notes ?? [])];
+    if (language && (state.language !== language || state.character !== character))
+      state = await direct.post("open", { language, character });
+    this.state = state;
+    if (line && (!state.line || state.name !== name))
+      for (const [path, body] of this.openings) this.#heard(await direct.sent(path, body));
+    else if (state.line) this.#heard(await direct.packed("line"));
+    if (line && this.settings.fps !== fps) await direct.sent("take", { settings: { ...this.settings, fps } });
+    this.seek(time);
+    this.stated(await direct.get("state"));
+    const count = this.state.unsaved?.length, edits = count ? ` with your unsaved edits (${count})` : "";
+    this.tell([`The studio was started again, and this page goes on${edits}`, ...notes].join("\n"));
+  }
+
   // The line
 
   /** @param {string} text */
   async speak(text) {
-    await this.busy(async () => this.#heard(await this.api.sent("line", { text })));
+    await this.openLine("line", { text }, "Speaking the line");
   }
 
-  /** @param {string} path of the request @param {object} body */
-  async openLine(path, body) {
-    await this.busy(async () => this.#heard(await this.api.sent(path, body)));
+  /** @param {string} path of the request @param {object} body @param {string} [words] about long work */
+  async openLine(path, body, words) {
+    await this.busy(async () => {
+      this.#heard(await this.api.sent(path, body));
+      const added = path.startsWith("sound") && !/[?&](text|hear)=/.test(path);
+      this.openings = [...(added ? this.openings : []), [path, body]];
+    }, words);
   }
 
   /** @param {import("../payloads.js").Line} told take and sound of a new line */
@@ -333,11 +368,15 @@ export class Studio {
     await this.attempt(async () => {
       const state = await this.api.get("state");
       const moved = state.revision !== this.state.revision || state.unsaved.length !== this.state.unsaved?.length;
-      const known = /** @type {const} */ (["language", "character", "opened"]);
-      const other = known.some((one) => state[one] !== this.state[one]);
-      if (other) {
+      const pair = state.language !== this.state.language || state.character !== this.state.character;
+      if (pair || (!state.line && this.take)) {
         this.state = state;
+        fillNames(the("of-language"), this.project.languages, state.language);
+        fillNames(the("of-character"), this.project.characters, state.character);
         await this.#opened();
+      } else if (state.opened !== this.state.opened) {
+        this.stated(state);
+        if (state.line) this.#heard(await this.api.packed("line"));
       } else if (moved) {
         this.stated(state);
         await this.perform();
@@ -357,7 +396,7 @@ export class Studio {
   async #go() {
     if (!this.state.language) return;
     const [asked, argument = ""] = location.hash.slice(1).split("/");
-    const [name, , Kind] = VIEWS.find(([one]) => one === asked) ?? VIEWS[0];
+    const [name, title, Kind] = VIEWS.find(([one]) => one === asked) ?? VIEWS[0];
     let known = this.views.get(name);
     if (!known) {
       const place = made("section", { "aria-label": name });
@@ -370,7 +409,7 @@ export class Studio {
     }
     [this.view, this.viewName] = [known.view, name];
     document.body.dataset.view = name;
-    the("view").replaceChildren(known.place);
+    the("view").replaceChildren(made("h2", { class: "unseen" }, title), known.place);
     for (const one of the("tabs").children) {
       if (one.getAttribute("href") === `#${name}`) one.setAttribute("aria-current", "page");
       else one.removeAttribute("aria-current");
@@ -462,14 +501,19 @@ export class Studio {
 
   // Words
 
-  /** @param {string} text @param {"" | "fault"} [kind] */
-  tell(text, kind = "") {
+  /**
+   * Show a notice in the place of the last one.
+   * @param {string} text @param {"" | "fault"} [kind] @param {boolean} [stays] until the next one
+   * @param {...Node} more after the text
+   */
+  tell(text, kind = "", stays = false, ...more) {
     const one = made("li", { class: kind }, text);
     const close = made("button", { type: "button", "aria-label": "Close" }, "×");
     close.addEventListener("click", () => one.remove());
-    one.append(close);
+    one.append(...more, close);
     the("toasts").replaceChildren(one);
-    setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
+    if (!stays) setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
+    return one;
   }
 
   /** @param {() => Promise<void>} does @returns {Promise<void>} a refusal is told, not thrown */
@@ -485,10 +529,17 @@ export class Studio {
     }
   }
 
-  /** @param {() => Promise<void>} does what takes a while */
-  async busy(does) {
+  /** @param {() => Promise<void>} does what takes a while @param {string} [words] about it, after a second */
+  async busy(does, words = "") {
+    const since = performance.now(), seconds = made("span", { "aria-hidden": "true" });
     document.body.classList.add("busy");
+    const working = setInterval(() => {
+      if (words && !seconds.textContent) this.tell(words, "", true, seconds);
+      seconds.textContent = ` … ${Math.round((performance.now() - since) / SECOND)} s`;
+    }, SECOND);
     await this.attempt(does);
+    clearInterval(working);
+    seconds.closest("#toasts li")?.remove();
     document.body.classList.remove("busy");
   }
 
@@ -499,7 +550,7 @@ export class Studio {
     for (const id of ["of-language", "of-character"])
       the(id).addEventListener(
         "change",
-        () => this.state.language && this.open(chosen("of-language"), chosen("of-character")),
+        () => this.open(chosen("of-language"), chosen("of-character")),
       );
     the("pair").addEventListener("submit", (event) => event.preventDefault());
     the("say").addEventListener("submit", (event) => {
@@ -518,6 +569,11 @@ export class Studio {
     document.addEventListener("keydown", (event) => shellKeys(this, event));
     addEventListener("focus", () => this.state.language && this.look());
     setInterval(() => { if (this.state.language && !document.hidden && !this.edits.sending) this.look(); }, LOOK);
+    let soon = 0;
+    this.api.heard(() => {
+      clearTimeout(soon);
+      soon = setTimeout(() => { if (this.state.language && !this.edits.sending) this.look(); }, FOLLOW);
+    });
   }
 }
 

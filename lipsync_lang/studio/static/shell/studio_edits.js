@@ -5,7 +5,8 @@
  */
 
 import { Refusal } from "./api.js";
-import { made, the } from "./elements.js";
+import { settled } from "./conflict_dialog.js";
+import { the } from "./elements.js";
 
 /** @typedef {import("./studio.js").Edit} Edit @typedef {import("../payloads.js").Fault} Fault */
 
@@ -111,71 +112,22 @@ export class Edits {
     });
   }
 
-  async save() {
+  /** @param {Record<string, string>} [keep] the side to keep of each entry that was changed on the disk as well */
+  async save(keep) {
     await this.sent;
     while (this.studio.performing) await new Promise(requestAnimationFrame);
     try {
-      const told = await this.studio.api.post("save");
-      this.studio.stated(told.state);
-      this.studio.tell(told.saved.length ? `Saved ${told.saved.join(", ")}` : "Nothing to save");
-    } catch (error) {
-      if (error instanceof Refusal && error.told.conflict) await this.settle(error.told.conflict);
-      else this.#refused(error);
-    }
-  }
-
-  /**
-   * Ask whose values to keep, where a file was changed on the disk as well.
-   * @param {{key: string, what: string, mine: string, theirs: string}[]} conflict
-   */
-  async settle(conflict) {
-    const dialog = /** @type {HTMLDialogElement} */ (made("dialog", { "aria-label": "Conflict" }));
-    const rows = conflict.map(({ key, what, mine, theirs }) => {
-      const pick = /** @type {HTMLSelectElement} */ (
-        made(
-          "select",
-          { "aria-label": `Version of ${what} to keep`, "data-key": key },
-          made("option", { value: "mine" }, "Keep mine"),
-          made("option", { value: "theirs" }, "Keep the file's"),
-        )
-      );
-      return made(
-        "li",
-        {},
-        made("b", {}, what),
-        " ",
-        pick,
-        made(
-          "details",
-          {},
-          made("summary", {}, "Compare"),
-          made("pre", {}, `mine:\n${mine}\n\nthe file's:\n${theirs}`),
-        ),
-      );
-    });
-    const go = made("button", { type: "button", class: "main" }, "Save"),
-      no = made("button", { type: "button" }, "Not now");
-    dialog.append(
-      made("h2", {}, "Also changed on the disk"),
-      made("ul", {}, ...rows),
-      made("p", { class: "row" }, go, no),
-    );
-    document.body.append(dialog);
-    dialog.showModal();
-    const keep = await new Promise((done) => {
-      go.addEventListener("click", () =>
-        done(Object.fromEntries([...dialog.querySelectorAll("select")].map((one) => [one.dataset.key, one.value]))),
-      );
-      no.addEventListener("click", () => done(null));
-      dialog.addEventListener("close", () => done(null));
-    });
-    dialog.remove();
-    if (!keep) return;
-    await this.studio.attempt(async () => {
       const told = await this.studio.api.post("save", { keep });
       this.studio.stated(told.state);
-      this.studio.tell(`Saved ${told.saved.join(", ")}`);
-      await this.studio.perform();
-    });
+      this.studio.tell(told.saved.length ? `Saved ${told.saved.join(", ")}` : "Nothing to save");
+      if (keep) await this.studio.perform();
+    } catch (error) {
+      const conflict = error instanceof Refusal && error.told.conflict;
+      if (!conflict) await this.#refused(error);
+      else {
+        const sides = await settled(conflict);
+        if (sides) await this.save(sides);
+      }
+    }
   }
 }

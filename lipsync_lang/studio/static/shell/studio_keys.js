@@ -8,6 +8,7 @@ const KEYS = {
   ", .": "Go to the previous or next phoneme",
   "Ctrl Z, Ctrl Shift Z": "Undo or redo",
   "Ctrl S": "Save",
+  "Ctrl E": "Export this line or all lines",
   "/": "Type a line",
   "Alt ↑, Alt ↓, o": "Open the previous or next line of the script, or the list of all",
   "Alt 1 … Alt 6": "Open a view, counted from the left",
@@ -58,9 +59,10 @@ export function shellKeys(studio, event) {
     z: () => studio.edits.history(event.shiftKey ? "redo" : "undo"),
     y: () => studio.edits.history("redo"),
     s: () => studio.edits.save(),
+    e: () => studio.exporting.show(),
   };
   const within = typing(event.target);
-  if (control && always[key] && !(within && key !== "s")) {
+  if (control && always[key] && !(within && !"se".includes(key))) {
     event.preventDefault();
     always[key]();
     return;

@@ -1,6 +1,6 @@
 /** The tour of a character: a few steps, each beside the part of the studio that it tells of. */
 
-import { made } from "./elements.js";
+import { made, the } from "./elements.js";
 
 /** @typedef {{view: string, at: string, title: string, text: string}} TourStep */
 
@@ -18,6 +18,8 @@ export class Tour {
     this.ring = made("div", { class: "tour-ring", "aria-hidden": "true" });
     this.place = () => this.#place();
     document.body.append(this.ring, this.card);
+    this.moved = new ResizeObserver(this.place); // views and the dock change their sizes when they are filled
+    for (const id of ["view", "dock"]) this.moved.observe(the(id));
     addEventListener("resize", this.place);
     this.card.addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.end();
@@ -31,6 +33,7 @@ export class Tour {
     const step = this.steps[number];
     if (!step) {
       this.end();
+      /** @type {HTMLInputElement} */ (the("text")).select(); // work begins with a line
       return;
     }
     this.number = number;
@@ -74,6 +77,7 @@ export class Tour {
   }
 
   end() {
+    this.moved.disconnect();
     removeEventListener("resize", this.place);
     this.card.remove();
     this.ring.remove();

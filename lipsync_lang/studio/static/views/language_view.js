@@ -55,7 +55,7 @@ export class LanguageView {
     /** Row that is edited, as `key` names it. */
     this.open = "";
     this.standing = "";
-    this.title = made("h2");
+    this.title = made("h2", {}, "Language");
     this.search = /** @type {HTMLInputElement} */ (
       made("input", {
         type: "search",
@@ -454,7 +454,7 @@ export class LanguageView {
         : made("span", { class: "passes" }, tests.length ? `all ${tests.length} pass` : "none");
     const rows = tests.toSorted((a, b) => Number(a.passed) - Number(b.passed));
     this.tests.replaceChildren(
-      made("h3", { role: "status" }, "Tests: ", summary),
+      made("div", { role: "status" }, made("h3", {}, "Tests: ", summary)),
       ...(refusal ? [made("p", { class: "note" }, `${refusal}. Below, only the IPA of their sources is mapped.`)] : []),
       ...(tests.length
         ? []

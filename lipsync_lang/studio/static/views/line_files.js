@@ -48,7 +48,10 @@ export class LineFiles {
   /** @param {File[]} files timings and their recording, or one of the two */
   async open(files) {
     const timings = files.find((one) => !sounds(one)), recording = files.find(sounds);
-    if (timings) await this.studio.openLine(`timings?${new URLSearchParams({ name: timings.name })}`, timings);
+    if (timings) {
+      const path = `timings?${new URLSearchParams({ name: timings.name })}`;
+      await this.studio.openLine(path, timings, `Reading ${timings.name}`);
+    }
     if (!recording) return;
     const name = recording.name;
     if (timings) {
@@ -56,7 +59,9 @@ export class LineFiles {
       return;
     }
     const asked = await this.#asked(name);
-    if (asked) await this.studio.openLine(`sound?${new URLSearchParams({ name, ...asked })}`, recording);
+    if (!asked) return;
+    const words = "text" in asked ? `Finding the phonemes of the text in ${name}` : `Listening to ${name}`;
+    await this.studio.openLine(`sound?${new URLSearchParams({ name, ...asked })}`, recording, words);
   }
 
   /**

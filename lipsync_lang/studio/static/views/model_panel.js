@@ -63,14 +63,21 @@ export class ModelPanel {
     );
   }
 
-  /** @param {File} file */
-  async #try(file) {
-    const { studio } = this;
+  /** @param {File} file @param {string | null} [rig] that is chosen for it, "" for none; null to be asked */
+  async #try(file, rig = null) {
+    const { studio } = this, query = new URLSearchParams({ name: file.name, ...(rig === null ? {} : { rig }) });
     this.told.replaceChildren(made("p", { class: "note" }, `Reading ${file.name}…`));
     await studio.busy(async () => {
       try {
-        const told = await studio.api.post(`model?name=${encodeURIComponent(file.name)}`, file);
-        await studio.edit([{ file: "character", at: ["model"], value: told.name }], `Model ${told.name}`);
+        const told = await studio.api.post(`model?${query}`, file);
+        if (told.offer) {
+          this.#offerRig(file, told.offer);
+          return;
+        }
+        await studio.edit([
+          { file: "character", at: ["model"], value: told.name },
+          ...(rig ? [{ file: "character", at: ["rig"], value: rig }] : []),
+        ], `Model ${told.name}`);
         const words = `${told.shown} of ${told.channels} channels have a shape in ${told.name}.`;
         this.told.replaceChildren(
           made("p", {}, words),
@@ -82,7 +89,17 @@ export class ModelPanel {
         if (!(error instanceof Refusal)) throw error;
         this.told.replaceChildren(made("p", { class: "fault" }, error.message), this.#offer(file));
       }
-    });
+    }, `Reading ${file.name}`);
+  }
+
+  /** @param {File} file @param {{rig: string, shown: number, poses: number}} offer */
+  #offerRig(file, { rig, shown, poses }) {
+    const use = actButton(`Use ${rig}`, `Use the rig ${rig}`, () => this.#try(file, rig));
+    use.classList.add("main");
+    this.told.replaceChildren(
+      made("p", {}, `The rig ${rig} shows ${shown} of ${poses} poses on ${file.name}; without it, fewer are seen.`),
+      made("p", { class: "row" }, use, actButton("Go on without it", "Use no other rig", () => this.#try(file, ""))),
+    );
   }
 
   /** @param {File} file */
@@ -111,6 +128,6 @@ export class ModelPanel {
       studio.tell([`${told.name} shows ${told.match}`, ...told.doubts].join("\n"));
       studio.project = await studio.api.get("project");
       await studio.open(studio.state.language, told.name);
-    });
+    }, `Looking for the pose set and the rig that fit ${file.name}`);
   }
 }

@@ -137,7 +137,7 @@ export class RuleForms {
                   edit(["constraints", "pairs", at, "threshold"], value, `Threshold of ${a} and ${b}`, done),
               ),
             ]),
-        actButton("Try", `Show ${a} and ${b} at 1, within the constraints`, () =>
+        actButton("Try", `Try ${a} and ${b} at 1, within the constraints`, () =>
           attempt({ [a]: 1, [b]: capped ? 0.3 : 1 }),
         ),
         actButton(
@@ -166,7 +166,7 @@ export class RuleForms {
         ),
         actButton(
           "+ Upper limit",
-          "Add a pose that is never above another",
+          "+ Upper limit: a pose that is never above another",
           () => put([...pairs, { pose: first, at_most: second }], "Add an upper limit"),
           off || !second,
         ),

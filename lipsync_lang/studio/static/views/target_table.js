@@ -98,7 +98,9 @@ export class TargetTable {
       );
       const cells = this.poses.map((pose) => {
         const weight = weights[pose], dominance = poses[pose] ?? overall;
-        const step = steps.length > 1 ? ` step ${number + 1}` : "";
+        const step = steps.length > 1 ? ` step ${number + 1}` : "", value = weight === undefined ? "" : shown(weight);
+        const factor = dominance === undefined || dominance === null || (!value && poses[pose] === undefined)
+          ? "" : `×${shown(dominance)}`;
         const cell = made(
           "td",
           {
@@ -106,12 +108,10 @@ export class TargetTable {
             tabindex: "-1",
             "data-cell": JSON.stringify([name, number, pose]),
             "data-pose": pose,
-            "aria-label": `${name}${step}, ${pose}: ${weight ?? "not named"}`,
+            "aria-label": `${name}${step}, ${pose}: ${value || factor ? `${value}${factor}` : "not named"}`,
           },
-          weight === undefined ? "" : shown(weight),
-          ...(dominance === undefined || dominance === null || (weight === undefined && poses[pose] === undefined)
-            ? []
-            : [made("sup", {}, `×${shown(dominance)}`)]),
+          value,
+          ...(factor ? [made("sup", {}, factor)] : []),
         );
         if (weight !== undefined) cell.style.setProperty("--share", String(weight));
         return cell;
