@@ -6,7 +6,7 @@ its codebook. All states share one codebook (semi-continuous), the states of a p
 its neighbours and its position in the word.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, NamedTuple
@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints, Singles
+from lipsync_lang.speech.hearing.sphinx.features import FrontEnd
 
 
 class WordPosition(IntEnum):
@@ -91,7 +92,7 @@ class AcousticModel:
     gaussians: Singles
     weights: Singles
     books: Ints
-    front_end: Callable[[Floats], Floats]
+    front_end: FrontEnd
 
     def phones(self, contexts: Iterable[PhoneContext]) -> list[Phone]:
         """Return phonemes in context; each is the closest match in the model."""

@@ -3,6 +3,7 @@
 Processing steps and constants match the training of the CMU Sphinx models.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -46,8 +47,20 @@ GAIN_FRAMES = 2
 """Frames on each side of a frame on whose mean power its gain depends."""
 
 
+class FrontEnd(ABC):
+    """Extraction of a model's features from samples at `SPEECH_RATE`."""
+
+    @abstractmethod
+    def __call__(self, samples: Floats) -> Floats:
+        """Return the features of each frame of a sound: (T, streams, values) or another shape."""
+
+    def hearings(self, samples: Floats) -> Iterator[Floats]:
+        """Yield the features of a sound, and others that may fit better."""
+        yield self(samples)
+
+
 @dataclass(frozen=True)
-class SphinxFrontEnd:
+class SphinxFrontEnd(FrontEnd):
     """Settings of features; unless stated, those of a model that states none.
 
     Parameters

@@ -16,7 +16,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.speech.hearing.sphinx.features import FFT_POINTS, HOP_SAMPLES
+from lipsync_lang.speech.hearing.sphinx.features import FFT_POINTS, HOP_SAMPLES, FrontEnd
 from lipsync_lang.speech.hearing.sphinx.sphinx_files import refused, same_value
 from lipsync_lang.speech.sound import SPEECH_RATE
 
@@ -52,7 +52,7 @@ ENERGY = -1
 
 
 @dataclass(frozen=True)
-class HtkFrontEnd:
+class HtkFrontEnd(FrontEnd):
     """Settings of features.
 
     Parameters
