@@ -28,8 +28,8 @@ import lipsync_lang as ll
 from lipsync_lang.performing.gesturing import gesture_curves
 
 TALK = (
-    "Are you sure?", "Yes, of course.", "No, not at all.", "Where did you put the key?",
-    "I never said so.", "Look at that, over there!", "Right. Let us go home now.",
+    "Are you sure?", "Yes, I agree.", "No, not at all.", "Where did you put the key?",
+    "I never said that.", "Look at that, over there!", "Right. Let us go home now.",
     "Why should I believe you?", "Because I have never lied to you.", "Well, that is true.",
     "Do you want to stay for dinner?", "Nothing would make me happier.",
 )  # fmt: skip

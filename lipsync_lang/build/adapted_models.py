@@ -16,6 +16,7 @@ from lipsync_lang.build.needs import PairNeeds
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.build.timing_cache import TIMERS
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.resolver.cache import compiler, folder
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ UNCHANGED = "gains-nothing"
 """Ending of a file in place of a model that would gain nothing."""
 
 AdaptationRemark = Callable[[str], None]
-"""A function that is told what came of an adaptation."""
+"""A function that takes the result of an adaptation, in words."""
 
 
 def adapted_pair(
@@ -115,7 +116,7 @@ def _make(
     made = Path(mkdtemp(dir=path.parent)) / path.name
     write_adapted(models, found.model, made)
     if not path.exists():
-        made.rename(path)
+        replace_file(made, path)
     shutil.rmtree(made.parent)
     kept = sorted((one for one in path.parent.iterdir() if one.is_dir()), key=_age)
     for old in kept[:-MAX_KEPT_MODELS]:

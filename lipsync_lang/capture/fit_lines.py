@@ -154,7 +154,7 @@ def lay_lines(
     """
     tables, motion = performer.compiled.tables, performer.motion
     tables = tables.papers if motion.thresholds == "paper" else tables
-    asked = {"styles": None, "dials": None, "intensity": None}
+    asked = {"styles": None, "dials": None, "intensity": None, "bends": None}
     laid = []
     for line, sounds in zip(
         captured, performer.labels.read([one.schedule for one in captured]), strict=True

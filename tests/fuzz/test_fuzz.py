@@ -76,6 +76,8 @@ NO_TARGET = {
     "study/study_maker.py": "clips of our own",
     "study/study_page.py": "scripts of our own",
     "capture/fit_command.py": "writes",
+    "commands/doctor_checks.py": "the licence of a model, of which any text may be shown",
+    "coverage/heard_lines.py": "names files by their bytes; recordings are a target",
     "mfa": "what a program of the user's has written",
     "study/making_command.py": "a plain text",
     "speech": "what engines and models installed on purpose have written; recordings are a target",

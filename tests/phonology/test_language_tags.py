@@ -105,7 +105,8 @@ def test_a_project_adds_to_the_language_it_shadows(tmp_path, monkeypatch):
     pack = library.language("parent")
     assert pack.lineage == ("parent", "parent")
     assert [s.path.parents[1].name for s in pack.sources] == ["high", "low"]
-    assert pack.model.words == {"moi": ("p", "a"), "hei": ("a",)}
+    found = {word: one.phonemes for word, one in pack.model.words.items()}
+    assert found == {"moi": ("p", "a"), "hei": ("a",)}
     assert pack.model.notations["first"]["P"].to == ("p",)
     own = high / "languages/parent.yaml"
     assert library.lookups["beneath", str(own)] == (str(low / "languages/parent.yaml"),)

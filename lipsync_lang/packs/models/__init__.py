@@ -20,12 +20,11 @@ from lipsync_lang.packs.models.pose_models import (
     PhonemeTarget,
     Pose,
     PoseSet,
-    RigChannel,
-    RigPack,
     Threshold,
     TrigramCurves,
 )
 from lipsync_lang.packs.models.project_models import Project
+from lipsync_lang.packs.models.rig_models import RigChannel, RigPack
 
 __all__ = [
     "MODELS",

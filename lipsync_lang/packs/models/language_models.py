@@ -246,7 +246,7 @@ class G2P(Strict):
     """Rewrites, tried in order at each place of a word; the first that fits wins."""
     readings: tuple[Rewrite, ...] = ()
     """Readings of words and letters in the engine's own spelling, such as pinyin with tone digits,
-    or kana for the syllables of a word that a respeller spells; the first that fits wins."""
+    or kana for syllables; the first that fits wins."""
     corrections: tuple[LabelCorrection, ...] = ()
     """Corrections of the engine's labels, tried in order at each label; the first that fits
     wins."""

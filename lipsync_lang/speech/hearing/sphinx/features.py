@@ -40,7 +40,7 @@ QUIET_PERCENT = 10
 CLEAR_RATIO = 100.0
 """Power of a sound relative to that noise (20 dB) from which it stays as it is."""
 
-LEAST_GAIN = 0.25
+LEAST_BAND_GAIN = 0.25
 """Least gain of a band: what is taken for noise may be a voice."""
 
 GAIN_FRAMES = 2
@@ -105,7 +105,7 @@ class SphinxFrontEnd(FrontEnd):
             # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over yet.
             wide = np.pad(spectra, ((GAIN_FRAMES, GAIN_FRAMES), (0, 0)), mode="edge")
             smooth = sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
-            gain = np.maximum(1 - noise / np.maximum(smooth, 1e-9), LEAST_GAIN)
+            gain = np.maximum(1 - noise / np.maximum(smooth, 1e-9), LEAST_BAND_GAIN)
             yield self._normalised(spectra * gain**2)
 
     def _normalised(self, spectra: Floats) -> Floats:

@@ -448,7 +448,7 @@ export class Studio {
     if (first >= 0 && !this.player.playing) this.snippets.hear(this.sound, times[first], times[stop]);
   }
 
-  /** Where the line is looped, play it while something is dragged. @param {boolean} dragging */
+  /** Play a looped line while something is dragged. @param {boolean} dragging */
   dragged(dragging) {
     if (dragging && this.player.loop && !this.player.playing) {
       this.heldPlaying = true;

@@ -27,7 +27,7 @@ const FULL = 65535;
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
  *   Optional: `scrub` seeks in a drag, `drag` moves what is grabbed (`done` at the end), `word` and `phoneme` choose
- *   one, `open` is a double click, `keys` are drawn on a pose, `press` takes one, and `pull` drags it.
+ *   one, and `open` is a double click. `keys` are drawn on a pose, `press` takes one, and `pull` drags it.
  * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} |
  *   null) => void,
  *   pick: (row: number) => void, moved: () => void,
@@ -55,7 +55,7 @@ export class Timeline {
     this.phoneme = -1;
     /** Names of stages that are not drawn. @type {Set<string>} */
     this.hidden = new Set();
-    /** What of the sound is seen. @type {keyof typeof SOUNDS} */
+    /** The picture of the sound. @type {keyof typeof SOUNDS} */
     this.sounds = "wave";
     /** @type {Spectrogram | null} */
     this.spectrogram = null;

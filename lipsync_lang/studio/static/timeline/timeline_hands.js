@@ -12,7 +12,7 @@ const WHEEL = 300;
 const SLACK = 4;
 
 /**
- * What a pointer takes: a boundary (`through` itself), or a word with all of its boundaries.
+ * The target of a pointer: a boundary (`through` itself), or a word with all of its boundaries.
  * @typedef {{boundary: number, through: number, word: number}} Grab
  */
 
@@ -24,7 +24,7 @@ export function listen(timeline) {
   const { canvas, does } = timeline;
   /** @type {number[]} */
   let pressed = [];
-  /** What is taken, the distance of the pointer from it, and whether it is dragged yet. @type {Grab | null} */
+  /** The taken target, the distance of the pointer from it, and whether it is dragged yet. @type {Grab | null} */
   let grab = null;
   let apart = 0, dragging = false, pulling = false;
   /** @type {Map<number, PointerEvent>} */

@@ -15,7 +15,7 @@ export class PhonemeHands {
   constructor(view) {
     this.view = view;
     this.studio = view.studio;
-    /** What follows a boundary moves along, up to the next pause. */
+    /** Sounds after a boundary move along, up to the next pause. */
     this.ripple = false;
     /** Boundaries snap to the onsets of the sound. */
     this.snap = true;
