@@ -26,7 +26,7 @@ const FULL = 65535;
  */
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
- *   Optional: `scrub` seeks in a drag, `drag` moves what is grabbed (`done` at the end), `word` and `phoneme` choose
+ *   Of the optional ones, `scrub` seeks in a drag. `drag` moves what is grabbed (`done` at the end). `word` and `phoneme` choose
  *   one, and `open` is a double click. `keys` are drawn on a pose, `press` takes one, and `pull` drags it.
  * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} |
  *   null) => void,
