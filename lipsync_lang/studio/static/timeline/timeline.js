@@ -26,8 +26,9 @@ const FULL = 65535;
  */
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
- *   Of the optional ones, `scrub` seeks in a drag. `drag` moves what is grabbed (`done` at the end). `word` and `phoneme` choose
- *   one, and `open` is a double click. `keys` are drawn on a pose, `press` takes one, and `pull` drags it.
+ *   Optional: `scrub` seeks in a drag. Drags move what is grabbed (`drag`, at the end with `done`). Clicks choose one
+ *   (`word`, `phoneme`), and a double click is `open`. Keys on a pose are drawn (`keys`), taken (`press`) and dragged
+ *   (`pull`).
  * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} |
  *   null) => void,
  *   pick: (row: number) => void, moved: () => void,
