@@ -85,4 +85,5 @@ def test_a_word_and_a_line_of_the_character_are_edited_and_saved(story, tmp_path
     assert "from 0 to 2" in told["refused"]
     saved = read_yaml(tmp_path / "characters" / "crab.yaml").data
     assert set(saved["words"]) == {"pa"}
-    assert saved["lines"] == {"ma-pa-may": {"edits": (), "dials": {"jaw": 0.5}}}
+    line = {"text": "ma pa may", "edits": (), "dials": {"jaw": 0.5}}
+    assert saved["lines"] == {"ma-pa-may": line}
