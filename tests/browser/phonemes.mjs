@@ -17,6 +17,14 @@ try {
   const page = await open("#sentence", { viewport: { width: 1400, height: 900 } });
   const picture = async (name) => pictures && await page.screenshot({ path: `${pictures}/${name}.png` });
   const undoes = (title) => page.waitForFunction((wanted) => document.querySelector("#undo").title.startsWith(wanted), title, { timeout: 60000 });
+  /** Undo a step, and wait for the line as it was: its phonemes are drawn where the next drag begins. */
+  const undo = async (left) => {
+    const performed = page.waitForResponse((told) => told.url().endsWith("/take"), { timeout: 60000 });
+    await page.keyboard.press("Control+z");
+    await performed;
+    await undoes(left);
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  };
   const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
   const line = () => page.evaluate(async () => JSON.parse((await (await fetch("api/timings/json")).json()).content));
   const labels = async () => (await line()).phonemes.map((one) => one.label);
@@ -136,15 +144,13 @@ try {
   await drag(at(whole[1], 1), 12);
   await undoes("Undo: Move the boundary");
   result.rolled = moved(await times(), whole);
-  await press("Control+z");
-  await undoes("Nothing");
+  await undo("Nothing");
   await page.keyboard.down("Shift");
   await drag(at(whole[2], 1), 12);
   await page.keyboard.up("Shift");
   await undoes("Undo: Move the boundary");
   result.rippled = moved(await times(), whole);
-  await press("Control+z");
-  await undoes("Nothing");
+  await undo("Nothing");
   const { words } = await line();
   result.word = words[1].text;
   await drag(at((words[1].start + words[1].end) / 2, 0), -9);

@@ -40,6 +40,9 @@ QUIET_PERCENT = 10
 CLEAR_RATIO = 100.0
 """Power of a sound relative to that noise (20 dB) from which it stays as it is."""
 
+NOTHING_ELSE_RATIO = 1.5
+"""Power relative to that noise (2 dB) below which a sound is noise and nothing else."""
+
 LEAST_BAND_GAIN = 0.25
 """Least gain of a band: what is taken for noise may be a voice."""
 
@@ -101,7 +104,7 @@ class SphinxFrontEnd(FrontEnd):
         loud = spectra.sum(axis=1)
         noise = spectra[loud <= np.percentile(loud, QUIET_PERCENT)].mean(axis=0)
         yield self._normalised(spectra)
-        if loud.mean() <= CLEAR_RATIO * noise.sum():
+        if NOTHING_ELSE_RATIO <= loud.mean() / max(noise.sum(), 1e-9) <= CLEAR_RATIO:
             # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over yet.
             wide = np.pad(spectra, ((GAIN_FRAMES, GAIN_FRAMES), (0, 0)), mode="edge")
             smooth = sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
