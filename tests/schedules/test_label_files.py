@@ -4,28 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from timing_texts import spoken
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
 
 HH_AY = "0 1000000 hh\n1000000 3000000 ay\n"
-
-
-@pytest.fixture
-def read(tmp_path):
-    """Write a file, and read it as a schedule."""
-
-    def run(name, text, **options):
-        path = tmp_path / name
-        path.write_text(text, "utf-8")
-        return ll.read_schedule(path, **options)
-
-    return run
-
-
-def spoken(schedule):
-    """The words, each with its labels."""
-    return [(w.text, schedule.labels[w.first : w.stop]) for w in schedule.words]
 
 
 # HTK and HTS
