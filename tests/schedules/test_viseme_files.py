@@ -283,9 +283,9 @@ def test_one_voice_is_read(read):
     (voice,) = whole["voices"]
     whole["voices"] = [voice, {**voice, "name": "Bob"}]
     assert read("line.pg2", whole, tier="Bob").labels == ("_", "HH")
-    with pytest.raises(ScheduleError, match=r"has several voices: 'Voice 1', 'Bob'; choose one"):
+    with pytest.raises(ScheduleError, match=r"2 voices: 'Voice 1', 'Bob'; choose one"):
         read("line.pg2", whole)
-    with pytest.raises(ScheduleError, match=r"no voice is named 'Rob'; did you mean 'Bob'\?"):
+    with pytest.raises(ScheduleError, match=r"no tier is named 'Rob'; did you mean 'Bob'\?"):
         read("line.pg2", whole, tier="Rob")
 
 
