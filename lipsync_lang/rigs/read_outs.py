@@ -7,7 +7,9 @@ where points that lie close together come apart most, in the shape that lowers t
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +23,9 @@ NEAR_SHARE = 0.05
 
 PARTED_SHARE = 0.15
 """Smallest opening of a pair of lip points, as a fraction of the largest one."""
+
+STILL_SHARE = 1e-5
+"""Largest way of a point that nobody sees, as a fraction of the size of its mesh."""
 
 INSIDE = (0.12, 1.2)
 """Distance of the tongue behind the lips, in widths of the mouth, from and to."""
@@ -166,3 +171,44 @@ def _lip_pairs(rest: Floats, opened: Floats) -> tuple[Ints, Ints]:
         return nothing, nothing
     upper, lower = np.transpose(pairs)
     return upper, lower
+
+
+@lru_cache(maxsize=8)
+def still_by_mesh(model: Model) -> Mapping[str, frozenset[str]]:
+    """Return the shapes that move no point of a mesh, by its name; empty if unreadable."""
+    found = {}
+    try:
+        arrays = Accessors(model)
+        for mesh in model.meshes:
+            primitives = model.document["meshes"][mesh.number]["primitives"]
+            moving = {
+                name
+                for primitive in primitives
+                for name, target in zip(mesh.shapes, primitive["targets"], strict=True)
+                if "POSITION" in target and _moves(arrays, primitive, target["POSITION"])
+            }
+            found[mesh.name] = frozenset(mesh.shapes) - moving
+    except (ModelError, KeyError, TypeError):
+        return {}
+    return found
+
+
+def still_shapes(model: Model) -> frozenset[str]:
+    """Return the shapes that move no point of any mesh; none if the points cannot be read."""
+    still = still_by_mesh(model)
+    parts = (set(mesh.shapes) - still.get(mesh.name, frozenset()) for mesh in model.meshes)
+    return frozenset(model.shape_names).difference(*parts)
+
+
+def _moves(arrays: Accessors, primitive: Mapping[str, Any], offsets: object) -> bool:
+    size = np.ptp(arrays[primitive["attributes"]["POSITION"]].astype(float), axis=0).max()
+    return bool(np.abs(arrays[offsets]).max() > STILL_SHARE * size)
+
+
+@lru_cache(maxsize=8)
+def apertures(model: Model) -> Mapping[str, float]:
+    """Return how far each shape parts the lips; empty if no mouth can be found on the mesh."""
+    try:
+        return {name: found.aperture for name, found in read_outs(model).items()}
+    except (ModelError, KeyError, TypeError, ValueError):
+        return {}

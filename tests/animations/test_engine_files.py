@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 import yaml
+from face_models import face
 from lanes import swept
 from small_models import glb
 
@@ -495,6 +496,21 @@ def test_a_clip_names_the_shapes_of_the_model_mesh_by_mesh(tmp_path):
     assert bound(two) == [("Head", "blendShape.jawOpen"), ("Teeth", "blendShape.jawOpen")]
 
 
+def test_a_clip_follows_the_nodes_of_the_model_and_leaves_still_eyes_out(tmp_path):
+    model = face(
+        tmp_path / "eyes.glb",
+        "jawOpen",
+        "mouthFunnel",
+        meshes=("Wolf3D_Head", "Eye"),
+        still={"Eye"},
+    )
+    rows = clip_of(bytes_of("unity", replace(performed(), model=model)))["m_FloatCurves"]
+    assert {row["path"] for row in rows} == {"Armature/Wolf3D_Head"}
+    one = face(tmp_path / "one.glb", "jawOpen", above=("Root", "Body"), meshes=("Face",))
+    rows = clip_of(bytes_of("unity", replace(performed(), model=one)))["m_FloatCurves"]
+    assert [row["path"] for row in rows] == ["Root/Body/Face"]
+
+
 def test_a_rig_may_say_the_path():
     animation = performed()
     channels = tuple(Channel(pose, mesh="Body/Face") for pose in animation.poses)
@@ -612,3 +628,9 @@ def test_a_scene_is_long_enough_and_counts_slow_frames_as_slow():
     last = max(frame for row in take["channels"] for frame in row["frames"])
     assert last <= take["end"] < last + 1
     assert (take["fps"], take["fps_base"]) == (24, pytest.approx(1.001))
+
+
+def test_a_long_title_ends_without_a_space_in_every_engine():
+    long = ll.Word(" ".join(["wordy"] * 20), 0, 10)
+    title = replace(performed(), schedule=replace(SCHEDULE, words=(long,))).title
+    assert title.endswith("wordy…")
