@@ -315,9 +315,10 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
         )
     ranges = rig.at_most, rig.low, rig.high, span
     vowels = None if aperture is None else _vowels(compiled, alone @ aperture)
+    seen = None if aperture is None else aperture * moving
     return Face(
         names, tuple(touches), (), *ranges, {}, _meant(compiled),
-        aperture=None if aperture is None else aperture * moving, vowels=vowels, yields=posed.yields,
+        aperture=seen, vowels=vowels, yields=posed.yields,
     )  # fmt: skip
 
 

@@ -194,8 +194,9 @@ def recognise(library: Library, model: Model) -> tuple[Match, ...]:
     """Match every pose set and every rig against a model.
 
     Matches that open the mouth on the mesh come first. Then the number of poses shown as themselves
-    decides the order, but three lost poses outweigh a shown one. Among equals, a pose set without a rig comes first. Empty matches are left out.
-    Invalid packs are skipped, because `validate` reports their faults.
+    decides the order, but three lost poses outweigh a shown one. Among equals, a pose set without a
+    rig comes first. Empty matches are left out. Invalid packs are skipped, because `validate`
+    reports their faults.
     """
     found: list[Match] = []
     for name in dict.fromkeys(one.name for one in library.names("poseset")):
@@ -219,11 +220,12 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
             shared[shape] = tuple(channels[number].name for number in numbers)
         doubts.update(dict.fromkeys(on.doubts))
     still = still_shapes(model)
-    if lost := [name for name, own in places.items() if own.keys() <= still]:
-        shapes = some([shape for name in lost for shape in places[name]])
-        doubts[f"on the mesh, nothing moves with {shapes}"] = None
+    lost = {name: shapes for name, shapes in places.items() if shapes.keys() <= still}
+    if lost:
+        dead = [shape for shapes in lost.values() for shape in shapes]
+        doubts[f"on the mesh, nothing moves with {some(dead)}"] = None
     if len(still) < len(model.shape_names):
-        places = {name: own for name, own in places.items() if name not in lost}
+        places = {name: shapes for name, shapes in places.items() if name not in lost}
     for channel in channels:
         if channel.node in model.nodes:
             places[channel.name] = {str(channel.node): None}

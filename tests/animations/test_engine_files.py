@@ -162,11 +162,32 @@ def from_maya(content, animation):
     return found
 
 
+def from_live2d(content, animation):
+    document = json.loads(content)
+    meta, found = document["Meta"], {}
+    assert (document["Version"], meta["Loop"]) == (3, False)
+    points = segments = 0
+    for curve in document["Curves"]:
+        row, at = curve["Segments"], 2
+        path = [row[:2]]
+        while at < len(row):
+            width = {0: 2, 1: 6}[row[at]]
+            path.append(row[at + width - 1 : at + width + 1])
+            at, points, segments = at + width + 1, points + width // 2, segments + 1
+        points += 1
+        times, values = np.transpose(path)
+        found[curve["Id"]] = (times - animation.begins, values)
+    totals = (meta["CurveCount"], meta["TotalSegmentCount"], meta["TotalPointCount"])
+    assert totals == (len(found), segments, points)
+    return found
+
+
 READERS = {
     "audio2face": (from_audio2face, DENSE),
     "azure": (from_azure, DENSE),
     "blender": (from_blender, SPARSE),
     "live-link-face": (from_live_link, DENSE),
+    "live2d": (from_live2d, SPARSE),
     "maya": (from_maya, SPARSE),
     "smartbody": (from_smartbody, SPARSE),
     "unity": (from_unity, SPARSE),
@@ -235,7 +256,7 @@ def test_numbers_and_names_are_written_without_a_locale(name):
     assert content.endswith("\n")
 
 
-DELAYS = {"audio2face", "azure", "live-link-face", "unity"}
+DELAYS = {"audio2face", "azure", "live-link-face", "live2d", "unity"}
 """Formats without time below zero."""
 
 
@@ -270,13 +291,14 @@ TITLES = {
     "azure": "Azure",
     "blender": "Blender",
     "live-link-face": "Live Link Face",
+    "live2d": "Live2D",
     "maya": "Maya",
     "smartbody": "SmartBody",
     "unity": "Unity",
 }
 
 
-@pytest.mark.parametrize("name", ["audio2face", "blender", "maya", "smartbody", "unity"])
+@pytest.mark.parametrize("name", ["audio2face", "blender", "live2d", "maya", "smartbody", "unity"])
 def test_bones_alone_are_refused(name):
     animation = with_bone(performed())
     alone = replace(

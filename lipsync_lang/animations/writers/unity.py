@@ -2,11 +2,11 @@
 
 Based on clips of Unity 2018 and later (`AnimationClip`, serialized version 6). Each blend shape has
 a curve with the attribute `blendShape.<name>` (class 137: SkinnedMeshRenderer). Weights are in
-percent. `path` leads from the Animator object at the top of the model to the mesh object, by the names
-of the nodes; it is empty if the model is a single mesh. A shape has no curve on a mesh where it
-moves no point. Keys have broken linear tangents (mode 69), or free ones with `keys`
-(mode 0, and 1 where both sides differ); slopes are percent per second. Derived data, such as editor
-curves and bindings, is omitted because Unity rebuilds it. Clips have no negative time.
+percent. `path` leads from the Animator object at the top of the model to the mesh object, by the
+names of the nodes; it is empty if the model is a single mesh. A shape has no curve on a mesh where
+it moves no point. Keys have broken linear tangents (mode 69), or free ones with `keys` (mode 0, and
+1 where both sides differ); slopes are percent per second. Derived data, such as editor curves and
+bindings, is omitted because Unity rebuilds it. Clips have no negative time.
 """
 
 import re
@@ -118,8 +118,10 @@ def write_unity(animation: Animation, out: TextIO) -> None:
     out.write(UNITY_HEAD.format(name=_text(animation.title)))
     for shape, curve in zip(found, keys(animation, found, ERROR), strict=True):
         told, attribute = _keys(curve), _text(f"blendShape.{shape.name}")
-        for path in paths.get(shape.mesh, [shape.mesh]):
-            out.write(UNITY_CURVE.format(keys=told, attribute=attribute, path=_text(path)))
+        out.writelines(
+            UNITY_CURVE.format(keys=told, attribute=attribute, path=_text(path))
+            for path in paths.get(shape.mesh, [shape.mesh])
+        )
     stop = _number(float(animation.timeline[-1]))
     out.write(TAIL.format(fps=_number(animation.fps), stop=stop))
 
