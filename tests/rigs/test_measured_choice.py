@@ -1,4 +1,4 @@
-"""Pose sets are chosen by what the shapes of a model do, and dead shapes are told."""
+"""Pose sets are chosen by what the shapes of a model do, and a warning names dead shapes."""
 
 import pytest
 from face_models import ARKIT, OCULUS, VROID, face

@@ -55,7 +55,7 @@ def write_live2d(animation: Animation, out: TextIO) -> None:
         "TotalUserDataSize": 0,
     }
     rows = [{"Target": "Parameter", "Id": name, "Segments": row} for name, row, _, _ in curves]
-    json.dump({"Version": 3, "Meta": meta, "Curves": rows}, out, ensure_ascii=False, indent=1)
+    json.dump({"Version": 3, "Meta": meta, "Curves": rows}, out, ensure_ascii=False)
     out.write("\n")
 
 
