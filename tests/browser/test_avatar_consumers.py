@@ -1,4 +1,4 @@
-"""VRM animations, motions of Live2D and skeletons of Spine, read by the programs of their makers."""
+"""VRM animations, motions of Live2D and skeletons of Spine, read by other programs."""
 
 import json
 from dataclasses import replace
