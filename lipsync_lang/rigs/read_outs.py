@@ -129,7 +129,7 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
     """Find the mouth among (V, 3) points, where the shape that lowers the most parts them."""
     opened = max(shapes.values(), key=lambda moved: -np.minimum(moved[:, 1], 0.0).sum())
     upper, lower = _lip_pairs(rest, opened)
-    if not len(upper):
+    if not len(upper) or not np.ptp(rest[upper, 0] + rest[lower, 0]):
         raise ModelError(f"{path}: no shape opens a mouth, so its shapes cannot be measured")
     line = (rest[upper] + rest[lower]) / 2
     width = float(np.ptp(line[:, 0]))
