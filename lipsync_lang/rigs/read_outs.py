@@ -27,6 +27,9 @@ PARTED_SHARE = 0.15
 STILL_SHARE = 1e-5
 """Largest way of a point that nobody sees, as a fraction of the size of its mesh."""
 
+MAX_MEASURED_POINTS = 30_000
+"""Largest model whose mouth is looked for in a choice of pose sets: pairs of points cost memory."""
+
 TONGUE_DEPTHS = (0.12, 1.2)
 """Distance of the tongue behind the lips, in widths of the mouth, from and to."""
 
@@ -207,8 +210,12 @@ def _moves(arrays: Accessors, primitive: Mapping[str, Any], offsets: object) -> 
 
 @lru_cache(maxsize=8)
 def apertures(model: Model) -> Mapping[str, float]:
-    """Return how far each shape parts the lips; empty if no mouth can be found on the mesh."""
+    """Return how far each shape parts the lips; empty without a mouth, and for a large model."""
     try:
+        meshes = [model.document["meshes"][mesh.number]["primitives"] for mesh in model.meshes]
+        rows = {one["attributes"]["POSITION"] for own in meshes for one in own}
+        if sum(model.document["accessors"][row]["count"] for row in rows) > MAX_MEASURED_POINTS:
+            return {}
         return {name: found.aperture for name, found in read_outs(model).items()}
-    except (ModelError, KeyError, TypeError, ValueError):
+    except (ModelError, LookupError, TypeError, ValueError):
         return {}
