@@ -73,7 +73,7 @@ def _add_posesets(add: Add) -> None:
     new.add_argument("poses", metavar="POSE", nargs="*", help="the names of its poses")
     new.add_argument(
         "--model", metavar="FILE", type=Path,
-        help="a model (.glb); its shapes are the poses unless you name some",
+        help="a model (.glb, .vrm, .gltf); its shapes are the poses unless you name some",
     )  # fmt: skip
     new.add_argument(
         "--like", metavar="POSESET",
@@ -89,7 +89,9 @@ def _add_characters(add: Add) -> None:
     title = "list characters, show one, or draft one from a model"
     made = _add_kind(add, "characters", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new character")
-    new.add_argument("--model", metavar="FILE", type=Path, help="the model of the face (.glb)")
+    new.add_argument(
+        "--model", metavar="FILE", type=Path, help="the model of the face (.glb, .vrm, .gltf)"
+    )
     new.add_argument("--poseset", metavar="POSESET", help="its pose set [the best match]")
     new.add_argument("--rig", metavar="RIG", help="a rig of the pose set [the best match]")
     new.add_argument("--title", metavar="TITLE", help="its title in lists")
