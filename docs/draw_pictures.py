@@ -63,7 +63,7 @@ HEARD = (
     ("japanese", "Japanese", "japanese"),
     ("swedish", "Swedish, not stated", "ipa:und"),
 )
-"""Language of a recording, title, and the language that the listener was told."""
+"""Language of a recording, title, and the language that the listener is given."""
 
 HEARD_DELAY, HEARD_SECONDS = 0.08, 4.0
 
