@@ -257,7 +257,7 @@ def beside(bench: Bench, data: Path) -> None:
     other = next(one for one in natural(data) if one.audio.seconds > 10)
     random_ = np.random.default_rng(3)
     sounds = {
-        "music": _music(5.0),
+        "music": music(5.0),
         "noise": random_.normal(size=5 * RATE),
         "another voice": np.resize(resampled(other.audio, RATE).samples.astype(float), 5 * RATE),
     }
@@ -277,7 +277,8 @@ def beside(bench: Bench, data: Path) -> None:
             told(f"{name} {where}", moved)
 
 
-def _music(seconds: float) -> np.ndarray:
+def music(seconds: float) -> np.ndarray:
+    """Return chords that fade, at `RATE`."""
     times = np.arange(round(seconds * RATE)) / RATE
     chord = np.array([[220, 277, 330], [196, 247, 294]])[(times % 2).astype(int)]
     tones = sum(np.sin(2 * np.pi * chord * n * times[:, None]).sum(1) / n for n in range(1, 7))
