@@ -235,7 +235,13 @@ def texts(bench: Bench, data: Path) -> None:
 
 
 def wrong(one: Recording, data: Path, chance: random.Random) -> Iterator[tuple[str, str]]:
-    """Yield wrong texts of a recording: as long, half as long, two words, one."""
+    """Yield wrong texts of a recording: its own in disorder, and those of other lines."""
+    own = one.text.split()
+    half = len(own) // 2
+    if len(own) > 3:
+        yield "halves exchanged", " ".join(own[half:] + own[:half])
+        yield "shuffled", " ".join(chance.sample(own, len(own)))
+        yield "a word missing", " ".join(own[:half] + own[half + 1 :])
     if one.language not in SOURCES:
         return
     file = data / "text" / "udhr" / f"{SOURCES[one.language]}.txt"
