@@ -68,7 +68,7 @@ DIN_WEIGHT = 3.0
 ORDER_WEIGHT, ORDER_SLACK = 5.0, 1.0
 """Weight in that logit of what the words gain in another order, above a slack.
 
-Right lines gain 0.5 at most, their halves exchanged 1.5 to 6.
+Right lines gain 0.5, rarely 1.2; with their halves exchanged they gain 1.4 to 6.
 """
 
 HURRIED_FRAMES = 3
