@@ -235,7 +235,13 @@ def texts(bench: Bench, data: Path) -> None:
 
 
 def wrong(one: Recording, data: Path, chance: random.Random) -> Iterator[tuple[str, str]]:
-    """Yield wrong texts of a recording: as long, half as long, two words, one."""
+    """Yield wrong texts of a recording: its own in disorder, and those of other lines."""
+    own = one.text.split()
+    half = len(own) // 2
+    if len(own) > 3:
+        yield "halves exchanged", " ".join(own[half:] + own[:half])
+        yield "shuffled", " ".join(chance.sample(own, len(own)))
+        yield "a word missing", " ".join(own[:half] + own[half + 1 :])
     if one.language not in SOURCES:
         return
     file = data / "text" / "udhr" / f"{SOURCES[one.language]}.txt"
@@ -257,7 +263,7 @@ def beside(bench: Bench, data: Path) -> None:
     other = next(one for one in natural(data) if one.audio.seconds > 10)
     random_ = np.random.default_rng(3)
     sounds = {
-        "music": _music(5.0),
+        "music": music(5.0),
         "noise": random_.normal(size=5 * RATE),
         "another voice": np.resize(resampled(other.audio, RATE).samples.astype(float), 5 * RATE),
     }
@@ -277,7 +283,8 @@ def beside(bench: Bench, data: Path) -> None:
             told(f"{name} {where}", moved)
 
 
-def _music(seconds: float) -> np.ndarray:
+def music(seconds: float) -> np.ndarray:
+    """Return chords that fade, at `RATE`."""
     times = np.arange(round(seconds * RATE)) / RATE
     chord = np.array([[220, 277, 330], [196, 247, 294]])[(times % 2).astype(int)]
     tones = sum(np.sin(2 * np.pi * chord * n * times[:, None]).sum(1) / n for n in range(1, 7))

@@ -200,7 +200,7 @@ def unspoken() -> dict[str, np.ndarray]:
         np.where(seconds >= at, np.exp(-np.maximum(seconds - at, 0) / 0.08), 0.0) for at in (2, 2.4)
     ) * chance.normal(size=len(seconds))
     cough = np.convolve(cough, np.hanning(9))[: len(seconds)]
-    music = np.resize(hearing._music(5.0), len(seconds))  # noqa: SLF001 of the other benchmark
+    music = np.resize(hearing.music(5.0), len(seconds))
     sounds = {
         "silence": np.zeros(len(seconds)),
         "quiet hiss": chance.normal(size=len(seconds)) * 0.01,

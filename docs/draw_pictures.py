@@ -10,6 +10,7 @@
     crab        bigrams of the crab as drafted and as edited, with frames
     sheet       a sheet of stills
     recording   a natural recording with its spectrogram and boundaries
+    noisy       a French line as it is, with noise and with music, and with an adapted model
     takes       one sentence whispered, plain and shouted: the jaw, and the mouth in each vowel
     heard       natural recordings by their text, by the whole sound and live: the jaw
 
@@ -46,15 +47,40 @@ from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.plot import plot
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import SILENCE
+from lipsync_lang.speech.hearing.adaptation import adapt, spoken_files, write_adapted
+from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import models_of
+from lipsync_lang.speech.sound import resampled
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 ROOT = Path(__file__).parent
 sys.path.insert(0, str(ROOT.parent / "benchmarks"))
+import alignment  # noqa: E402 it lies beside
 import hearing  # noqa: E402 it lies beside
 import listening  # noqa: E402 it lies beside
 import motion as benchmark  # noqa: E402 it lies beside
+
+FRENCH = (
+    "Nous partons demain matin pour la montagne.",
+    "Le petit chat dort sur le canapé rouge.",
+    "Elle a mangé une pomme et deux poires.",
+    "Mon frère habite à Paris depuis trois ans.",
+    "Il fait beau, allons nous promener au bord de la mer.",
+    "Je voudrais un café et un verre d'eau.",
+    "Les enfants jouent dans le jardin de la voisine.",
+    "Quand est-ce que le train arrive à la gare ?",
+    "Ma grand-mère prépare une soupe aux légumes.",
+    "Vous avez oublié votre parapluie dans la voiture.",
+    "La porte était fermée et personne ne répondait.",
+    "Ce livre raconte une histoire très ancienne.",
+    "Le soleil brille sur les toits de la ville.",
+    "Nous avons acheté du pain et du fromage.",
+    "Le médecin arrive toujours à huit heures.",
+    "Demain je prépare le déjeuner avec mon père.",
+)
+"""A line, and others of the same voice that a model is adapted to."""
 
 DATA = "LIPSYNC_LANG_TEST_DATA"
 
@@ -322,6 +348,56 @@ def recording(path: Path) -> None:
     )
 
 
+def noisy(path: Path) -> None:
+    """Draw a French line over its spectrogram, four times: its known and its found boundaries."""
+    import soundfile
+
+    line = ll.speak(FRENCH[0], "french")
+    sound = resampled(line.audio, hearing.RATE)
+    noise = np.random.default_rng(0).normal(size=len(sound.samples))
+    music = alignment.noisy(sound, hearing.music(sound.seconds))
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        for number, text in enumerate(FRENCH[1:]):
+            said = ll.speak(text, "french").audio
+            soundfile.write(folder / f"{number}.wav", said.samples, said.rate)
+            (folder / f"{number}.txt").write_text(text, encoding="utf-8")
+        model = folder / "adapted"
+        found = adapt(Speaker.of("french"), spoken_files(folder), models_of(None))
+        write_adapted(models_of(None), found.model, model)
+        tries = {
+            "as it is": (sound, None),
+            "white noise, 10 dB below": (alignment.noisy(sound, noise), None),
+            "music, 10 dB below": (music, None),
+            f"music, model adapted to {found.lines} lines": (music, f"pocketsphinx:{model}"),
+        }
+        figure = Figure((9.4, 7.0), layout="constrained")
+        rows = figure.subplots(len(tries), sharex=True)
+        for axes, (title, (audio, aligner)) in zip(rows, tries.items(), strict=True):
+            _boundaries(axes, title, line, ll.align(audio, FRENCH[0], "french", aligner=aligner))
+    rows[-1].set_xlabel("seconds")
+    figure.savefig(path, dpi=80)
+    page = Image.open(path).convert("RGB")
+    page.quantize(44, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def _boundaries(axes: Any, title: str, known: ll.Schedule, found: ll.Schedule) -> None:
+    """Draw a spectrogram with the known boundaries above its middle and the found ones below."""
+    audio = found.audio
+    axes.specgram(
+        audio.samples / 32768, NFFT=512, Fs=audio.rate, noverlap=384, cmap="Greys", vmin=-120
+    )
+    axes.vlines(known.times, 4000, 8000, color=NOW, lw=1.2)
+    axes.vlines(found.times, 0, 4000, color="#c0392b", lw=1.2)
+    for label, start, end in zip(found.labels, found.times, found.times[1:], strict=False):
+        axes.text((start + end) / 2, -1300, label, ha="center", fontsize=8, color="#c0392b")
+    speaker = Speaker.of("french")
+    far = 1000 * np.abs([*alignment.errors(found, known, speaker)])
+    figures = f"median {np.median(far):.0f} ms, 90 % {np.quantile(far, 0.9):.0f} ms"
+    axes.set_title(f"{title}: {figures}", loc="left", fontsize=9, fontweight="bold")
+    axes.set(ylim=(-1600, 8000), yticks=[0, 4000, 8000], yticklabels=["0", "4", "8 kHz"])
+
+
 def takes(path: Path) -> None:
     """Draw a sentence in three styles and levels: its jaw, and the mouth in each vowel."""
     performer = ll.resolve("english", "facefx")
@@ -389,6 +465,7 @@ PICTURES = {
     "crab": ("crab-edits.png", crab),
     "sheet": ("still-sheet.png", sheet),
     "recording": ("recording.png", recording),
+    "noisy": ("recording-noisy.png", noisy),
     "takes": ("loudness-takes.png", takes),
     "heard": ("heard-takes.png", heard),
 }

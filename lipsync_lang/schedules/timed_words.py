@@ -32,6 +32,9 @@ SILENT_WORD = re.compile(
 )
 """Marks of silence and noise among words, punctuation alone, and the names of SPPAS's units."""
 
+UNIT_NAME = re.compile(r"^\s*ipu_\d+\s+")
+"""The name of SPPAS's unit before its text."""
+
 MAX_PHONE_LETTERS = 3
 """Maximum letters of a usual label of a phone; words have more."""
 
@@ -112,7 +115,7 @@ def words_of_rows(
 
 
 def _timed_word(row: LabelRow) -> TimedWord:
-    return TimedWord(row.label, row.start, row.end, line=row.line)
+    return TimedWord(UNIT_NAME.sub("", row.label, count=1), row.start, row.end, line=row.line)
 
 
 def timed_words_of(

@@ -57,6 +57,11 @@ def test_a_mark_among_words_is_no_word(tmp_path, mark):
     assert [word.text for word in found.words] == ["Hello", "friends"]
 
 
+def test_the_name_of_a_unit_is_not_read_before_its_text(tmp_path):
+    found = read(tmp_path, "units.csv", "start,end,word\n0,1,#\n1,2,ipu_1 hello there\n")
+    assert [word.text for word in found.words] == ["hello there"]
+
+
 def test_an_mp3_states_its_length_in_its_first_frame(tmp_path):
     tag = b"ID3\x04\x00\x00" + bytes([0, 0, 1, 0]) + bytes(128)
     for content, states in (

@@ -23,11 +23,13 @@ from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.speech.hearing.sphinx.forced import (
     WINDOW_FRAMES,
     HeardPhoneme,
+    gain_of_any_order,
     lay,
 )
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
     Saying,
     confidence,
+    confidence_of_order,
     doubts,
     line_confidence,
     prepared,
@@ -52,6 +54,8 @@ MAX_HEARD_SAMPLES = 15 * SPEECH_RATE
 
 MAX_SHOWN_TEXT = 60
 """Maximum characters of a text in a message."""
+
+OTHER_ORDER = "the words fit better in another order; write them in the order of the recording"
 
 MIN_AGREEMENT = 0.12
 """Share of phonemes borne out by the sound that chance alone reaches."""
@@ -99,25 +103,31 @@ class PocketsphinxAligner(BatchAligner):
         audio = one[0]()
         sound = prepared(audio)
         ways = [saying.ways for saying in sayings]
-        tries = (laid(models, one, ways) for one in models.model.front_end.hearings(sound))
-        heard = max(filter(None, tries), key=line_confidence, default=None)
-        if heard is None:
+        hearings = [*models.model.front_end.hearings(sound)]
+        tries = [(laid(models, one, ways) or [], one) for one in hearings]
+        heard, features = max(tries, key=lambda one: line_confidence(one[0]))
+        if not heard:
             raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
         agreeing, sure = confidence(models, heard), line_confidence(heard)
-        words = ""
+        told: list[str] = []
+        if sure >= DOUBTFUL and len(features) <= WINDOW_FRAMES:
+            gain = gain_of_any_order(models.model, features, ways, heard)
+            sure = confidence_of_order(sure, gain)
+            told += [OTHER_ORDER] if sure < DOUBTFUL else []
         if (
             reader.own
             and models.language_model
             and min(agreeing - MIN_AGREEMENT, sure - DOUBTFUL) < 0
         ):
-            told = decoded_words(models, sound[:MAX_HEARD_SAMPLES])
-            words = (" ".join(word.text for word in told) or "no word")[:MAX_SHOWN_TEXT]
+            decoded = decoded_words(models, sound[:MAX_HEARD_SAMPLES])
+            words = (" ".join(word.text for word in decoded) or "no word")[:MAX_SHOWN_TEXT]
+            told.append(f"heard instead: '{words}'")
         if agreeing < MIN_AGREEMENT:
-            heard_words = f", where '{words}' was heard" if words else ""
             raise SpeechError(
-                f"the text does not fit the recording{heard_words} ({agreeing:.0%} of its "
-                f"phonemes, confidence {sure:.2f}): '{text[:MAX_SHOWN_TEXT]}'; check the text, the "
-                "language and the loudness of the voice, or try another aligner (`aligner`)"
+                f"the text does not fit the recording ({agreeing:.0%} of its phonemes, confidence "
+                f"{sure:.2f}{''.join(f'; {one}' for one in told)}): '{text[:MAX_SHOWN_TEXT]}'; "
+                "check the text, the language and the loudness of the voice, or try another "
+                "aligner (`aligner`)"
             )
         found = timed_labels(models, heard, sayings, audio.seconds)
         manner = speaker.manner
@@ -130,7 +140,7 @@ class PocketsphinxAligner(BatchAligner):
             source="recording",
             unread=transcript.unread,
             stress=stress_read(transcript, found.labels, notation, manner, speaker.notations),
-            remarks=(*([f"heard instead: '{words}'"] if words else []), *doubts(heard, sayings)),
+            remarks=(*told, *doubts(heard, sayings)),
             confidence=sure,
         )
 

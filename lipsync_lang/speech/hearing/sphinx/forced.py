@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Singles
+from lipsync_lang.arrays import Floats, Ints, Singles
 from lipsync_lang.speech.hearing.progress import tell
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import (
     OUTSIDE,
@@ -56,6 +56,9 @@ MIN_OTHER_SHARE = 0.1
 
 FASTEST_FRAMES = 4
 """Frames per phoneme of the fastest speech over a whole window."""
+
+MIN_ORDERED_WORDS = 3
+"""Least words whose order is doubted."""
 
 MEAN_MARGIN_FRAMES = 30
 """Frames before and after words whose cepstra are in that mean."""
@@ -180,6 +183,53 @@ def lay(
     return _lay(model, moved, words, anchored=anchored)
 
 
+def gain_of_any_order(
+    model: AcousticModel,
+    features: Floats,
+    words: Sequence[Pronunciations],
+    heard: Sequence[HeardPhoneme],
+) -> float:
+    """Return how much better words fit that may come in any order, and any number of times.
+
+    Sound beside the words counts only where a word is heard that their own order has no place for:
+    another voice beside a line is like some of its words, too.
+
+    Returns
+    -------
+    Log likelihood per frame of the words; 0 if the words are longer than the sound, or too few
+    """
+    said = sum(one.stop - one.first for one in heard if OUTSIDE not in (one.word, one.phone))
+    if not said or len(words) < MIN_ORDERED_WORDS:
+        return 0.0
+    graph, silence = _Graph(model), model.silence
+    pauses = graph.pause([SOUND_START])
+    firsts: list[int] = []
+    ends: list[int] = []
+    for number, way in ((n, way) for n, ways in enumerate(words) for way in ways):
+        firsts.append(len(graph.nodes))
+        ends += graph.word(number, [way], silence, silence, [SOUND_START, *pauses])
+    for node in (*firsts, *pauses):
+        graph.before[node] += ends
+    sound = Listening(model, features)
+    loop, scores = _Loop.of(sound), sound.scores(model.phones(graph.contexts))
+    way_found = _likeliest(model, scores, loop, graph.nodes, graph.before, [*ends, *pauses])
+    if way_found is None:
+        return 0.0
+    free = _again(sound, loop, [(graph.nodes[run.phone], run) for run in way_found])
+    (word, fit), (other, better) = _by_frame(heard), _by_frame(free)
+    spoken = {h.word for h in heard if h.phone != OUTSIDE and h.stop - h.first > STATES}
+    left_out = ~np.isin(other, [OUTSIDE, *spoken])
+    counted = (word != OUTSIDE) | left_out
+    return float((better - fit)[counted].sum()) / said
+
+
+def _by_frame(heard: Sequence[HeardPhoneme]) -> tuple[Ints, Floats]:
+    """Return the word of each frame, and the fit."""
+    lengths = [one.stop - one.first for one in heard]
+    words, fits = [one.word for one in heard], [one.fit for one in heard]
+    return np.repeat(words, lengths), np.repeat(fits, lengths)
+
+
 def _lay(
     model: AcousticModel, features: Floats, words: Sequence[Pronunciations], *, anchored: bool
 ) -> list[HeardPhoneme] | None:
@@ -252,9 +302,7 @@ def _window(
         ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
     elif anchored and near < stop:
         ends = range([node.word for node in graph.nodes].index(near), len(graph.nodes))
-    best = sound.scores(model.alone).max(axis=2)
-    quiet = np.array([phone.number in model.fillers for phone in model.alone])
-    loop = _Loop(best[:, ~quiet].max(axis=1), best[:, quiet].max(axis=1))
+    loop = _Loop.of(sound)
     scores = sound.scores(model.phones(graph.contexts))
     way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends)
     if way is None:
@@ -271,6 +319,14 @@ class _Loop(NamedTuple):
     speech: Singles
     quiet: Singles
     """Silence and noises instead of phonemes of speech."""
+
+    @classmethod
+    def of(cls, sound: Listening) -> "_Loop":
+        """Return those of a sound."""
+        model = sound.model
+        best = sound.scores(model.alone).max(axis=2)
+        quiet = np.array([phone.number in model.fillers for phone in model.alone])
+        return cls(best[:, ~quiet].max(axis=1), best[:, quiet].max(axis=1))
 
 
 def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
