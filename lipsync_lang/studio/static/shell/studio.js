@@ -29,6 +29,7 @@ import { WordsView } from "../views/words_view.js";
  * @property {() => void} hide
  * @property {(event: KeyboardEvent) => boolean} key true if the key was used
  * @property {(what: Change) => void} changed
+ * @property {() => Partial<import("../timeline/timeline.js").Line>} [strip] what the strip below shows for it
  */
 /** @typedef {import("../payloads.js").Fault} Fault */
 /** @typedef {{file: string, at: (string | number)[], value?: unknown}} Edit without a value it deletes */
@@ -287,7 +288,7 @@ export class Studio {
     this.player = new Player(take.start, take.end, this.sound, () => this.#playing());
     this.player.setRate(rate);
     this.strip.shown = null;
-    this.#drawStrip();
+    this.drawStrip();
     const remarks = [...told.remarks, ...(told.unread ? [`Not read: ${told.unread}`] : [])];
     if (remarks.length) this.tell(remarks.join("\n"), told.unread ? "fault" : "");
     this.notify("take");
@@ -312,7 +313,7 @@ export class Studio {
         const told = await this.api.sent(where, { ...wish, against: this.against, tab: this.tab });
         this.#taken(told);
         if (told.state) this.stated(told.state);
-        this.#drawStrip();
+        this.drawStrip();
         this.notify("take");
         this.wake();
       }
@@ -331,15 +332,11 @@ export class Studio {
     if (this.portrait) this.portrait.take = this.take;
   }
 
-  /** The strip is seen beside every view but that of the whole timeline. */
-  #showStrip() {
+  /** Show the strip beside every view but that of the whole timeline. */
+  drawStrip() {
     the("strip").hidden = !this.take || this.viewName === "sentence";
-    this.strip.stale = true;
-  }
-
-  #drawStrip() {
-    this.#showStrip();
-    if (this.take) this.strip.show({ take: this.take, other: null, sound: this.sound, rows: [] });
+    const more = this.view?.strip?.();
+    if (this.take) this.strip.show({ take: this.take, other: null, sound: this.sound, rows: [], ...more });
   }
 
   // Edits
@@ -414,10 +411,11 @@ export class Studio {
       if (one.getAttribute("href") === `#${name}`) one.setAttribute("aria-current", "page");
       else one.removeAttribute("aria-current");
     }
-    this.#showStrip();
+    this.drawStrip();
     await this.attempt(() => known.view.show(decodeURIComponent(argument)));
     this.edits.show();
-    this.strip.stale = true;
+    this.drawStrip();
+    this.bar.timeline.follow(this.player.time);
     this.wake();
   }
 
@@ -463,7 +461,7 @@ export class Studio {
   reveal(seconds) {
     this.player.pause();
     this.seek(seconds);
-    this.strip.follow(seconds);
+    this.bar.timeline.follow(seconds);
   }
 
   /** @param {number} frames */

@@ -22,7 +22,8 @@ const FULL = 65535;
 
 /**
  * @typedef {{take: import("../line/take.js").Take, other: import("../line/take.js").Take | null,
- *   sound: import("../line/player.js").Sound | null, rows: string[]}} Line
+ *   sound: import("../line/player.js").Sound | null, rows: string[], marked?: [number, number][]}} Line
+ *   `marked` are spans of time in the rows
  */
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
@@ -198,7 +199,11 @@ export class Timeline {
   draw(seconds) {
     const { canvas } = this;
     this.wide = canvas.clientWidth;
-    if (!this.fitted) this.fit();
+    if (!this.wide) return; // not seen
+    if (!this.fitted) {
+      this.fit();
+      this.follow(seconds);
+    }
     const ratio = Math.min(3, window.devicePixelRatio || 1);
     const height = this.top + this.line.rows.length * this.rowHeight + 4;
     const wide = Math.round(this.wide * ratio), high = Math.round(height * ratio);
@@ -265,6 +270,11 @@ export class Timeline {
         const x = this.x(times[first]);
         context.fillRect(x, RULER, this.x(times[stop]) - x, this.height);
       });
+      context.fillStyle = this.colours.accent;
+      context.globalAlpha = 0.14;
+      for (const [from, to] of this.line.marked ?? [])
+        context.fillRect(this.x(from), this.bandTop, this.x(to) - this.x(from), this.height);
+      context.globalAlpha = 1;
       if (this.loop) {
         const [a, b] = this.loop.map((one) => this.x(one));
         context.fillStyle = this.colours.accent;
