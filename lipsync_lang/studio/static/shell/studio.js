@@ -5,6 +5,7 @@ import { BigramView } from "../views/bigram_view.js";
 import { CharacterView } from "../views/character_view.js";
 import { CoverageView } from "../views/coverage_view.js";
 import { made, the } from "./elements.js";
+import { FacePlace } from "../face/face_place.js";
 import { ExportDialog } from "./export_dialog.js";
 import { LanguageView } from "../views/language_view.js";
 import { actButton, chosen, fillNames } from "./form_fields.js";
@@ -110,6 +111,7 @@ export class Studio {
     this.asked = undefined;
     this.edits = new Edits(this);
     this.bar = new PlayerBar(this);
+    this.facePlace = new FacePlace(this);
     this.script = new ScriptLines(this);
     this.exporting = new ExportDialog(this);
     this.performing = false;
@@ -198,7 +200,7 @@ export class Studio {
       this.portrait?.turn(event.movementX * TURN, event.movementY * TURN);
       this.wake();
     });
-    the("faces").replaceChildren(this.portrait.figure);
+    this.facePlace.show(this.portrait.figure);
     the("tongue").setAttribute("aria-pressed", "false");
     const notes = [...data.unshown, ...(trouble ? [trouble] : [])];
     the("notes").hidden = !notes.length;
@@ -490,6 +492,7 @@ export class Studio {
       const seconds = this.player.time;
       if (this.player.playing) this.strip.follow(seconds);
       this.portrait?.draw(seconds, this.posed);
+      this.facePlace.follow(seconds);
       if (this.strip.shown && !the("strip").hidden) this.strip.draw(seconds);
       the("clock").textContent = this.take ? clock(seconds) : "";
       this.notify("time");
