@@ -93,6 +93,26 @@ def load_measures() -> dict[str, Measure]:
     return {known.name: known for known in ordered}
 
 
+def sentence(figure: Figure) -> str:
+    """Return a figure in a sentence: its meaning, value and limit."""
+    name, _, of = figure.name.partition(" ")
+    meaning = load_measures()[name].told.split("\n")[0].split(". ")[0].rstrip(".")
+    subject = f"{meaning} ({of})" if of else meaning
+    if figure.value is None:
+        return f"{subject}: not judged, because {figure.why}."
+    told = f"{subject}: {_amount(figure.value, figure.unit)}"
+    if figure.limit is None:
+        return f"{told}."
+    return f"{told}; the limit is {_amount(figure.limit, figure.unit)}."
+
+
+def _amount(value: float, unit: str) -> str:
+    """Return a value with its unit; a share is in percent."""
+    if unit.startswith("of "):
+        return f"{100 * value:.3g} % {unit}"
+    return f"{value:.3g} {unit}"
+
+
 def one(
     value: float, parts: Mapping[str, float] | None = None, findings: Iterable[Finding] = ()
 ) -> list[Figure]:

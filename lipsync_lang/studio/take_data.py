@@ -19,13 +19,17 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.trace import DONE, VISIBLE, constraint_reason, held_reason
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
-from lipsync_lang.quality.figures import Quality, describe
+from lipsync_lang.quality.figures import Quality
+from lipsync_lang.quality.measures import sentence
 from lipsync_lang.render.plot import STAGES
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.studio.array_pack import ArrayPack
 
 WEIGHT_STEPS = 65535
 """Number of steps of a weight from 0 to 1."""
+
+HATCHES = {name: number for number, name in enumerate(STAGES)}
+"""Number of each stage; a page draws a pattern for it."""
 
 NO_POSITION = WEIGHT_STEPS
 """Position in a bigram for frames outside it."""
@@ -97,7 +101,7 @@ def figures_data(quality: Quality) -> list[Json]:
         {
             "name": one.name,
             "verdict": one.verdict,
-            "told": describe(one),
+            "told": sentence(one),
             "findings": [[round(float(f.at), 4), f.what] for f in one.findings],
         }
         for one in quality.figures
@@ -174,6 +178,7 @@ class _Stages:
                 "name": stage.name,
                 "label": label,
                 "colour": colour,
+                "hatch": HATCHES.get(stage.name, 0),
                 "why": DONE.get(stage.name, ""),
                 "curves": [
                     pack.add(stage.curves[pose], "u2", WEIGHT_STEPS)

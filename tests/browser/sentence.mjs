@@ -44,9 +44,14 @@ try {
   const cursor = () => page.evaluate(() => document.querySelector("#timeline").style.cursor);
   for (x = box.x + box.width / 2; x < box.x + box.width && (await cursor()) !== "ew-resize"; x += 3) await page.mouse.move(x, y);
   await page.mouse.down();
+  const clock = () => page.textContent("#clock");
+  const rested = await clock();
   for (const by of [4, 9, 14]) await page.mouse.move(x + by, y);
+  await settle();
+  const dragged = await clock();
   await page.mouse.up();
   await idle("Undo: Move the boundary");
+  result.followed = [dragged !== rested, (await clock()) === rested];
   const after = await times();
   result.moved = after.map((one, n) => Number((one - before[n]).toFixed(4)));
   await press("Escape");

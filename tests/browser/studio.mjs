@@ -510,6 +510,42 @@ const stories = {
     return { found };
   },
 
+  /** A face in its own window, beside a video that follows the line. */
+  async beside() {
+    const page = await show();
+    await speak(page, "Bob bumps my blue boat.");
+    await page.evaluate(async () => {
+      const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
+      const recorder = new MediaRecorder(canvas.captureStream(25), { mimeType: "video/webm" }), parts = [];
+      recorder.ondataavailable = ({ data }) => parts.push(data);
+      const ended = new Promise((done) => { recorder.onstop = done; });
+      recorder.start();
+      for (let n = 0; n < 60; n++) {
+        pen.fillRect(n, n, 5, 5);
+        await new Promise(requestAnimationFrame);
+      }
+      recorder.stop();
+      await ended;
+      const held = new DataTransfer(), input = document.querySelector("#beside-face input[type=file]");
+      held.items.add(new File(parts, "take.webm", { type: "video/webm" }));
+      input.files = held.files;
+      input.dispatchEvent(new Event("change"));
+    });
+    await page.waitForFunction(() => document.querySelector("#faces video").duration > 0.2);
+    await page.fill("#beside-face input[type=number]", "-100");
+    const moments = await page.waitForFunction(() => {
+      const now = Number.parseFloat(document.querySelector("#clock").textContent.replace("\u2212", "-"));
+      const video = document.querySelector("#faces video"), wanted = Math.max(0, Math.min(video.duration, now + 0.1));
+      return Math.abs(video.currentTime - wanted) < 0.02;
+    });
+    const [own] = await Promise.all([page.waitForEvent("popup"), page.click("text=Own window")]);
+    await own.waitForSelector("#faces canvas");
+    const apart = await page.$$eval("#stage canvas", (all) => all.length);
+    await own.close();
+    await page.waitForSelector("#stage #faces canvas");
+    return { follows: await moments.jsonValue(), apart };
+  },
+
   /** Every view, light and dark, on small and large screens: nothing overflows. */
   async views() {
     const overflow = [];
@@ -520,7 +556,7 @@ const stories = {
       const cut = await page.$$eval("#tabs, #say", (all) => all.filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.id));
       if (cut.length) overflow.push(["bars", width, cut]);
     }
-    for (const [width, height] of [[1366, 768], [3840, 2160], [800, 1000], [390, 844]]) {
+    for (const [width, height] of [[1366, 768], [3840, 2160], [800, 1000], [390, 844], [900, 600], [844, 390]]) {
       await page.setViewportSize({ width, height });
       for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"]) {
         await page.evaluate((name) => { location.hash = `#${name}`; }, view);

@@ -36,6 +36,7 @@ def test_a_boundary_is_dragged_undone_and_nudged(used):
     assert [bool(by) for by in used["moved"]].count(True) == 1
     assert max(used["moved"]) > 0.005
     assert used["redrawn"]
+    assert used["followed"] == [True, True], "the face follows the drag, and goes back"
     assert set(used["undone"]) == set(used["original"]) == {0}
     assert used["alike"], "what is undone is drawn as before"
     assert sorted(used["nudged"])[-2:] == [0, 0.025]

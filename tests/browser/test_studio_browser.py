@@ -224,6 +224,11 @@ def test_every_view_fits_every_screen(studio):
     assert telling(studio, "views")["overflow"] == []
 
 
+def test_a_face_has_its_own_window_and_a_video_in_step(studio):
+    seen = telling(studio, "beside")
+    assert (seen["follows"], seen["apart"]) == (True, 0)
+
+
 def test_axe_finds_nothing_in_any_view(studio):
     found("axe-core")
     assert telling(studio, "axe")["found"] == []

@@ -15,7 +15,7 @@ const { withKey, withMoved } = await load("timeline/bend_points");
 const { transform } = await load("timeline/spectrogram");
 const { sphere } = await load("face/ambient");
 const { Take } = await load("line/take");
-const { beside, editsOf, spoken } = await load("views/bigram_state");
+const { beside, editsOf, occurrences, spoken } = await load("views/bigram_state");
 const { levelAt, movedPoint, withoutPoint, withPoint, withWord } = await load("timeline/level_points");
 const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curves/curve_points");
 const { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } = await load("views/target_forms");
@@ -289,6 +289,7 @@ const units = {
     assert.deepEqual(spoken(take, "m-a", 0.5), { seconds: 0.4, before: "a-m", after: "a-_", word: "" });
     assert.equal(spoken(take, "m-a", 0, 0.45).seconds, 0.1);
     assert.equal(spoken(take, "o-o", 0), null);
+    assert.deepEqual(occurrences(take, "m-a"), [[0.1, 0.3], [0.3, 0.5]]);
   },
   "a level is straight between its points, and level around them"() {
     assert.equal(levelAt(0.5, 3), 0.5);

@@ -203,6 +203,14 @@ def test_findings_are_those_of_check(animation, page):
     assert [one["name"] for one in take["figures"]] == [one.name for one in quality.figures]
     for told, figure in zip(take["figures"], quality.figures, strict=True):
         assert [what for _, what in told["findings"]] == [one.what for one in figure.findings]
+        assert told["told"].endswith(".")
+        assert "_" not in told["told"], "words, not names of code"
+
+
+def test_no_two_stages_with_colours_alike_have_one_pattern(page):
+    (take,) = data_of(page)["takes"]
+    told = {one["name"]: one["hatch"] % 7 for one in take["making"]["stages"]}
+    assert told["dial"] != told["limit"]
 
 
 def test_a_rig_moves_the_model_and_poses_are_explained(tmp_path):

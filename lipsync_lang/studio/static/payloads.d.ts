@@ -56,6 +56,8 @@ export interface Stage {
   name: string;
   label: string;
   colour: string;
+  /** Number of the pattern on its colour. */
+  hatch: number;
   why: string;
   /** By moving pose; null if the stage leaves the pose unchanged. */
   curves: (Uint16Array | null)[];

@@ -89,7 +89,7 @@ export function listFigures(places, figures, go) {
  * @returns {HTMLElement} with buttons that go to its findings
  */
 function figureItem(figure, go) {
-  const row = made("li", { class: figure.verdict }, made("b", {}, figure.verdict), ` ${figure.name}: ${figure.told} `);
+  const row = made("li", { class: figure.verdict, title: figure.name }, made("b", {}, figure.verdict), ` ${figure.told} `);
   for (const [seconds, what] of figure.findings.slice(0, FINDINGS)) {
     const button = made("button", { type: "button" }, `${clock(seconds)}: ${what}`);
     button.addEventListener("click", () => go(seconds));
@@ -113,7 +113,9 @@ export function usedStages(take) {
 export function listStages(list, take, other) {
   const first = take.data.making?.stages[0];
   list.replaceChildren(
-    ...usedStages(take).map((stage) => swatch(stage.label, stage.colour, stage === first ? "dots" : "")),
+    ...usedStages(take).map((stage) =>
+      swatch(stage.label, stage.colour, stage === first ? "dots" : "", stage.hatch),
+    ),
   );
   if (other) list.append(swatch(label(other), getComputedStyle(document.body).getPropertyValue("--other"), "line"));
 }

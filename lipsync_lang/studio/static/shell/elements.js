@@ -34,12 +34,25 @@ export function middled(name, traits = {}) {
 }
 
 /**
+ * Angles of the lines on the colour of a stage, by its number. Stages seven apart share a pattern; no colours that
+ *   look alike do.
+ */
+export const HATCHES = [[], [45], [], [90], [0], [-45], [45, -45]];
+
+/** @param {number} number of a stage @returns {string} its lines, as a picture of style sheets */
+export const hatching = (number) => HATCHES[number % HATCHES.length].map((angle) =>
+  `repeating-linear-gradient(${angle % 90 ? -angle : angle}deg,#0000 0 3px,#222c 3px 4px)`,
+).join() || "none";
+
+/**
  * @param {string} text
  * @param {string} colour
  * @param {string} form of the sample: a patch, `dots` or a dashed `line`
+ * @param {number} number of the stage that a patch is for
  */
-export function swatch(text, colour, form = "") {
+export function swatch(text, colour, form = "", number = 0) {
   const one = made("li", { class: `swatch ${form}` }, text);
   one.style.setProperty("--c", colour);
+  one.style.setProperty("--hatch", hatching(number));
   return one;
 }

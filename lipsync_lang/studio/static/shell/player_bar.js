@@ -49,17 +49,17 @@ export class PlayerBar {
 
   /** @param {number} factor by which the time around the playhead grows */
   zoom(factor) {
-    this.#zoomed().zoom(factor, this.studio.player.time);
+    this.timeline.zoom(factor, this.studio.player.time);
   }
 
   /** Show the whole line. */
   zoomOut() {
-    const timeline = this.#zoomed();
+    const timeline = this.timeline;
     timeline.setView(timeline.start, timeline.end);
   }
 
-  /** The timeline that the zoom buttons move. @returns {Timeline} */
-  #zoomed() {
+  /** The timeline that is seen. @returns {Timeline} */
+  get timeline() {
     const { timeline: own } = /** @type {{timeline?: unknown}} */ (this.studio.view ?? {});
     return own instanceof Timeline ? own : this.studio.strip;
   }

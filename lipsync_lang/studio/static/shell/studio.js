@@ -5,6 +5,7 @@ import { BigramView } from "../views/bigram_view.js";
 import { CharacterView } from "../views/character_view.js";
 import { CoverageView } from "../views/coverage_view.js";
 import { made, the } from "./elements.js";
+import { FacePlace } from "../face/face_place.js";
 import { ExportDialog } from "./export_dialog.js";
 import { LanguageView } from "../views/language_view.js";
 import { actButton, chosen, fillNames } from "./form_fields.js";
@@ -29,6 +30,7 @@ import { WordsView } from "../views/words_view.js";
  * @property {() => void} hide
  * @property {(event: KeyboardEvent) => boolean} key true if the key was used
  * @property {(what: Change) => void} changed
+ * @property {() => Partial<import("../timeline/timeline.js").Line>} [strip] what the strip below shows for it
  */
 /** @typedef {import("../payloads.js").Fault} Fault */
 /** @typedef {{file: string, at: (string | number)[], value?: unknown}} Edit without a value it deletes */
@@ -109,6 +111,7 @@ export class Studio {
     this.asked = undefined;
     this.edits = new Edits(this);
     this.bar = new PlayerBar(this);
+    this.facePlace = new FacePlace(this);
     this.script = new ScriptLines(this);
     this.exporting = new ExportDialog(this);
     this.performing = false;
@@ -197,7 +200,7 @@ export class Studio {
       this.portrait?.turn(event.movementX * TURN, event.movementY * TURN);
       this.wake();
     });
-    the("faces").replaceChildren(this.portrait.figure);
+    this.facePlace.show(this.portrait.figure);
     the("tongue").setAttribute("aria-pressed", "false");
     const notes = [...data.unshown, ...(trouble ? [trouble] : [])];
     the("notes").hidden = !notes.length;
@@ -287,7 +290,7 @@ export class Studio {
     this.player = new Player(take.start, take.end, this.sound, () => this.#playing());
     this.player.setRate(rate);
     this.strip.shown = null;
-    this.#drawStrip();
+    this.drawStrip();
     const remarks = [...told.remarks, ...(told.unread ? [`Not read: ${told.unread}`] : [])];
     if (remarks.length) this.tell(remarks.join("\n"), told.unread ? "fault" : "");
     this.notify("take");
@@ -312,7 +315,7 @@ export class Studio {
         const told = await this.api.sent(where, { ...wish, against: this.against, tab: this.tab });
         this.#taken(told);
         if (told.state) this.stated(told.state);
-        this.#drawStrip();
+        this.drawStrip();
         this.notify("take");
         this.wake();
       }
@@ -331,15 +334,11 @@ export class Studio {
     if (this.portrait) this.portrait.take = this.take;
   }
 
-  /** The strip is seen beside every view but that of the whole timeline. */
-  #showStrip() {
+  /** Show the strip beside every view but that of the whole timeline. */
+  drawStrip() {
     the("strip").hidden = !this.take || this.viewName === "sentence";
-    this.strip.stale = true;
-  }
-
-  #drawStrip() {
-    this.#showStrip();
-    if (this.take) this.strip.show({ take: this.take, other: null, sound: this.sound, rows: [] });
+    const more = this.view?.strip?.();
+    if (this.take) this.strip.show({ take: this.take, other: null, sound: this.sound, rows: [], ...more });
   }
 
   // Edits
@@ -414,10 +413,11 @@ export class Studio {
       if (one.getAttribute("href") === `#${name}`) one.setAttribute("aria-current", "page");
       else one.removeAttribute("aria-current");
     }
-    this.#showStrip();
+    this.drawStrip();
     await this.attempt(() => known.view.show(decodeURIComponent(argument)));
     this.edits.show();
-    this.strip.stale = true;
+    this.drawStrip();
+    this.bar.timeline.follow(this.player.time);
     this.wake();
   }
 
@@ -463,7 +463,7 @@ export class Studio {
   reveal(seconds) {
     this.player.pause();
     this.seek(seconds);
-    this.strip.follow(seconds);
+    this.bar.timeline.follow(seconds);
   }
 
   /** @param {number} frames */
@@ -492,6 +492,7 @@ export class Studio {
       const seconds = this.player.time;
       if (this.player.playing) this.strip.follow(seconds);
       this.portrait?.draw(seconds, this.posed);
+      this.facePlace.follow(seconds);
       if (this.strip.shown && !the("strip").hidden) this.strip.draw(seconds);
       the("clock").textContent = this.take ? clock(seconds) : "";
       this.notify("time");

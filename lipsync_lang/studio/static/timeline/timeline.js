@@ -4,6 +4,7 @@
  * What does not move is drawn once for each view; the playhead is drawn over it.
  */
 
+import { HATCHES } from "../shell/elements.js";
 import { clock, outline, ticks, within } from "./scales.js";
 import { Spectrogram } from "./spectrogram.js";
 import { listen } from "./timeline_hands.js";
@@ -22,7 +23,8 @@ const FULL = 65535;
 
 /**
  * @typedef {{take: import("../line/take.js").Take, other: import("../line/take.js").Take | null,
- *   sound: import("../line/player.js").Sound | null, rows: string[]}} Line
+ *   sound: import("../line/player.js").Sound | null, rows: string[], marked?: [number, number][]}} Line
+ *   `marked` are spans of time in the rows
  */
 /**
  * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved.
@@ -198,7 +200,11 @@ export class Timeline {
   draw(seconds) {
     const { canvas } = this;
     this.wide = canvas.clientWidth;
-    if (!this.fitted) this.fit();
+    if (!this.wide) return; // not seen
+    if (!this.fitted) {
+      this.fit();
+      this.follow(seconds);
+    }
     const ratio = Math.min(3, window.devicePixelRatio || 1);
     const height = this.top + this.line.rows.length * this.rowHeight + 4;
     const wide = Math.round(this.wide * ratio), high = Math.round(height * ratio);
@@ -265,6 +271,11 @@ export class Timeline {
         const x = this.x(times[first]);
         context.fillRect(x, RULER, this.x(times[stop]) - x, this.height);
       });
+      context.fillStyle = this.colours.accent;
+      context.globalAlpha = 0.14;
+      for (const [from, to] of this.line.marked ?? [])
+        context.fillRect(this.x(from), this.bandTop, this.x(to) - this.x(from), this.height);
+      context.globalAlpha = 1;
       if (this.loop) {
         const [a, b] = this.loop.map((one) => this.x(one));
         context.fillStyle = this.colours.accent;
@@ -470,7 +481,7 @@ export class Timeline {
           context,
           this.#path(place(curve)),
           this.#path(place(curves[number - 1])),
-          stages[number].colour,
+          hatched(context, stages[number].colour, stages[number].hatch),
           0.85,
         );
       }
@@ -500,7 +511,7 @@ export class Timeline {
    * @param {CanvasRenderingContext2D} context
    * @param {[number, number][]} over
    * @param {number[][]} under
-   * @param {string} colour
+   * @param {string | CanvasPattern} colour
    * @param {number} alpha
    */
   #area(context, over, under, colour, alpha) {
@@ -598,6 +609,38 @@ export class Timeline {
     const row = Math.floor((y - this.top) / this.rowHeight);
     return row >= 0 && row < this.line.rows.length ? row : -1;
   }
+}
+
+/** @type {Map<string, CanvasPattern>} */
+const patterns = new Map();
+
+/**
+ * Make the colour of a stage, with lines that tell it from its neighbours without the colour.
+ * @param {CanvasRenderingContext2D} context @param {string} colour @param {number} number of the stage
+ * @returns {string | CanvasPattern}
+ */
+function hatched(context, colour, number) {
+  const ways = HATCHES[number % HATCHES.length], key = `${colour} ${ways}`;
+  let known = patterns.get(key);
+  if (known || !ways.length) return known ?? colour;
+  const tile = document.createElement("canvas"), side = (tile.width = tile.height = 6);
+  const pen = /** @type {CanvasRenderingContext2D} */ (tile.getContext("2d"));
+  pen.fillStyle = colour;
+  pen.fillRect(0, 0, side, side);
+  pen.strokeStyle = "#222c";
+  for (const way of ways) {
+    pen.beginPath();
+    for (const by of [-side, 0, side]) {
+      const at = by + side / 2;
+      if (way === 0) { pen.moveTo(0, at); pen.lineTo(side, at); }
+      else if (way === 90) { pen.moveTo(at, 0); pen.lineTo(at, side); }
+      else { pen.moveTo(by, way > 0 ? side : 0); pen.lineTo(by + side, way > 0 ? 0 : side); }
+    }
+    pen.stroke();
+  }
+  known = /** @type {CanvasPattern} */ (context.createPattern(tile, "repeat"));
+  patterns.set(key, known);
+  return known;
 }
 
 /** @param {CanvasRenderingContext2D} context @param {string} text @param {number} room pixels @returns {string} */

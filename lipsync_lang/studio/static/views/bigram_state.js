@@ -68,6 +68,15 @@ export function beside(curves, own, boundary, side) {
 }
 
 /**
+ * Spans of seconds in which a line says a bigram.
+ * @param {import("../line/take.js").Take} take @param {string} pair @returns {[number, number][]}
+ */
+export function occurrences(take, pair) {
+  const { bigrams = [], bounds = [] } = take.data.making ?? {};
+  return bigrams.flatMap((one, n) => (one.pair === pair ? [/** @type {[number, number]} */ ([bounds[n], bounds[n + 2]])] : []));
+}
+
+/**
  * Find where a line says a bigram: the time nearest to a moment.
  * @param {import("../line/take.js").Take} take @param {string} pair @param {number} seconds @param {number}
  *   [position] within the bigram

@@ -1,7 +1,7 @@
 /** The view of bigrams: the matrix of all, and one on the editor of curves with its status and notes. */
 
 import { BigramMatrix } from "./bigram_matrix.js";
-import { beside, editsOf, spoken } from "./bigram_state.js";
+import { beside, editsOf, occurrences, spoken } from "./bigram_state.js";
 import { CurveEditor } from "../curves/curve_editor.js";
 import { press } from "../curves/curve_hands.js";
 import { made } from "../shell/elements.js";
@@ -43,6 +43,10 @@ export class BigramView {
     this.known = [null, null];
     /** The word of the line that has the bigram, for a new drawing of a bigram. */
     this.said = "";
+    /** The line as it was when the bigram was opened. @type {import("../line/take.js").Take | null} */
+    this.takeBefore = null;
+    /** The bigram, the line and the pose that the strip shows. @type {unknown[]} */
+    this.inStrip = [];
     this.sending = 0;
     this.revision = -1;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -343,8 +347,23 @@ export class BigramView {
     if (found) studio.reveal(found.seconds);
   }
 
+  /** The curve of the pose in front before and after the edits, at each place of the bigram. */
+  strip() {
+    const { take, player } = this.studio, { focus } = this.editor;
+    const [pair, line] = this.inStrip;
+    if (pair !== this.pair || line !== player) this.takeBefore = take;
+    this.inStrip = [this.pair, player, focus];
+    if (!take || !this.pair) return {};
+    const rows = take.rows.has(focus) ? [focus] : [];
+    return { rows, other: this.takeBefore === take ? null : this.takeBefore, marked: occurrences(take, this.pair) };
+  }
+
   #time() {
     const { take, player } = this.studio;
+    if (this.editor.focus !== this.inStrip[2]) {
+      this.studio.drawStrip();
+      this.studio.wake();
+    }
     const here = take?.bigramsAt(take.frameAt(player.time)).find((one) => one.pair === this.pair);
     this.editor.setTime(here ? here.position : null);
   }

@@ -21,6 +21,8 @@ export class PhonemeHands {
     this.snap = true;
     this.dragging = false;
     this.dragTimes = [0];
+    /** Where the playhead was: it follows a drag, and goes back. */
+    this.timeBefore = 0;
     /** Times of boundaries that were asked for, until the take with them is here. @type {Map<number, number>} */
     this.sought = new Map();
     /** @type {{sound: import("../line/player.js").Sound | null, onsets: number[]}} */
@@ -43,12 +45,14 @@ export class PhonemeHands {
     if (!this.dragging) {
       this.dragging = true;
       this.dragTimes = [...take.data.spoken.times];
+      this.timeBefore = this.studio.player.time;
       this.view.choose(word < 0 ? { boundary } : { word });
       if (!done) return; // pressed, not moved yet
     }
     const to = this.snap !== event.altKey ? this.#snapped(seconds) : seconds;
     const through = word < 0 && this.ripple !== event.shiftKey ? this.#beforePause(boundary) : grab.through;
     if (Math.abs(to - this.dragTimes[boundary]) > 1e-4 || !done) this.#move(boundary, through, to, !done);
+    if (!this.studio.player.playing) this.studio.seek(done ? this.timeBefore : to);
     this.dragging = !done;
   }
 

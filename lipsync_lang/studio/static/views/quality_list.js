@@ -86,9 +86,8 @@ export class QualityList {
     const sign = verdict === "FAIL" ? "✗ " : verdict === "ok" ? "✓ " : "";
     return made(
       "li",
-      { class: verdict },
-      made("b", {}, `${sign}${name}`),
-      made("small", {}, told),
+      { class: verdict, title: name },
+      made("b", {}, `${sign}${told}`),
       made("div", {}, ...moments, ...(rest > 0 ? [`and ${rest} more`] : [])),
     );
   }
