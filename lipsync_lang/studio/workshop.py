@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.json_object import Json
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
@@ -28,6 +28,7 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.compiled import CompiledPair
+from lipsync_lang.resolver.layers import NEUTRAL
 from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.schedule import Schedule
@@ -287,20 +288,29 @@ class Workshop:
             f"{self.shown(path)} belongs to the installed packs; copy it into the project first"
         )
 
-    def bank_for(self, pair: str) -> tuple[Path, str | None]:
+    def known_style(self, style: str) -> str:
+        """Return a style of the pair, or neutral for an empty name; refuse an unknown one."""
+        known = self.performer.compiled.style_names
+        if style and style not in known:
+            raise LipsyncError(f"unknown style '{style}'; {did_you_mean(style, known)}")
+        return style or NEUTRAL
+
+    def bank_for(self, pair: str, style: str = "") -> tuple[Path, str | None]:
         """Return the target file for an edit of a bigram, and its initial text if it is new.
 
-        The file is cached, since the search for it reads banks, and edits do not change it.
+        `style` names the style of the bank; neutral if it is empty. The file is cached, since the search for it reads banks, and edits do not change it.
         """
         from lipsync_lang.banks.write import empty_bank
 
-        if pair not in self.homes:
+        key = f"{pair}:{style}" if style else pair
+        if key not in self.homes:
             first, _, second = pair.partition("-")
-            path, _ = bigram_home(self.pair().shelf, (first, second), self.project, self.own)
-            self.homes[pair] = path
-        path = self.homes[pair]
+            self.homes[key], _ = bigram_home(
+                self.pair().shelf, (first, second), self.project, self.own, self.known_style(style)
+            )
+        path = self.homes[key]
         known = path.exists() or path in self.desk.contents
-        return path, None if known else empty_bank(self.performer.compiled.poseset, path)
+        return path, None if known else empty_bank(self.performer.compiled.poseset, path, style)
 
     def files(self) -> dict[str, Path]:
         """Return the packs of the open pair by their identifiers in the browser."""
