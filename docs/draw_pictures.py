@@ -313,7 +313,9 @@ def sheet(path: Path) -> None:
 def styles(path: Path) -> None:
     """Draw an open vowel and a pause in six styles, on three faces; without a style at the left."""
     head = Path(os.environ["LIPSYNC_LANG_TEST_DATA"], "rigs", "head_arkit52_oculus15.glb")
-    line = ll.Schedule(("M", "AE", "pau", "P", "IY"), [0, 0.15, 0.45, 1.6, 1.7, 2], notation="arpabet")
+    line = ll.Schedule(
+        ("M", "AE", "pau", "P", "IY"), [0, 0.15, 0.45, 1.6, 1.7, 2], notation="arpabet"
+    )
     font, side = ImageFont.truetype("DejaVuSans.ttf", 12), 104
     rows = []
     for character in ("facefx", str(head), "crab"):

@@ -77,7 +77,7 @@ def styled_motion(compiled: "CompiledPair", motion: Motion, blends: Sequence[Ble
 def _with_postures(tables: Tables, posture: dict[str, Any]) -> Tables:
     """Return tables with the poses of postures after those of speech."""
     together = np.array(posture["together"], float)
-    count, poses = together.shape
+    count = len(together)
 
     def beside(array: np.ndarray[Any, Any], value: Any) -> Any:
         """Return an array whose last axis has a column more for each pose of a posture."""
@@ -106,7 +106,7 @@ def _with_postures(tables: Tables, posture: dict[str, Any]) -> Tables:
         softness=beside(tables.softness, posture["softness"]),
         anticipate=beside(tables.anticipate, 0),
         highest=beside(tables.highest, 1),
-        opposed=beside(tables.opposed, False),
+        opposed=beside(tables.opposed, 0),
     )
 
 

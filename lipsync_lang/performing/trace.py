@@ -93,7 +93,7 @@ def _explain_frame(
         both = zip(performance.blends, parts, strict=True)
         heard = {names[blend.style]: part for blend, part in both if part > 0}
     covering = _bigrams(performer, performance, place, heard)
-    names = [channel.name for channel in performer.shown_channels(performance.tables)]
+    poses = [channel.name for channel in performer.shown_channels(performance.tables)]
     return Explanation(
         seconds=float(now[0]),
         frame=frame,
@@ -114,7 +114,7 @@ def _explain_frame(
                 values,
                 covering,
             )
-            for number, name in enumerate(names)
+            for number, name in enumerate(poses)
         ),
         shade_of=performer.compiled.shades.get(common),
         likely=schedule.likely[index] if schedule.likely and index >= 0 else (),

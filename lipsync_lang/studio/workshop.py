@@ -298,7 +298,8 @@ class Workshop:
     def bank_for(self, pair: str, style: str = "") -> tuple[Path, str | None]:
         """Return the target file for an edit of a bigram, and its initial text if it is new.
 
-        `style` names the style of the bank; neutral if it is empty. The file is cached, since the search for it reads banks, and edits do not change it.
+        `style` names the style of the bank; neutral if it is empty. The file is cached, since the
+        search for it reads banks, and edits do not change it.
         """
         from lipsync_lang.banks.write import empty_bank
 

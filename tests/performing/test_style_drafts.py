@@ -55,9 +55,7 @@ def test_a_style_shows_and_starts_and_ends_at_rest(poseset, style):
     assert np.abs(styled.weights[[0, -1]]).max() <= 1e-5
 
 
-PAUSED = Schedule(
-    ("M", "AA", "pau", "P", "IY"), [0, 0.13, 0.26, 1.4, 1.5, 1.7], notation="arpabet"
-)
+PAUSED = Schedule(("M", "AA", "pau", "P", "IY"), [0, 0.13, 0.26, 1.4, 1.5, 1.7], notation="arpabet")
 POSTURES = [
     (name, style, stated.posture)
     for name, styles in DRAFTED.items()
@@ -99,7 +97,9 @@ def test_a_stream_has_the_poses_of_speech_in_a_style():
     for label, start, end in zip(SAID.labels, SAID.times, SAID.times[1:], strict=False):
         stream.feed(label, start, end)
     stream.finish()
-    assert stream.frames().weights == pytest.approx(spoken(performer, styles={"shout": 1}), abs=1e-9)
+    assert stream.frames().weights == pytest.approx(
+        spoken(performer, styles={"shout": 1}), abs=1e-9
+    )
 
 
 @pytest.mark.parametrize("poseset", DRAFTED)

@@ -248,7 +248,10 @@ def test_a_style_is_drawn_in_a_bank_of_its_own(tmp_path):
 def test_a_style_without_a_file_is_refused(tmp_path):
     workshop = Workshop(tmp_path, engine="none")
     workshop.open("english", "facefx")
-    server, edit = Caller(workshop), {"file": "bank:angri", "at": ["bigrams", "bmp-aa"], "value": {}}
+    server, edit = (
+        Caller(workshop),
+        {"file": "bank:angri", "at": ["bigrams", "bmp-aa"], "value": {}},
+    )
     sent = server.post("edit", {"title": "Draw", "edits": [edit]})
     assert "did you mean 'angry'" in sent.json["error"]
     taken = tmp_path / "posesets/facefx/banks/sad.yaml"
