@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.resolver.bigram_sources import stated
-from lipsync_lang.resolver.compiled import Pair
+from lipsync_lang.resolver.compiled import CompiledPair, Pair
 from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, PairPacks
 
 PROJECT_BANK = "common"
@@ -56,3 +56,11 @@ def styled_row(packs: PairPacks, pair: Pair, style: str) -> BigramRow:
     if row is None or row.style != style:
         return packs.row(pair)
     return replace(row, origin=row.origin._replace(pair=pair))
+
+
+def known_style(compiled: CompiledPair, style: str) -> str:
+    """Return a style of the pair, or neutral for an empty name; refuse an unknown one."""
+    known = compiled.style_names
+    if style and style not in known:
+        raise LipsyncError(f"unknown style '{style}'; {did_you_mean(style, known)}")
+    return style or NEUTRAL

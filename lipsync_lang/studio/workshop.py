@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.json_object import Json
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
@@ -28,11 +28,10 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.compiled import CompiledPair
-from lipsync_lang.resolver.layers import NEUTRAL
 from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.studio.bigram_home import bigram_home
+from lipsync_lang.studio.bigram_home import bigram_home, known_style
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.edited_pair import EditedPair
 from lipsync_lang.studio.merging import Choices
@@ -288,13 +287,6 @@ class Workshop:
             f"{self.shown(path)} belongs to the installed packs; copy it into the project first"
         )
 
-    def known_style(self, style: str) -> str:
-        """Return a style of the pair, or neutral for an empty name; refuse an unknown one."""
-        known = self.performer.compiled.style_names
-        if style and style not in known:
-            raise LipsyncError(f"unknown style '{style}'; {did_you_mean(style, known)}")
-        return style or NEUTRAL
-
     def bank_for(self, pair: str, style: str = "") -> tuple[Path, str | None]:
         """Return the target file for an edit of a bigram, and its initial text if it is new.
 
@@ -306,8 +298,9 @@ class Workshop:
         key = f"{pair}:{style}" if style else pair
         if key not in self.homes:
             first, _, second = pair.partition("-")
+            manner = known_style(self.performer.compiled, style)
             self.homes[key], _ = bigram_home(
-                self.pair().shelf, (first, second), self.project, self.own, self.known_style(style)
+                self.pair().shelf, (first, second), self.project, self.own, manner
             )
         path = self.homes[key]
         known = path.exists() or path in self.desk.contents

@@ -13,7 +13,7 @@ from lipsync_lang.packs.splicing import get
 from lipsync_lang.resolver.bigram_sources import beneath, stated, target_curves
 from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import BigramRow, PairPacks
-from lipsync_lang.studio.bigram_home import bigram_home, styled_row
+from lipsync_lang.studio.bigram_home import bigram_home, known_style, styled_row
 from lipsync_lang.studio.routes.requests import StudioRequest
 from lipsync_lang.studio.script_count import script_needs
 from lipsync_lang.studio.workshop import Workshop
@@ -88,7 +88,7 @@ def bigram(workshop: Workshop, request: StudioRequest) -> Json:
     """
     packs = workshop.pair().shelf
     pair = _pair(packs, request.name)
-    style = workshop.known_style(request.query.get("style", ""))
+    style = known_style(workshop.performer.compiled, request.query.get("style", ""))
     row = styled_row(packs, pair, style)
     key = stated(packs, row)
     own: Any = None  # fields as in the file; a bigram that copies another has none
