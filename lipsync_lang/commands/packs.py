@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 
 
 @command("languages")
-def add_languages(add: Add) -> None:
-    """Add `languages`."""
+def _add_languages(add: Add) -> None:
     title = "list language packs, show one, check one, or draft a new one"
     made = _add_kind(add, "languages", title, ("list", "show", "check", "new"))
     made.set_defaults(choosing=True)  # a character is welcome, but not needed
@@ -67,8 +66,7 @@ def add_languages(add: Add) -> None:
 
 
 @command("posesets")
-def add_posesets(add: Add) -> None:
-    """Add `posesets`."""
+def _add_posesets(add: Add) -> None:
     title = "list pose sets, show one, or draft a new one"
     made = _add_kind(add, "posesets", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new pose set")
@@ -87,8 +85,7 @@ def add_posesets(add: Add) -> None:
 
 
 @command("characters")
-def add_characters(add: Add) -> None:
-    """Add `characters`."""
+def _add_characters(add: Add) -> None:
     title = "list characters, show one, or draft one from a model"
     made = _add_kind(add, "characters", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new character")
