@@ -11,6 +11,7 @@
     sheet       a sheet of stills
     recording   a natural recording with its spectrogram and boundaries
     noisy       a French line as it is, with noise and with music, and with an adapted model
+    styles      six styles on three faces: a vowel, and the pause after it
     takes       one sentence whispered, plain and shouted: the jaw, and the mouth in each vowel
     heard       natural recordings by their text, by the whole sound and live: the jaw
 
@@ -335,6 +336,30 @@ def sheet(path: Path) -> None:
     _save(Image.open(path).convert("RGB"), path)
 
 
+def styles(path: Path) -> None:
+    """Draw an open vowel and a pause in six styles, on three faces; without a style at the left."""
+    head = Path(os.environ["LIPSYNC_LANG_TEST_DATA"], "rigs", "head_arkit52_oculus15.glb")
+    line = ll.Schedule(
+        ("M", "AE", "pau", "P", "IY"), [0, 0.15, 0.45, 1.6, 1.7, 2], notation="arpabet"
+    )
+    font, side = ImageFont.truetype("DejaVuSans.ttf", 12), 104
+    rows = []
+    for character in ("facefx", str(head), "crab"):
+        performer = ll.resolve("english", character)
+        shown = [{}, *({style: 1.0} for style in performer.compiled.style_names)]
+        for how in shown:
+            animation = performer.rigged(performer.perform(line, styles=how))
+            rows.append((next(iter(how), "neutral"), stills(animation, (0.3, 1.0), side)))
+    page = Image.new("RGB", (7 * side, 3 * (2 * side + FOOT)), "white")
+    draw = ImageDraw.Draw(page)
+    for number, (style, images) in enumerate(rows):
+        left, top = number % 7 * side, number // 7 * (2 * side + FOOT)
+        draw.text((left + side / 2, top + 2), style, INK, font=font, anchor="ma")
+        for row, image in enumerate(images):
+            page.paste(image, (left, top + FOOT + row * side))
+    page.quantize(64, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
 def recording(path: Path) -> None:
     """Draw what `--plot` shows of a sentence of LibriSpeech (CC BY 4.0)."""
     folder = Path(os.environ[DATA], "recordings", "mfa_tests")
@@ -464,6 +489,7 @@ PICTURES = {
     "arkit-motion": ("motion-arkit.png", arkit_motion),
     "crab": ("crab-edits.png", crab),
     "sheet": ("still-sheet.png", sheet),
+    "styles": ("styles.png", styles),
     "recording": ("recording.png", recording),
     "noisy": ("recording-noisy.png", noisy),
     "takes": ("loudness-takes.png", takes),

@@ -1,7 +1,7 @@
 # ruff: noqa: INP001 - a script, not a package
 r"""Build the head that shows the FaceFX speech poses: one morph target for each pose.
 
-A few more are for lids, brows and eyes, which gestures move.
+A few more are for lids, brows and eyes, which gestures move, and for the lips of styles.
 
     python docs/models/head.py [posesets/facefx/model.glb]
 
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 OUT = Path(__file__).parents[2] / "posesets/facefx/model.glb"
 TARGETS = ["open", "W", "ShCh", "PBM", "FV", "wide", "tBack", "tRoof", "tTeeth"]
 GESTURES = ["blink", "browUp", "eyesLeft", "eyesRight"]
+POSTURES = ["smileLeft", "smileRight", "frownLeft", "frownRight", "sneerLeft", "sneerRight"]
 
 SKIN = srgb("#f3c3a3")
 LIP = srgb("#e59a8c")
@@ -303,6 +304,29 @@ LIP_POSES = {
     ),
 }
 
+POSTURE_POSES = {
+    "smile": LipPose(
+        line=Lips(0.62, 0.12, 0.0, 0.95, -0.15, -0.15, -0.6),
+        middle=Lips(0.62, 0.08, 0.06, 0.95, -0.25, -0.25, -0.6),
+        border=Lips(0.6, 0.08, 0.08, 0.95, -0.2, -0.2, -0.5),
+        reach=4.2,
+    ),
+    "frown": LipPose(
+        line=Lips(0.15, 0.12, 0.3, -0.85, 0.1, 0.2, -0.2),
+        middle=Lips(0.15, 0.1, 0.32, -0.85, 0.12, 0.3, -0.2),
+        border=Lips(0.15, 0.08, 0.3, -0.85, 0.05, 0.2, -0.15),
+        reach=3.4,
+    ),
+    "sneer": LipPose(
+        line=Lips(0.12, 0.75, -0.1, 0.3, -0.1, 0.0, -0.1),
+        middle=Lips(0.12, 0.8, -0.1, 0.3, 0.0, 0.0, -0.1),
+        border=Lips(0.1, 0.7, -0.1, 0.3, 0.1, 0.0, -0.05),
+        reach=3.2,
+        square=0.6,
+    ),
+}
+"""Lips of styles; each has a target for either side of the face."""
+
 
 def loop_shift(lips: Lips, square: float, sin: Points, cos: Points) -> Points:
     """The movement of one loop of the lips, (angles, 3)."""
@@ -365,6 +389,14 @@ def skin_shifts(sheet: Sheet) -> dict[str, tuple[Points, Points]]:
     shifts = {"open": open_shift(sheet)}
     shifts |= {name: lip_shift(sheet, pose) for name, pose in LIP_POSES.items()}
     shifts["wide"][0][...] += cheek_lift(sheet.points)
+    for name, pose in POSTURE_POSES.items():
+        outer, inner = lip_shift(sheet, pose)
+        if name == "smile":
+            outer = outer + cheek_lift(sheet.points)
+        for side, end in ((1, "Left"), (-1, "Right")):
+            both = (sheet.points, sheet.inner)
+            out, within = (smoothstep(-1.2, 1.2, side * p[..., :1]) for p in both)
+            shifts[name + end] = outer * out, inner * within
     return shifts
 
 
@@ -956,7 +988,9 @@ def build() -> list[Part]:
 def main() -> None:
     """Write the model to the path on the command line, or where it belongs."""
     out = Path(sys.argv[1]) if sys.argv[1:] else OUT
-    mesh.write_glb(out, build(), TARGETS + GESTURES, "head", "The lipsync_lang authors, Apache-2.0")
+    mesh.write_glb(
+        out, build(), TARGETS + GESTURES + POSTURES, "head", "The lipsync_lang authors, Apache-2.0"
+    )
 
 
 if __name__ == "__main__":

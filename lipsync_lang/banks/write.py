@@ -118,12 +118,12 @@ def _refuse_other(path: Path, bank: object, made: BankBigrams) -> None:
         raise PackError(f"{path}: {what}; name another file for the bigrams")
 
 
-def empty_bank(poseset: str, path: Path) -> str:
-    """Return the text of a new bank for manual bigrams."""
+def empty_bank(poseset: str, path: Path, style: str = "") -> str:
+    """Return the text of a new bank for manual bigrams, neutral unless it has a style."""
     comment = (
         "# Bigrams that a person edited or approved; all others are drafted from the targets.\n"
     )
-    return comment + bank_yaml(BankBigrams(poseset, {}, ""), path.stem)
+    return comment + bank_yaml(BankBigrams(poseset, {}, "", style or None), path.stem)
 
 
 def bank_yaml(made: BankBigrams, name: str) -> str:

@@ -161,7 +161,7 @@ def lay_lines(
     ):
         quiet = replace(line.schedule, audio=None)
         said = LineDelivery.of(performer, quiet, sounds, None, asked)
-        made = said.performance(motion, sounds, fps)
+        made = said.performance(performer, sounds, fps)
         frames = lay_frames(made.track, motion, fps, made.prepared.lead)
         times = frames.times()
         wanted = resampled(times, line.times, line.values)

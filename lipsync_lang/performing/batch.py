@@ -17,6 +17,7 @@ from lipsync_lang.performing.edits import corrected, overlays
 from lipsync_lang.performing.loudness import loudness_dial
 from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.performing.stress import emphasis_dial, stress_dial
+from lipsync_lang.performing.style_drafts import styled_motion
 from lipsync_lang.pipeline.kernel_plan import keep, serves
 from lipsync_lang.pipeline.perform import Performance, perform
 from lipsync_lang.pipeline.prepare import prepare
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.bend import Bend
     from lipsync_lang.pipeline.kernel_plan import KernelCopy
     from lipsync_lang.pipeline.levels import Blend, Dial
-    from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.schedules.schedule import Schedule
@@ -71,9 +71,10 @@ class LineDelivery(NamedTuple):
         bends = bends_of(compiled, schedule, line, asked["bends"])
         return cls(performer.tables(blends), blends, dials, own, bends)
 
-    def performance(self, motion: "Motion", sounds: "LabelSounds", fps: float) -> Performance:
+    def performance(self, performer: "Performer", sounds: "LabelSounds", fps: float) -> Performance:
         """Lay the track, and prepare its performance."""
         tables, blends, dials, laid, bends = self
+        motion = styled_motion(performer.compiled, performer.motion, blends)
         ids, times, source, _ = sounds
         track = lay_track(ids, times, source, tables, motion, blends)
         return perform(
@@ -129,9 +130,10 @@ def animate(
         if kept is not None and not (said.blends or said.overlays or said.bends):
             times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
         else:
-            made = said.performance(performer.motion, sounds, fps)
+            made = said.performance(performer, sounds, fps)
             times, weights = made.frames.times(), made.weights()
-        poses, channels = performer.poses, performer.channels
+        channels = performer.shown_channels(said.tables)
+        poses = tuple(channel.name for channel in channels)
         scales = scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:
             curves, _ = gesture_curves(performer, schedule, sounds, times, fps, scales, line)

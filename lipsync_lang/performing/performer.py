@@ -103,6 +103,15 @@ class Performer:
 
         return bare(self.poses, self.compiled.pose_names)
 
+    def shown_channels(self, tables: "Tables") -> "tuple[Channel, ...]":
+        """Channels of the poses of speech, and of postures if the tables have them."""
+        if len(tables.priority) == len(self.poses):
+            return self.channels
+        from lipsync_lang.rigs.driver import bare
+
+        names = self.compiled.posture["names"]
+        return (*self.channels, *bare(tuple(names), names))
+
     @cached_property
     def gesture_set(self) -> "GestureSet":
         """Gestures of the pose set, ready to be placed."""
@@ -390,6 +399,9 @@ class Performer:
         from lipsync_lang.performing.expression import with_expression
 
         tables = self.compiled.tables
+        postures = animation.poses[len(self.poses) :][: len(self.compiled.posture["names"])]
+        if postures and postures == tuple(self.compiled.posture["names"]):
+            tables = with_drafts(self.compiled, ())
         papers = self.motion.thresholds == "paper"
         return with_expression(animation, tables.papers if papers else tables, expression)
 
@@ -409,7 +421,7 @@ class Performer:
         asked = {"styles": styles, "dials": dials, "intensity": intensity, "bends": bends}
         (sounds,) = self.labels.read([schedule])
         said = LineDelivery.of(self, schedule, sounds, line, asked)
-        return said.performance(self.motion, sounds, fps)
+        return said.performance(self, sounds, fps)
 
     def track(
         self, schedule: Schedule, *, line: str | None = None, styles: "DialLevels | None" = None
@@ -420,7 +432,10 @@ class Performer:
         return lay_track(ids, times, source, self.tables(blends), self.motion, blends)
 
     def tables(self, blends: "Sequence[Blend]") -> "Tables":
-        """Return the tables with the banks of the drafted styles in use."""
+        """Return the tables with the banks of the drafted styles in use.
+
+        They have more poses than speech if a style has a posture of its own.
+        """
         if not blends:
             return self.compiled.tables
         names, drafts = self.compiled.style_names, self.compiled.style_drafts

@@ -93,6 +93,7 @@ def _explain_frame(
         both = zip(performance.blends, parts, strict=True)
         heard = {names[blend.style]: part for blend, part in both if part > 0}
     covering = _bigrams(performer, performance, place, heard)
+    poses = [channel.name for channel in performer.shown_channels(performance.tables)]
     return Explanation(
         seconds=float(now[0]),
         frame=frame,
@@ -104,12 +105,27 @@ def _explain_frame(
         word=word.text if word else None,
         bigrams=tuple(b for b in covering if b is not None),
         poses=tuple(
-            _pose(performer, performance, number, frame, stages, values, covering)
-            for number in range(len(performer.poses))
+            _pose(
+                performer,
+                performance,
+                (number, name, _postures(performer.compiled, heard, number)),
+                frame,
+                stages,
+                values,
+                covering,
+            )
+            for number, name in enumerate(poses)
         ),
         shade_of=performer.compiled.shades.get(common),
         likely=schedule.likely[index] if schedule.likely and index >= 0 else (),
     )
+
+
+def _postures(compiled: "CompiledPair", heard: Mapping[str, float], pose: int) -> list[str]:
+    """Return what the posture of each style adds to a pose, in words."""
+    drafts = compiled.style_drafts
+    added = {s: share * drafts[s]["posture"][pose] for s, share in heard.items() if s in drafts}
+    return [f"the posture of {style} adds {one:.3f}" for style, one in added.items() if one]
 
 
 def _bigrams(
@@ -184,12 +200,13 @@ def _in_trigram(
 def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
     performer: "Performer",
     performance: Performance,
-    pose: int,
+    which: tuple[int, str, list[str]],
     frame: int,
     stages: list[Stage],
     values: list[Floats],
     covering: tuple[BigramAt | None, BigramAt | None],
 ) -> PoseAt:
+    pose, name, postures = which
     weights = [float(s.curves[pose, 0]) for s in stages]
     steps = []
     for number, (stage, weight) in enumerate(zip(stages, weights, strict=True)):
@@ -198,14 +215,15 @@ def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
         if abs(weight - before) > VISIBLE:
             why = DONE.get(stage.name, "")
             if stage.name == "stitch":
-                why = ", ".join(
+                given = [
                     f"{'-'.join(bigram.pair)} gives {value[pose]:.3f}"
                     for bigram, value in zip(covering, values, strict=True)
                     if bigram is not None
-                )
+                ]
+                why = ", ".join([*given, *postures])
             elif stage.name == "dial":
                 now = performance.frames.times(frame, frame + 1)
-                dials = [one for one in performance.dials if one.poses[pose]]
+                dials = [one for one in performance.dials if one.poses[pose : pose + 1].any()]
                 factors = [(one.name, float(one.level.at(now)[0])) for one in dials]
                 moved = (f"{n} x {f:.2f}" for n, f in factors if abs(f - 1) > VISIBLE)
                 why = f"scaled by {', '.join(moved)}"
@@ -216,10 +234,10 @@ def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
             elif stage.name == "constrain":
                 why = constraint_reason(performer, performance, pose, stage.curves[:, 0])
         steps.append(StageAt(stage.name, weight, why))
-    given = tuple(
+    own = tuple(
         float(v[pose]) for v, bigram in zip(values, covering, strict=True) if bigram is not None
     )
-    return PoseAt(performer.poses[pose], weights[-1], given, tuple(steps))
+    return PoseAt(name, weights[-1], own, tuple(steps))
 
 
 def held_reason(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:

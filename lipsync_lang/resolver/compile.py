@@ -16,6 +16,7 @@ from lipsync_lang.packs import models
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models.rig_channels import expanded, pose_names
 from lipsync_lang.packs.yaml.faults import Fault, shown
+from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
@@ -127,6 +128,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         ),
         contact_names=tuple(poseset.model.contacts),
         style_drafts=_style_drafts(poseset, rows.styles),
+        posture=_posture(poseset.model),
         regions=_regions(poseset.model),
         intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
         delivery=_delivery(who.model),
@@ -276,8 +278,9 @@ def _regions(poseset: models.PoseSet) -> dict[str, list[int]]:
 def _style_drafts(
     poseset: Pack[models.PoseSet], drawn: Mapping[str, object]
 ) -> dict[str, dict[str, Any]]:
-    """Return the scale and offset of every pose for styles of the pose set without a bank."""
+    """Return the drafts of the pose set's styles without a bank, pose by pose."""
     poses = poseset.model.poses
+    every = (*poses, *poseset.model.posture_poses)
     return {
         name: {
             "scale": [
@@ -285,10 +288,31 @@ def _style_drafts(
                 for one, pose in poses.items()
             ],
             "offset": [style.offset.get(one, 0.0) for one in poses],
+            "posture": [style.posture.get(one, 0.0) for one in every],
+            "speed": style.speed,
+            "softness": style.softness,
             "place": str(poseset.where(("styles", name))),
         }
         for name, style in poseset.model.styles.items()
         if name not in drawn
+    }
+
+
+def _posture(poseset: models.PoseSet) -> dict[str, Any]:
+    """Return the poses of postures, and their limits beside the poses of speech."""
+    stated = poseset.posture_poses
+    return {
+        "names": {
+            name: [text for one in pose.names for text in expanded(one)]
+            for name, pose in stated.items()
+        },
+        "softness": [pose.softness for pose in stated.values()],
+        "together": [
+            [pose.together.get(one, FREE) for one in poseset.poses] for pose in stated.values()
+        ],
+        "ceilings": [
+            [pose.ceiling.get(name, 1.0) for pose in stated.values()] for name in poseset.contacts
+        ],
     }
 
 

@@ -136,7 +136,12 @@ class CompiledPair:
     style_origins: dict[str, dict[str, Origin]]
     """Origins of the rows that each style changes, in the order of the tables."""
     style_drafts: dict[str, dict[str, Any]]
-    """`scale` and `offset` of each pose, and `place`, for styles of the pose set without a bank."""
+    """`scale` and `offset` of each pose, and `place`, for styles of the pose set without a bank.
+
+    `posture` goes on with the poses of postures; `speed` and `softness` scale the motion.
+    """
+    posture: dict[str, Any]
+    """Poses of postures: other names, softness, sums with poses of speech, ceilings by contact."""
     regions: dict[str, list[int]]
     """Pose numbers by region."""
     intensity: dict[str, Any] | None

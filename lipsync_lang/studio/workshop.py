@@ -31,7 +31,7 @@ from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.studio.bigram_home import bigram_home
+from lipsync_lang.studio.bigram_home import bigram_home, known_style
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.edited_pair import EditedPair
 from lipsync_lang.studio.merging import Choices
@@ -287,20 +287,24 @@ class Workshop:
             f"{self.shown(path)} belongs to the installed packs; copy it into the project first"
         )
 
-    def bank_for(self, pair: str) -> tuple[Path, str | None]:
+    def bank_for(self, pair: str, style: str = "") -> tuple[Path, str | None]:
         """Return the target file for an edit of a bigram, and its initial text if it is new.
 
-        The file is cached, since the search for it reads banks, and edits do not change it.
+        `style` names the style of the bank; neutral if it is empty. The file is cached, since the
+        search for it reads banks, and edits do not change it.
         """
         from lipsync_lang.banks.write import empty_bank
 
-        if pair not in self.homes:
+        key = f"{pair}:{style}" if style else pair
+        if key not in self.homes:
             first, _, second = pair.partition("-")
-            path, _ = bigram_home(self.pair().shelf, (first, second), self.project, self.own)
-            self.homes[pair] = path
-        path = self.homes[pair]
+            manner = known_style(self.performer.compiled, style)
+            self.homes[key], _ = bigram_home(
+                self.pair().shelf, (first, second), self.project, self.own, manner
+            )
+        path = self.homes[key]
         known = path.exists() or path in self.desk.contents
-        return path, None if known else empty_bank(self.performer.compiled.poseset, path)
+        return path, None if known else empty_bank(self.performer.compiled.poseset, path, style)
 
     def files(self) -> dict[str, Path]:
         """Return the packs of the open pair by their identifiers in the browser."""

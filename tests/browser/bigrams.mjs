@@ -77,6 +77,21 @@ try {
   await page.waitForSelector(`td[data-pair='${pair}'].approved`, { timeout: 60000 });
   result.cell = await page.getAttribute(`td[data-pair='${pair}']`, "aria-label");
   result.overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+
+  // the same bigram in a style, in a bank of its own
+  await page.focus(`td[data-pair='${pair}']`);
+  await press("Enter");
+  await page.waitForSelector(".front .point");
+  const manner = "select[aria-label='Style of the bank']";
+  result.styles = await page.$$eval(`${manner} option`, (all) => all.map((one) => one.textContent));
+  await page.selectOption(manner, "angry");
+  await page.waitForFunction(() => /angry\.yaml/.test(document.querySelector(".origin").textContent), null, { timeout: 60000 });
+  result.styled = await page.textContent(".origin");
+  if (process.env.BIGRAMS_PICTURE) await page.screenshot({ path: process.env.BIGRAMS_PICTURE });
+  await page.click(".status [data-status=edited]");
+  await page.waitForFunction(() => document.querySelector(".origin").textContent === "posesets/crab/banks/angry.yaml", null, { timeout: 60000 });
+  await press("Control+s");
+  await page.waitForFunction(() => document.querySelector("#save").disabled, null, { timeout: 60000 });
   await page.close();
 
   const phone = await open(`#bigrams/${pair}`, { viewport: { width: 390, height: 844 }, colorScheme: "dark", hasTouch: true });

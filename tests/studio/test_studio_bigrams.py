@@ -216,3 +216,47 @@ def test_the_kind_of_curve_is_told_with_that_of_the_bank(told, workshop):
     edit(workshop, ("bank", ["p-yu", "interpolation"], "bspline"))
     assert [told("bigram/p-yu")[kind] for kind in kinds] == ["bspline", "linear", "bspline"]
     assert [told("bigram/a-p")[kind] for kind in kinds] == ["bspline", "linear", ""], "a draft"
+
+
+def test_a_style_is_drawn_in_a_bank_of_its_own(tmp_path):
+    workshop = Workshop(tmp_path, engine="none")
+    workshop.open("english", "facefx")
+    server = Caller(workshop)
+
+    def told(style):
+        return server.ask("GET", f"/{TOKEN}/api/bigram/bmp-aa", query={"style": style}).json
+
+    angry = told("angry")
+    file = "posesets/facefx/banks/angry.yaml"
+    assert (angry["file"], angry["stated"], angry["replaces_draft"]) == (file, False, True)
+    assert angry["curves"] == told("")["curves"], "neutral stands in"
+    curves = {"open": [[0, 0], [0.5, 0.9], [1, 0]]}
+    edit = {"file": "bank:angry", "at": ["bigrams", "bmp-aa"], "value": {"curves": curves}}
+    sent = server.post("edit", {"title": "Draw", "edits": [edit]})
+    assert sent.status == 200, sent.content
+    angry = told("angry")
+    assert (angry["file"], angry["stated"], angry["replaces_draft"]) == (file, True, False)
+    assert angry["curves"]["open"][1] == [0.5, 0.9]
+    assert "open" not in told("")["curves"] or told("")["curves"]["open"] != angry["curves"]["open"]
+    text = workshop.desk.contents[tmp_path / file].decode()
+    assert "name: angry" in text
+    assert "style: angry" in text
+    assert server.post("undo", {}).status == 200
+    assert told("angry")["stated"] is False
+
+
+def test_a_style_without_a_file_is_refused(tmp_path):
+    workshop = Workshop(tmp_path, engine="none")
+    workshop.open("english", "facefx")
+    server, edit = (
+        Caller(workshop),
+        {"file": "bank:angri", "at": ["bigrams", "bmp-aa"], "value": {}},
+    )
+    sent = server.post("edit", {"title": "Draw", "edits": [edit]})
+    assert "did you mean 'angry'" in sent.json["error"]
+    taken = tmp_path / "posesets/facefx/banks/sad.yaml"
+    taken.parent.mkdir(parents=True)
+    taken.write_text("kind: bank\nformat: 1\nname: sad\nposeset: facefx\nbigrams: {}\n", "utf-8")
+    workshop.look_again()
+    asked = server.ask("GET", f"/{TOKEN}/api/bigram/bmp-aa", query={"style": "sad"}).json
+    assert "cannot be the bank of the style sad" in asked["locked"]

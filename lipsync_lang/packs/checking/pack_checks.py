@@ -154,6 +154,10 @@ def check_poseset(
         yield from _regions(poseset, ("intensity", "regions", number), [region], model, key=False)
     for name, style in model.styles.items():
         yield from _regions(poseset, ("styles", name, "regions"), style.regions, model)
+        for pose in style.posture:
+            if pose not in model.posture_poses:
+                yield from _pose(poseset, ("styles", name, "posture", pose), pose, model)
+    yield from _postures(poseset)
     yield from _gestures(poseset)
     yield from _file(poseset, ("model",), model.model)
     yield from conflicts(poseset, banks)
@@ -212,6 +216,22 @@ def _poses(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             what = f"no target moves '{pose}', so drafts leave it at rest"
             hint = "name it under `targets`, or leave it to the banks"
             yield poseset.warning(("poses", pose), "W301", what, hint, key=True)
+
+
+def _postures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Check that postures have poses of their own, limited beside known poses and contacts."""
+    model = poseset.model
+    for name, pose in model.posture_poses.items():
+        at: Loc = ("posture_poses", name)
+        if name in model.poses or name in model.gesture_poses:
+            what = f"'{name}' is a pose of speech or of gestures already"
+            yield poseset.fault(at, "P232", what, "delete one of the two", key=True)
+        for other in pose.together:
+            yield from _pose(poseset, (*at, "together", other), other, model)
+        for contact in pose.ceiling:
+            if contact not in model.contacts:
+                loc = (*at, "ceiling", contact)
+                yield poseset.unknown(loc, "P201", "contact", contact, model.contacts, key=True)
 
 
 def _gestures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:

@@ -72,6 +72,21 @@ class Pose(Strict):
     """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
 
 
+class PosturePose(Strict):
+    """A shape that speech does not move, and that styles hold under speech."""
+
+    title: str = ""
+    """The shape in words."""
+    names: tuple[Text, ...] = ()
+    """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
+    softness: Softness = 0.1
+    """Seconds of rounding off."""
+    together: dict[PoseName, Annotated[float, Field(gt=0, le=2)]] = Field(default={})
+    """The largest sum of its weight and that of a pose of speech, to which it yields."""
+    ceiling: dict[Text, Unit] = Field(default={})
+    """The largest weight during a contact."""
+
+
 class Threshold(Strict):
     """Two poses whose weights may not add up to more than a threshold."""
 
@@ -192,6 +207,12 @@ class StyleDraft(Strict):
     """Scale for single poses, on top of that of their region."""
     offset: dict[PoseName, Annotated[float, Field(ge=-1, le=1)]] = Field(default={})
     """Weight added to poses, except in silence."""
+    posture: dict[PoseName, Unit] = Field(default={})
+    """Weight added to poses of speech or posture, in sounds and pauses alike."""
+    speed: Annotated[float, Field(ge=0.3, le=1)] = 1
+    """Scale for the highest speed of a pose."""
+    softness: Annotated[float, Field(ge=0, le=2)] = 1
+    """Scale for the seconds over which poses are rounded off."""
 
 
 class PhonemeTarget(Strict):
@@ -273,6 +294,8 @@ class PoseSet(PackModel):
     """The effect of loudness and stress on poses."""
     styles: dict[Text, StyleDraft] = Field(default={})
     """Styles drafted from the neutral bigrams, by name."""
+    posture_poses: dict[PoseName, PosturePose] = Field(default={})
+    """Shapes that only styles move; they are columns after speech where a style holds them."""
     targets: dict[Common, Targets] = Field(default={})
     """The weights of poses at each phoneme; a list of several for a sound that moves."""
     gesture_poses: dict[PoseName, GesturePose] = Field(default={})

@@ -13,7 +13,7 @@ from lipsync_lang.packs.splicing import get
 from lipsync_lang.resolver.bigram_sources import beneath, stated, target_curves
 from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import BigramRow, PairPacks
-from lipsync_lang.studio.bigram_home import bigram_home
+from lipsync_lang.studio.bigram_home import bigram_home, known_style, styled_row
 from lipsync_lang.studio.routes.requests import StudioRequest
 from lipsync_lang.studio.script_count import script_needs
 from lipsync_lang.studio.workshop import Workshop
@@ -84,11 +84,12 @@ def _needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
 def bigram(workshop: Workshop, request: StudioRequest) -> Json:
     """Return a bigram: its curves and fields, its file, and curves for comparison.
 
-    The query may name the bigrams `before` and `after` it in the line.
+    The query may name the `style`, and the bigrams `before` and `after` it in the line.
     """
     packs = workshop.pair().shelf
     pair = _pair(packs, request.name)
-    row = packs.row(pair)
+    style = known_style(workshop.performer.compiled, request.query.get("style", ""))
+    row = styled_row(packs, pair, style)
     key = stated(packs, row)
     own: Any = None  # fields as in the file; a bigram that copies another has none
     if key == request.name and row.place is not None:
@@ -98,7 +99,7 @@ def bigram(workshop: Workshop, request: StudioRequest) -> Json:
         stated_in = data.get(row.place.file) if text is None else text.data
         own = get(stated_in, ("bigrams", "-".join(row.origin.pair)))
     own = own if isinstance(own, dict) else {}
-    answer = _drawn(packs, row) | _home(workshop, packs, pair)
+    answer = _drawn(packs, row) | _home(workshop, packs, pair, style)
     answer |= {
         "status": row.origin.status or "drafted",
         "word": row.origin.word or "",
@@ -120,7 +121,7 @@ def bigram(workshop: Workshop, request: StudioRequest) -> Json:
     return answer
 
 
-def _home(workshop: Workshop, packs: PairPacks, pair: Pair) -> Json:
+def _home(workshop: Workshop, packs: PairPacks, pair: Pair, style: str) -> Json:
     """Return the target file for edits; `locked` is the reason if there is none.
 
     `character` is the user's file of the character, for edits of this face only, and `bank_kind`
@@ -129,7 +130,7 @@ def _home(workshop: Workshop, packs: PairPacks, pair: Pair) -> Json:
     who = workshop.files().get("character")
     own = {"character": workshop.shown(who) if who and workshop.own(who) else ""}
     try:
-        path, here = bigram_home(packs, pair, workshop.project, workshop.own)
+        path, here = bigram_home(packs, pair, workshop.project, workshop.own, style)
     except LipsyncError as error:
         return own | {"stated": False, "file": "", "bank_kind": "bspline", "locked": str(error)}
     kinds = {pack.path: pack.model.interpolation for pack in (*packs.own_banks, *packs.banks)}
@@ -137,6 +138,7 @@ def _home(workshop: Workshop, packs: PairPacks, pair: Pair) -> Json:
         "stated": here,
         "file": workshop.shown(path),
         "bank_kind": kinds.get(path, "bspline"),
+        "replaces_draft": style in workshop.performer.compiled.style_drafts,
         "locked": "",
     }
 

@@ -34,8 +34,9 @@ def edit(workshop: Workshop, request: StudioRequest) -> Json:
         loc = tuple(listed(one.get("at"), "steps"))
         if not loc or not all(isinstance(step, (str, int)) for step in loc):
             raise LipsyncError("`at` must be a list of keys and numbers, the place of the edit")
-        if one.get("file") == "bank":
-            path, text = workshop.bank_for(str(loc[1]) if len(loc) > 1 else "")
+        file, _, style = str(one.get("file")).partition(":")
+        if file == "bank":
+            path, text = workshop.bank_for(str(loc[1]) if len(loc) > 1 else "", style)
         else:
             path, text = workshop.editable(str(one.get("file")))
         edits.append((path, loc, one.get("value", ABSENT)))

@@ -88,6 +88,12 @@ export class BigramView {
       )
     );
     this.into.addEventListener("change", () => this.#base());
+    /** The style whose bank is drawn; empty for neutral. */
+    this.manner = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Style of the bank" }));
+    this.manner.addEventListener("change", () => {
+      this.told = null;
+      studio.attempt(() => this.#load());
+    });
     this.origin = made("p", { class: "origin" });
     const board = made("div"), desk = made("div", { class: "bigram-view" }, this.head), curves = made("div");
     desk.append(curves);
@@ -174,6 +180,7 @@ export class BigramView {
         made("label", { class: "why" }, "Note", this.why),
         this.kind,
         this.contact,
+        this.manner,
         this.into,
       ),
     );
@@ -208,7 +215,9 @@ export class BigramView {
   /** Ask for the bigram, with those that the line says before and after it. */
   async #load() {
     const { pair, studio } = this, found = studio.take && spoken(studio.take, pair, studio.player.time);
-    const query = new URLSearchParams(found ? { before: found.before, after: found.after } : {});
+    this.#listStyles();
+    const style = this.manner.value;
+    const query = new URLSearchParams({ style, ...(found ? { before: found.before, after: found.after } : {}) });
     let told;
     try {
       told = await studio.api.get(`bigram/${encodeURIComponent(pair)}?${query}`);
@@ -216,16 +225,26 @@ export class BigramView {
       if (this.pair === pair && !this.told) studio.go("bigrams");
       throw error;
     }
-    if (this.pair !== pair || this.sending) return;
+    if (this.pair !== pair || this.manner.value !== style || this.sending) return;
     this.revision = studio.state.revision;
     this.told = told;
     this.said = found?.word ?? "";
     const { curves, boundary, interpolation, contact, status, word, why } = told;
     this.now = { curves, boundary, interpolation, contact, status, word, why };
-    this.into.hidden = !told.character || told.character === told.file;
+    this.into.hidden = Boolean(style) || !told.character || told.character === told.file;
     this.into.value = "bank";
     this.#base();
     this.#draw();
+  }
+
+  /** List neutral and the styles of the face; a style that is gone gives way to neutral. */
+  #listStyles() {
+    const chosen = this.manner.value, { styles } = this.studio.state;
+    this.manner.replaceChildren(
+      ...["", ...styles].map((style) => made("option", { value: style }, `Style: ${style || "neutral"}`)),
+    );
+    this.manner.value = styles.includes(chosen) ? chosen : "";
+    this.manner.hidden = !styles.length;
   }
 
   /** Take what the file of the edits says of the bigram: all, or nothing. */
@@ -260,7 +279,7 @@ export class BigramView {
       ? `${from}${fitted}; ${told.locked}`
       : told.stated
         ? `${told.place}${fitted}`
-        : `${from}${fitted}; edits go into ${told.file}`;
+        : `${from}${fitted}; edits go into ${told.file}${told.replaces_draft ? ", which replaces the drafted style" : ""}`;
     const ghosts = [...told.ghosts, ...["before", "after"].flatMap((side) => {
       const one = told[side];
       return one
@@ -299,7 +318,8 @@ export class BigramView {
    * @param {string} merge
    */
   async #send(title, merge) {
-    const { pair, now, studio } = this, [base, sent] = this.known, file = this.into.value;
+    const { pair, now, studio } = this, [base, sent] = this.known, style = this.manner.value;
+    const file = style ? `bank:${style}` : this.into.value;
     if (!base && !now.word) now.word = this.said;
     const edits = editsOf(file, pair, base, now);
     if (base && sent) {
@@ -314,7 +334,7 @@ export class BigramView {
     if (this.pair !== pair) return;
     this.revision = studio.state.revision;
     if (this.sending) return;
-    if (studio.state.undo === title && file === "bank") {
+    if (studio.state.undo === title && file.startsWith("bank")) {
       this.known = [now, now];
       Object.assign(this.told, { stated: true, place: this.told.file });
       this.#draw();
