@@ -50,6 +50,7 @@ ROUTES: dict[str, Route] = {
     "POST model": character_routes.model,
     "POST drafted": character_routes.drafted,
     "GET language": language_routes.language,
+    "POST language": language_routes.begin,
     "POST language/transcript": language_routes.transcript,
     "POST language/sound": language_routes.sound,
     "GET language/mouth/{name}": language_routes.mouth,
