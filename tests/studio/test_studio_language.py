@@ -205,7 +205,9 @@ def test_a_language_is_begun_from_another_and_opens(tmp_path):
 def test_a_language_that_cannot_begin_is_told_and_not_written(tmp_path, asked, told):
     made = Workshop(tmp_path, engine="none")
     made.open("english", "crab")
-    found = Caller(made).post("language", {"name": "elvish", "base": "english", "tag": "qya"} | asked)
+    found = Caller(made).post(
+        "language", {"name": "elvish", "base": "english", "tag": "qya"} | asked
+    )
     assert found.status == 422
     assert told in found.json["error"]
     assert not (tmp_path / "languages").exists()

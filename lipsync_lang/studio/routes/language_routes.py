@@ -1,4 +1,4 @@
-"""Routes of the language view: new languages, the table of sounds, the tests of the pack, and single sounds."""
+"""Routes of the language view: new languages, the table of sounds with its tests, single sounds."""
 
 import re
 from weakref import WeakKeyDictionary

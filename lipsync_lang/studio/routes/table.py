@@ -38,6 +38,7 @@ ROUTES: dict[str, Route] = {
     "POST boundary/{name}": sentence_routes.boundary,
     "GET labels": sentence_routes.labels,
     "POST phonemes/{name}": sentence_routes.phonemes,
+    "POST align/{name}": sentence_routes.align,
     "POST original": sentence_routes.original,
     "POST emphasis/{name}": sentence_routes.emphasis,
     "POST part/{name}": sentence_routes.part,
