@@ -550,7 +550,8 @@ export class Timeline {
         if (n === this.word) context.strokeRect(low + 1, this.bandTop + 1, high - low - 2, BAND - 2);
       });
       if (this.phoneme >= 0 && this.phoneme + 1 < times.length) {
-        const low = this.x(times[this.phoneme]), high = this.x(times[Math.max(this.until, this.phoneme) + 1] ?? times[times.length - 1]);
+        const stop = Math.min(Math.max(this.until, this.phoneme) + 1, times.length - 1);
+        const low = this.x(times[this.phoneme]), high = this.x(times[stop]);
         context.strokeRect(low + 1, this.bandTop + BAND + 1, high - low - 2, BAND - 2);
       }
       if (this.boundary < 0 || this.boundary >= times.length) return;

@@ -97,7 +97,8 @@ export class LanguageView {
       );
     place.append(made("header", {},
       made("div", { class: "row" }, this.title, this.search, this.notation, this.filter),
-      made("div", { class: "row" }, this.word, speak, keep, this.tried), this.#beginner(), this.caveats), this.list, this.tests);
+      made("div", { class: "row" }, this.word, speak, keep, this.tried),
+      this.#beginner(), this.caveats), this.list, this.tests);
     this.editor = new SoundEditor({
       edit: (edits, title) => studio.edit(edits, title),
       close: () => this.#edit(""),
@@ -153,7 +154,7 @@ export class LanguageView {
       /** @type {HTMLInputElement} */ (made("input", { type: "text", "aria-label": label, placeholder: label,
         autocomplete: "off", spellcheck: "false", size: "12", ...traits }));
     const name = field("Name", { required: "" });
-    const tag = field("Code", { title: "Such as sw or pt-BR; if empty, that of the language to start from" });
+    const tag = field("Code", { title: "Such as sw or pt-BR; if empty, that of the other language" });
     const base = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Language to start from" }));
     const form = made("form", { class: "row" }, name, " starts from ", base, tag,
       made("button", { type: "submit" }, "Begin"));

@@ -94,7 +94,7 @@ export class PhonemeHands {
     this.studio.seek(to);
   }
 
-  /** @returns {[number, number] | null} the first and the last of the chosen phonemes, or of those of the chosen word */
+  /** @returns {[number, number] | null} the first and the last chosen phoneme, or those of the chosen word */
   get range() {
     const { word, phoneme, until } = this.view.timeline, chosen = this.studio.take?.data.spoken.words[word];
     return phoneme >= 0 ? [phoneme, Math.max(phoneme, until)] : chosen ? [chosen[1], chosen[2] - 1] : null;
@@ -107,7 +107,7 @@ export class PhonemeHands {
     this.view.choose({ phoneme: Math.min(first, now?.[0] ?? first), until: Math.max(last, now?.[1] ?? last) });
   }
 
-  /** Find the times of the chosen phonemes anew, in their part of the sound. */
+  /** Find the times of the chosen phonemes again, in their part of the sound. */
   align() {
     const { range } = this;
     if (range) this.studio.perform(`align/${range[0]}`, { count: range[1] - range[0] + 1, title: "Align again" });

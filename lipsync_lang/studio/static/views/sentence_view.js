@@ -70,7 +70,10 @@ export class SentenceView {
       pick: (row) => this.pick(row),
       moved: () => { this.moved = true; studio.wake(); },
       drag: (grab, seconds, done, event) => this.phonemes.drag(grab, seconds, done, event),
-      word: (word, more) => (more && word >= 0 ? this.phonemes.extend({ word }) : this.choose({ word }, true)),
+      word: (word, more) => {
+        if (!more) this.choose({ word }, true);
+        else if (word >= 0) this.phonemes.extend({ word });
+      },
       phoneme: (phoneme, more) =>
         phoneme >= 0 && (more ? this.phonemes.extend({ phoneme }) : this.choose({ phoneme }, true)),
       press: (x, y, event) => this.bends.press(x, y, event),
