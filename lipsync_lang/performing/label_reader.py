@@ -192,7 +192,10 @@ class LabelReader:
         return {label: value for label, value in tried.items() if value is not None}
 
     def values(self, schedule: Schedule) -> list[Value]:
-        """Return the value of each label; whole-word entries of the language take precedence."""
+        """Return the value of each label; whole-word entries of the language take precedence.
+
+        The labels of a word that a person relabelled stand.
+        """
         notation = self.notation(schedule)
         values = [notation.find(label) for label in self._labels(schedule, notation)]
         if None in values:
@@ -202,7 +205,7 @@ class LabelReader:
         own = self.compiled.words
         for word in schedule.words if self._has_own_words(schedule) else ():
             sounds = own.get(plain(word.text))
-            if sounds:
+            if sounds and not word.relabelled:
                 values[word.first : word.stop] = _spread(sounds, word.stop - word.first)
         known = [value for value in values if value is not None]
         if len(known) == len(values):

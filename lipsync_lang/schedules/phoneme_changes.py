@@ -94,7 +94,13 @@ def _changed(
         return edge if edge <= first else first + inside + max(edge - stop, 0)
 
     words = tuple(
-        replace(one, first=moved(one.first), stop=moved(one.stop)) for one in schedule.words
+        replace(
+            one,
+            first=moved(one.first),
+            stop=moved(one.stop),
+            relabelled=one.relabelled or (one.first < stop and first < one.stop),
+        )
+        for one in schedule.words
     )
     empty = next((one for one in words if one.first == one.stop), None)
     if empty is not None:

@@ -60,7 +60,8 @@ class Word:
 
     `emphasis` opens the mouth wider over the word: 0 not at all, 1 as the pose set says, up to 2.
     `confidence` is the probability that the word is said there, in [0, 1]; None if unknown.
-    `start` and `end` are in seconds; the words of a schedule have them from its times.
+    `start` and `end` are in seconds; the words of a schedule have them from its times. `relabelled`
+    is True if a person changed its phonemes: they stand, even if the language lists its sounds.
     """
 
     text: str
@@ -70,6 +71,7 @@ class Word:
     confidence: float | None = None
     start: float = field(default=nan, compare=False)
     end: float = field(default=nan, compare=False)
+    relabelled: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,11 +4,12 @@ Conventions: times are seconds; boundary b is the start of phoneme b, and the la
 Numbers of boundaries and words count from the start of the shown part.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.schedules.phoneme_changes import PhonemeChange, composed, spread, with_changes
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule, Word
@@ -107,6 +108,47 @@ class SpokenLine:
         self.changes = changes
         self.retime(replace(made, times=times, words=self._emphasised(made)))
 
+    def align(
+        self, span: tuple[int, int], seconds: float, aligner: Callable[[Audio, str], Schedule]
+    ) -> None:
+        """Find the times of the words of a span in the sound of that span alone.
+
+        The phonemes stay. Pauses beside the span are heard too, and give or take time; boundaries
+        with sounds of other words stay.
+
+        Raises
+        ------
+        LipsyncError
+            The line has no sound, the span has no words, or the aligner finds other words.
+        """
+        first, stop = self._span(seconds)
+        line, cuts = self.whole, self.cuts(seconds)
+        low, high = first + span[0], min(first + span[1], stop)
+        words = [one for one in line.words if one.first < high and low < one.stop]
+        if line.audio is None:
+            raise LipsyncError("the line has no recording to align with; open its recording first")
+        if not words:
+            raise LipsyncError("no word is chosen; choose phonemes of at least one word")
+        inside = {at for one in line.words for at in range(one.first, one.stop)}
+        low, high = words[0].first, words[-1].stop
+        low -= low > first and low - 1 not in inside
+        high += high < stop and high not in inside
+        start, end = line.times[low], line.times[high]
+        heard = line.audio.samples[
+            slice(*(int(max(at, 0) * line.audio.rate) for at in (start, end)))
+        ]
+        found = aligner(replace(line.audio, samples=heard), " ".join(one.text for one in words))
+        if len(found.words) != len(words):
+            raise LipsyncError(
+                f"the aligner finds {len(found.words)} words here instead of {len(words)}; "
+                "choose a longer range, or move the boundaries by hand"
+            )
+        times = line.times.copy()
+        times[low : high + 1] = _realigned(line, words, found, low, high)
+        self.whole = replace(line, times=times)
+        self._cut = self.whole, seconds, cuts
+        self.at = float(times[first])
+
     def _emphasised(self, schedule: Schedule) -> tuple[Word, ...]:
         """Return the words of a schedule with the present emphasis."""
         pairs = zip(schedule.words, self.whole.words, strict=True)
@@ -142,6 +184,28 @@ class SpokenLine:
     def hear(self, audio: Audio) -> None:
         """Add the sound."""
         self.whole, self.opened = (replace(one, audio=audio) for one in (self.whole, self.opened))
+
+
+def _realigned(
+    line: Schedule, words: Sequence[Word], found: Schedule, low: int, high: int
+) -> Floats:
+    """Return the boundaries from `low` to `high` with the words as found; both ends stay."""
+    start, end = line.times[low], line.times[high]
+    known: dict[int, list[float]] = {}
+    for word, other in zip(words, found.words, strict=True):
+        own = np.linspace(other.first, other.stop, word.stop - word.first + 1)
+        at = start + np.interp(own, np.arange(len(found.times)), found.times)
+        for boundary, time in enumerate(at.tolist(), word.first):
+            known.setdefault(boundary, []).append(time)  # words that meet share a pause
+    known |= {low: [start], high: [end]}
+    count = np.arange(low, high + 1)
+    places = sorted(known)
+    times: Floats = np.interp(count, places, [np.mean(known[place]) for place in places])
+    least = np.minimum(MIN_SPAN_SECONDS, (end - start) / len(count)) * (count - low)
+    times = np.maximum.accumulate(times - least) + least
+    times = np.minimum(times, end - least[::-1])
+    times[[0, -1]] = start, end
+    return times
 
 
 def excerpt(line: Schedule, first: int, stop: int) -> Schedule:

@@ -172,3 +172,65 @@ def test_the_text_of_a_pack_is_data(caller):
     told = caller.api("language")
     assert told.json["title"] == "<script>alert(1)</script>"
     assert told.headers["content-type"] == "application/json"
+
+
+def test_a_language_is_begun_from_another_and_opens(tmp_path):
+    made = Workshop(tmp_path, engine="none")
+    made.open("english", "crab")
+    caller = Caller(made)
+    asked = {"name": "elvish", "base": "english", "tag": "qya"}
+    assert caller.post("language", asked).json == {"name": "elvish"}
+    text = (tmp_path / "languages/elvish.yaml").read_text("utf-8")
+    assert text == (
+        "kind: language\nformat: 1\nname: elvish\ntag: qya\ntitle: Elvish\nextends: english\n"
+    )
+    assert "elvish" in caller.api("project").json["languages"]
+    assert caller.post("open", {"language": "elvish", "character": "crab"}).status == 200
+    told = caller.api("language").json
+    assert (told["title"], told["tag"], told["extends"]) == ("Elvish", "qya", "english")
+    assert caller.post("language", {**asked, "name": "orcish", "tag": ""}).status == 200
+    assert "tag: en\n" in (tmp_path / "languages/orcish.yaml").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"name": "../elvish"}, "'../elvish' cannot be a pack's name; write letters, digits"),
+        ({"name": ""}, "cannot be a pack's name"),
+        ({"name": "english"}, "there is a language 'english' already; choose another name"),
+        ({"base": "englsh"}, "did you mean 'english'"),
+        ({"tag": "en: [x"}, "'en: [x' is no language code; write one such as"),
+    ],
+)
+def test_a_language_that_cannot_begin_is_told_and_not_written(tmp_path, asked, told):
+    made = Workshop(tmp_path, engine="none")
+    made.open("english", "crab")
+    found = Caller(made).post(
+        "language", {"name": "elvish", "base": "english", "tag": "qya"} | asked
+    )
+    assert found.status == 422
+    assert told in found.json["error"]
+    assert not (tmp_path / "languages").exists()
+
+
+def test_a_relabelled_word_is_read_from_its_labels(tmp_path):
+    (tmp_path / "languages").mkdir()
+    pack = PACK.format(name="parent") + "words: {mama: [f, l, f, l]}\n"
+    (tmp_path / "languages/parent.yaml").write_text(pack, "utf-8")
+    made = Workshop(tmp_path, engine="none")
+    made.open("parent", "crab")
+    caller = Caller(made)
+
+    def mouths():
+        numbers = made.performer.common_phonemes(made.schedule)[0]
+        return [made.performer.compiled.phonemes[number] for number in numbers]
+
+    caller.post("line", {"text": "mama ma"})
+    assert [one for one in mouths() if one != "_"] == ["f", "l", "f", "l", "bmp", "aa"]
+    first = made.schedule.words[0].first
+    assert caller.post(f"phonemes/{first}", {"labels": ["y"]}).status == 200
+    assert [one for one in mouths() if one != "_"][:1] == ["ih"]
+    assert not {"f", "l"} & {*mouths()}
+    caller.post("undo")
+    made.state()
+    assert [one for one in mouths() if one != "_"][:4] == ["f", "l", "f", "l"]

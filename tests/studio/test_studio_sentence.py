@@ -409,3 +409,41 @@ def test_doubtful_words_are_marked_where_they_are(caller, workshop):
     words = (replace(sure, confidence=0.9), replace(doubtful, confidence=0.312))
     workshop.take_up(replace(LINE, words=words), "ma be")
     assert spoken(caller.api("line"))["doubts"] == {"1": 0.31}
+
+
+def test_a_range_is_aligned_again_in_its_part_of_the_sound(tmp_path):
+    made = Workshop(tmp_path)
+    made.open("english", "crab")
+    caller = Caller(made)
+    caller.post("line", {"text": "Please buy five maps and go home"})
+    if made.schedule.audio is None:
+        pytest.skip("no voice")
+    before, words = made.schedule.times.copy(), made.schedule.words
+    first, stop = words[1].first, words[3].stop
+    for number in range(first + 1, stop):
+        caller.post(
+            f"boundary/{number}", {"seconds": float(before[first]) + 0.01 * (number - first)}
+        )
+    spoilt = made.schedule.times.copy()
+    assert np.abs(spoilt - before).max() > 0.3
+    found = caller.post(f"align/{first}", {"count": stop - first, "title": "Align again"})
+    assert found.status == 200, found.json
+    now = made.schedule
+    assert now.labels == tuple(spoken(found)["labels"])
+    assert (np.diff(now.times) > 0).all()
+    assert (now.times[: first + 1] == before[: first + 1]).all()
+    after = words[4].first  # a pause is before it
+    assert (now.times[after:] == before[after:]).all(), "the words outside stay"
+    starts = [word.first for word in words[2:4]]
+    assert np.abs(now.times[starts] - before[starts]).max() < 0.08
+    assert made.desk.undo_title.startswith("Align again")
+    caller.post("undo")
+    made.state()
+    assert made.schedule.times == pytest.approx(spoilt, abs=1e-4)
+
+
+def test_a_range_that_cannot_be_aligned_is_told(caller, workshop):
+    assert "no recording" in caller.post("align/0", {"count": 1}).json["error"]
+    workshop.line.hear(Audio(np.zeros(20_000, np.int16), 20_000))
+    assert "no word" in caller.post("align/90", {"count": 1}).json["error"]
+    assert "`count`" in caller.post("align/0", {"count": 0}).json["error"]

@@ -1,12 +1,25 @@
-"""Routes of the language view: the table of sounds, the tests of the pack, and single sounds."""
+"""Routes of the language view: new languages, the table of sounds with its tests, single sounds."""
 
+import re
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from lipsync_lang.authoring.new_pack import (
+    PackWish,
+    check_name,
+    head,
+    pack_bytes,
+    scalar,
+    write_new,
+)
 from lipsync_lang.authoring.sound_table import SoundMemory, SoundTable
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.json_object import Json
+from lipsync_lang.packs.finding import FOLDERS
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models.language_models import TAG_PATTERN
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.studio.routes.line_routes import MAX_TYPED_CHARS, whole
@@ -37,6 +50,29 @@ def _table(workshop: Workshop) -> SoundTable:
             labels = schedule.labels[word.first : word.stop]
             spoken += [(label, word.text) for label in labels]
     return SoundTable(library, pack, memory, tuple(spoken))
+
+
+def begin(workshop: Workshop, request: StudioRequest) -> Json:
+    """Write a new language of the project, which extends another, and return its name.
+
+    Raises LipsyncError, and writes nothing, if the name or the code cannot be used.
+    """
+    name, base = request.text("name").strip(), request.text("base")
+    path, library = workshop.project / FOLDERS["language"] / f"{name}.yaml", workshop.library()
+    check_name(name, path)
+    if library.lookup("language", name):
+        raise LipsyncError(f"there is a language '{name}' already; choose another name")
+    tag = request.text("tag").strip() or library.language(base).model.tag
+    if not re.fullmatch(TAG_PATTERN, tag):
+        raise LipsyncError(f"'{tag[:20]}' is no language code; write one such as 'sw' or 'pt-BR'")
+    title = scalar(PackWish(name).heading)
+    lines = head("language", name, tag=scalar(tag), title=title, extends=scalar(base))
+    files = {path: pack_bytes(lines)}
+    Library(workshop.paths, workshop.project, unsaved=files).language(name)  # refuses a faulty pack
+    refuse_outside(path, workshop.project)
+    write_new(files)
+    workshop.look_again()
+    return {"name": name}
 
 
 def transcript(workshop: Workshop, request: StudioRequest) -> Json:

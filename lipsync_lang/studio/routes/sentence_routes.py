@@ -1,6 +1,7 @@
 """Routes of the sentence view: boundaries, phonemes, emphasis, parts of a line, and its timings."""
 
 from collections.abc import Sequence
+from functools import partial
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.json_object import Json
@@ -48,6 +49,21 @@ def phonemes(workshop: Workshop, request: StudioRequest) -> PackedResponse:
             raise LipsyncError("`times` must be seconds")
         line.move(number, seconds, length)
     return changed(workshop, request, "Change phonemes")
+
+
+def align(workshop: Workshop, request: StudioRequest) -> PackedResponse:
+    """Align the words of `count` phonemes with their part of the sound, and return the takes."""
+    from lipsync_lang.speech.hearing.alignment import aligned
+
+    first, count = _number(request), request.body.get("count", 1)
+    if type(count) is not int or count < 1:
+        raise LipsyncError("give the `count` of the phonemes to align")
+    workshop.spoken.align(
+        (first, first + count),
+        workshop.part_seconds,
+        partial(aligned, workshop.performer.speaker),
+    )
+    return changed(workshop, request, "Align again")
 
 
 def _refuse_unknown(workshop: Workshop, first: int, new: Sequence[str]) -> None:

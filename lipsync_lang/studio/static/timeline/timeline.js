@@ -39,7 +39,7 @@ const FULL = 65535;
  *   press?: (x: number, y: number, event: PointerEvent) => boolean,
  *   pull?: (x: number, y: number, done: boolean) => void,
  *   keys?: (pose: string) => {shown: [number, number][], chosen?: number | null},
- *   word?: (word: number) => void, phoneme?: (phoneme: number) => void,
+ *   word?: (word: number, more: boolean) => void, phoneme?: (phoneme: number, more: boolean) => void,
  *   open?: (seconds: number, row: number, phoneme: number) => void}} Hands
  */
 
@@ -56,6 +56,8 @@ export class Timeline {
     this.boundary = -1;
     this.word = -1;
     this.phoneme = -1;
+    /** The last phoneme of a chosen range, or the chosen one. */
+    this.until = -1;
     /** Names of stages that are not drawn. @type {Set<string>} */
     this.hidden = new Set();
     /** The picture of the sound. @type {keyof typeof SOUNDS} */
@@ -559,7 +561,8 @@ export class Timeline {
         if (n === this.word) context.strokeRect(low + 1, this.bandTop + 1, high - low - 2, BAND - 2);
       });
       if (this.phoneme >= 0 && this.phoneme + 1 < times.length) {
-        const low = this.x(times[this.phoneme]), high = this.x(times[this.phoneme + 1]);
+        const stop = Math.min(Math.max(this.until, this.phoneme) + 1, times.length - 1);
+        const low = this.x(times[this.phoneme]), high = this.x(times[stop]);
         context.strokeRect(low + 1, this.bandTop + BAND + 1, high - low - 2, BAND - 2);
       }
       if (this.boundary < 0 || this.boundary >= times.length) return;

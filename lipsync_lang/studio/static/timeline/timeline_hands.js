@@ -62,8 +62,8 @@ export function listen(timeline) {
     }
     if (down.size === 1) {
       does.seek(timeline.at(x));
-      does.word?.(timeline.wordAt(x, y));
-      does.phoneme?.(timeline.phonemeAt(x, y));
+      does.word?.(timeline.wordAt(x, y), event.shiftKey);
+      does.phoneme?.(timeline.phonemeAt(x, y), event.shiftKey);
       const row = timeline.rowAt(y);
       if (row >= 0) does.pick(row);
     }

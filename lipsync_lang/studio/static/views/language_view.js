@@ -1,6 +1,7 @@
 /** The language view: a pack's table of sounds to mouths, a word to try, and the pack's tests. */
 
 import { made } from "../shell/elements.js";
+import { fillNames } from "../shell/form_fields.js";
 import { SoundEditor } from "./sound_editor.js";
 import { tellKeys } from "../shell/studio_keys.js";
 
@@ -96,7 +97,8 @@ export class LanguageView {
       );
     place.append(made("header", {},
       made("div", { class: "row" }, this.title, this.search, this.notation, this.filter),
-      made("div", { class: "row" }, this.word, speak, keep, this.tried), this.caveats), this.list, this.tests);
+      made("div", { class: "row" }, this.word, speak, keep, this.tried),
+      this.#beginner(), this.caveats), this.list, this.tests);
     this.editor = new SoundEditor({
       edit: (edits, title) => studio.edit(edits, title),
       close: () => this.#edit(""),
@@ -144,6 +146,32 @@ export class LanguageView {
   /** @param {import("../shell/studio.js").Change} what */
   changed(what) {
     if (what === "state" || what === "take") this.#load();
+  }
+
+  /** @returns {HTMLElement} a form that begins a language of the project */
+  #beginner() {
+    const field = (/** @type {string} */ label, /** @type {Record<string, string>} */ traits) =>
+      /** @type {HTMLInputElement} */ (made("input", { type: "text", "aria-label": label, placeholder: label,
+        autocomplete: "off", spellcheck: "false", size: "12", ...traits }));
+    const name = field("Name", { required: "" });
+    const tag = field("Code", { title: "Such as sw or pt-BR; if empty, that of the other language" });
+    const base = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Language to start from" }));
+    const form = made("form", { class: "row" }, name, " starts from ", base, tag,
+      made("button", { type: "submit" }, "Begin"));
+    const opened = made("details", { class: "beginner" }, made("summary", {}, "New language…"), form);
+    opened.addEventListener("toggle", () => fillNames(base, this.studio.project.languages, this.studio.state.language));
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.studio.attempt(async () => {
+        const stated = { name: name.value, base: base.value, tag: tag.value };
+        const begun = await this.studio.api.post("language", stated);
+        this.studio.project = await this.studio.api.get("project");
+        await this.studio.open(begun.name, this.studio.state.character ?? "");
+        opened.removeAttribute("open");
+        name.value = tag.value = "";
+      });
+    });
+    return opened;
   }
 
   // The table

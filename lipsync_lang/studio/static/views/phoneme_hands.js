@@ -98,6 +98,26 @@ export class PhonemeHands {
     this.studio.seek(to);
   }
 
+  /** @returns {[number, number] | null} the first and the last chosen phoneme, or those of the chosen word */
+  get range() {
+    const { word, phoneme, until } = this.view.timeline, chosen = this.studio.take?.data.spoken.words[word];
+    return phoneme >= 0 ? [phoneme, Math.max(phoneme, until)] : chosen ? [chosen[1], chosen[2] - 1] : null;
+  }
+
+  /** Extend the choice to a word or a phoneme. @param {{word?: number, phoneme?: number}} to */
+  extend({ word = -1, phoneme = -1 }) {
+    const own = this.studio.take?.data.spoken.words[word], now = this.range;
+    const [first, last] = own ? [own[1], own[2] - 1] : [phoneme, phoneme];
+    this.view.choose({ phoneme: Math.min(first, now?.[0] ?? first), until: Math.max(last, now?.[1] ?? last) });
+  }
+
+  /** Find the times of the chosen phonemes again, in their part of the sound. */
+  align() {
+    const { range } = this;
+    if (range) this.studio.perform(`align/${range[0]}`, { count: range[1] - range[0] + 1, title: "Align again" });
+    else this.studio.tell("Choose the phonemes or the word to align; Shift and a click choose up to another");
+  }
+
   /** The chosen phoneme with its times. */
   get chosen() {
     const { labels, times } = this.studio.take?.data.spoken ?? { labels: [], times: [] };

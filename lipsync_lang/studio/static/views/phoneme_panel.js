@@ -4,7 +4,7 @@ import { made } from "../shell/elements.js";
 
 /**
  * @typedef {{relabel: (label: string) => void, split: (label?: string) => void, join: () => void,
- *   remove: () => void}} PhonemeChanges
+ *   remove: () => void, align: () => void}} PhonemeChanges
  */
 
 export class PhonemePanel {
@@ -35,7 +35,9 @@ export class PhonemePanel {
     this.field.addEventListener("blur", () => { this.inserting = false; });
     place.append(made("h2", {}, "Phoneme ", this.name, " ", made("small", {}, "Esc closes")), form,
       made("p", { class: "row" }, button("Split", "Split it at the playhead (S)", () => does.split()), this.joiner,
-        button("Delete", "Delete it; a neighbour takes its time (Delete)", () => does.remove())));
+        button("Delete", "Delete it; a neighbour takes its time (Delete)", () => does.remove()),
+        button("Align again", "Find the times of the chosen words again; Shift and a click choose more (G)",
+          () => does.align())));
   }
 
   /** @param {{label: string, last: boolean} | null} chosen */

@@ -70,8 +70,12 @@ export class SentenceView {
       pick: (row) => this.pick(row),
       moved: () => { this.moved = true; studio.wake(); },
       drag: (grab, seconds, done, event) => this.phonemes.drag(grab, seconds, done, event),
-      word: (word) => this.choose({ word }, true),
-      phoneme: (phoneme) => phoneme >= 0 && this.choose({ phoneme }, true),
+      word: (word, more) => {
+        if (!more) this.choose({ word }, true);
+        else if (word >= 0) this.phonemes.extend({ word });
+      },
+      phoneme: (phoneme, more) =>
+        phoneme >= 0 && (more ? this.phonemes.extend({ phoneme }) : this.choose({ phoneme }, true)),
       press: (x, y, event) => this.bends.press(x, y, event),
       pull: (x, y, done) => this.bends.drag(x, y, done),
       keys: (pose) => {
@@ -386,13 +390,13 @@ export class SentenceView {
   // Phonemes and words
 
   /**
-   * @param {{boundary?: number, word?: number, phoneme?: number}} what is chosen; the rest no longer is
+   * @param {{boundary?: number, word?: number, phoneme?: number, until?: number}} what is chosen; the rest no longer is
    * @param {boolean} [heard] once, as well
    */
-  choose({ boundary = -1, word = -1, phoneme = -1 }, heard = false) {
+  choose({ boundary = -1, word = -1, phoneme = -1, until = phoneme }, heard = false) {
     if (heard) this.studio.hear({ word, phoneme });
     this.bends.chosen = null;
-    [this.timeline.boundary, this.timeline.word, this.timeline.phoneme] = [boundary, word, phoneme];
+    Object.assign(this.timeline, { boundary, word, phoneme, until });
     this.timeline.stale = true;
     this.#levels();
     if (phoneme >= 0 && !this.labelled) this.#offerLabels();
