@@ -164,6 +164,14 @@ def test_c_plays_alike(compiled, archive, steps, truth):
 
 
 @full
+def test_the_header_compiles_as_cpp(tmp_path):
+    compiler = shutil.which("g++") or pytest.skip("no C++ compiler")
+    source = tmp_path / "unit.cpp"
+    source.write_text('#include "takes.h"\nint main() { takes_player p; (void)p; }\n')
+    ran(compiler, "-Wall", "-Wextra", "-Werror", f"-I{PLAYERS}", "-fsyntax-only", str(source))
+
+
+@full
 def test_javascript_plays_alike(archive, steps, truth):
     node = shutil.which("node") or pytest.skip("no node")
     module = str(PLAYERS / "takes.mjs")
