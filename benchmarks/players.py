@@ -38,7 +38,7 @@ def main() -> None:
     lines = [performer.perform(ll.speak(text, language, engine="none")) for text in SENTENCES]
     seconds = sum(float(line.times[-1] - line.times[0]) for line in lines)
     sizes = {}
-    for name in ("take", "csv", "glb"):
+    for name in ("player", "csv", "glb"):
         streams = [BytesIO() for _ in lines]
         for line, out in zip(lines, streams, strict=True):
             WRITERS[name].write(performer.rigged(line) if name == "glb" else line, out)
@@ -47,7 +47,7 @@ def main() -> None:
     with TemporaryDirectory() as folder:
         path = Path(folder, "a.takes")
         names = [f"en/{number}" for number in range(len(lines))]
-        write_takes(path, dict(zip(names, sizes["take"], strict=True)))
+        write_takes(path, dict(zip(names, sizes["player"], strict=True)))
         each = path.stat().st_size / seconds
         print(f"takes: {each / moving:.1f} bytes a second and moving pose ({moving:.1f} poses)")
         print(f"an hour: takes {each * 3600 / 1e6:.2f} MB", end="")

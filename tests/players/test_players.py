@@ -45,7 +45,7 @@ def speech(random, frames=None):
 
 def take(animation):
     out = BytesIO()
-    WRITERS["take"].write(animation, out)
+    WRITERS["player"].write(animation, out)
     return out.getvalue()
 
 
