@@ -21,7 +21,7 @@ from lipsync_lang.files.writing import atomic
 
 ARCHIVE_SUFFIXES = (".zip", TAKES_SUFFIX)
 
-TAKE_SUFFIX = ".take"
+TAKE_SUFFIX = ".keys"
 """End of the name of every member of an archive of takes."""
 
 TIME = (1980, 1, 1, 0, 0, 0)

@@ -63,7 +63,7 @@ def as_member(stated: str) -> str:
     """Return an output that is an archive of takes as the take of each line in it.
 
     >>> as_member("takes/{character}.takes")
-    'takes/{character}.takes/{language}/{id}.take'
+    'takes/{character}.takes/{language}/{id}.keys'
     """
     if stated.lower().endswith(TAKES_SUFFIX):
         return f"{stated}/{{language}}/{{id}}{TAKE_SUFFIX}"

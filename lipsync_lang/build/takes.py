@@ -2,7 +2,7 @@
 
 An archive is a function of its takes alone: equal takes make equal bytes, in whatever order and
 on however many machines they were made. `docs/reference/takes.md` has the layout. Takes are named
-by language and line, such as `english/intro_001`, and are the bytes of `.take` files.
+by language and line, such as `english/intro_001`, and are the bytes of `.keys` files.
 """
 
 import struct
@@ -44,7 +44,7 @@ class TakesFile(NamedTuple):
     """All takes of an archive or a patch."""
 
     takes: dict[str, bytes]
-    """Content of `.take` files by name; empty for one that a patch removes."""
+    """Content of `.keys` files by name; empty for one that a patch removes."""
     patch: tuple[int, int] | None
     """Checksums of the archive that a patch changes, and of the result; None for an archive."""
     checksum: int

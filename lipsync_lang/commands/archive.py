@@ -16,7 +16,7 @@ def add_archive(add: Add) -> None:
         "archive",
         merge,
         "show archives of takes, put them together, or make patches of them",
-        "archive merge takes/crab.takes takes/crab.*-of-16.takes",
+        "archive merge takes/game.takes takes/game.*-of-16.takes",
     )
     add_actions(made, "archive")
 
@@ -27,7 +27,7 @@ def _add_merge(action: Add) -> None:
         "merge",
         merge,
         "put the archives of shards together",
-        "archive merge takes/crab.takes takes/crab.*-of-16.takes",
+        "archive merge takes/game.takes takes/game.*-of-16.takes",
         more="; the result has the same bytes as one build",
     )
     made.add_argument("output", metavar="OUTPUT", type=Path, help="the archive to write")
@@ -40,7 +40,7 @@ def _add_diff(action: Add) -> None:
         "diff",
         diff,
         "write a patch: only the takes that differ",
-        "archive diff old/crab.takes new/crab.takes crab.patch",
+        "archive diff old/game.takes new/game.takes game.patch",
     )
     made.add_argument("old", metavar="OLD", type=Path, help="the archive that players have")
     made.add_argument("new", metavar="NEW", type=Path, help="the archive that they should have")
@@ -53,7 +53,7 @@ def _add_apply(action: Add) -> None:
         "apply",
         apply,
         "apply a patch to an archive",
-        "archive apply crab.takes crab.patch -o new.takes",
+        "archive apply game.takes game.patch -o new.takes",
     )
     made.add_argument("archive", metavar="ARCHIVE", type=Path, help="the archive to change")
     made.add_argument("patch", metavar="PATCH", type=Path, help="a file of `archive diff`")
@@ -64,7 +64,7 @@ def _add_apply(action: Add) -> None:
 
 @command("archive show")
 def _add_show(action: Add) -> None:
-    made = action("show", show, "check an archive, and list its takes", "archive show crab.takes")
+    made = action("show", show, "check an archive, and list its takes", "archive show game.takes")
     made.add_argument("archive", metavar="ARCHIVE", type=Path, help="an archive or a patch")
     add_json(made)
 

@@ -51,7 +51,7 @@ def test_prune_removes_takes(game):
     game.build()
     game.script([f"line{number}" for number in range(2)])
     game.build("--prune")
-    assert [*members(game.folder / ARCHIVE)] == ["english/line0.take", "english/line1.take"]
+    assert [*members(game.folder / ARCHIVE)] == ["english/line0.keys", "english/line1.keys"]
 
 
 def test_shards_are_disjoint_and_merge_to_the_bytes_of_one_build(game):

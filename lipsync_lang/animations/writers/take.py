@@ -41,7 +41,7 @@ SINGLE_MARGIN = 1e-5
 MOST_IN_16_BITS = 2**16 - 1
 
 
-@binary_writer("player", suffix=".take")
+@binary_writer("player", suffix=".keys")
 def write_take(animation: Animation, out: BinaryIO) -> None:
     """Quantised keys of one line, which archives (`.takes`) hold for the players of games."""
     moving = [n for n in range(len(animation.poses)) if animation.weights[:, n].any()]
