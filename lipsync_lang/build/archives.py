@@ -13,11 +13,16 @@ from pathlib import Path, PurePosixPath
 from shutil import copyfileobj
 from typing import BinaryIO, NamedTuple
 from zipfile import ZIP64_LIMIT, ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
+from zlib import crc32
 
+from lipsync_lang.build.takes import TAKES_SUFFIX, archive_of, write_takes
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.writing import atomic
 
-ARCHIVE_SUFFIX = ".zip"
+ARCHIVE_SUFFIXES = (".zip", TAKES_SUFFIX)
+
+TAKE_SUFFIX = ".keys"
+"""End of the name of every member of an archive of takes."""
 
 TIME = (1980, 1, 1, 0, 0, 0)
 """Earliest time of ZIP; true times would change archives with the same content."""
@@ -57,11 +62,11 @@ def split_archive(path: str) -> tuple[str, str] | None:
     >>> split_archive("takes/l1.zip") is None
     True
     """
-    if ARCHIVE_SUFFIX not in path.lower():
+    if not any(suffix in path.lower() for suffix in ARCHIVE_SUFFIXES):
         return None
     parts = PurePosixPath(path).parts
     for number, part in enumerate(parts[:-1], 1):
-        if part.lower().endswith(ARCHIVE_SUFFIX):
+        if part.lower().endswith(ARCHIVE_SUFFIXES):
             return str(PurePosixPath(*parts[:number])), "/".join(parts[number:])
     return None
 
@@ -76,6 +81,9 @@ def members(path: Path) -> dict[str, Member]:
     """
     if not path.exists():
         return {}
+    if _holds_takes(path):
+        found = archive_of(path).takes.items()
+        return {name + TAKE_SUFFIX: Member(crc32(one), len(one)) for name, one in found}
     with _opened(path) as (archive, _):
         return {one.filename: Member(one.CRC, one.file_size) for one in archive.infolist()}
 
@@ -98,6 +106,9 @@ def rewrite(path: Path, new: Mapping[str, NewMember], drop: Iterable[str] = ()) 
         The archive is damaged or encrypted, or cannot be written.
     """
     gone = {*drop} - {*new}
+    if _holds_takes(path):
+        _rewrite_takes(path, new, gone)
+        return
     if not path.exists():
         if new:
             _write(path, new, {}, None)
@@ -111,6 +122,27 @@ def rewrite(path: Path, new: Mapping[str, NewMember], drop: Iterable[str] = ()) 
         if new or kept:
             _write(path, new, kept, stream)
             return
+    _delete(path)
+
+
+def _holds_takes(path: Path) -> bool:
+    return path.name.lower().endswith(TAKES_SUFFIX)
+
+
+def _rewrite_takes(path: Path, new: Mapping[str, NewMember], gone: set[str]) -> None:
+    takes = archive_of(path).takes if path.exists() else {}
+    for name in gone:
+        takes.pop(name.removesuffix(TAKE_SUFFIX), None)
+    for name, one in new.items():
+        content = one if isinstance(one, bytes) else one.read_bytes()
+        takes[name.removesuffix(TAKE_SUFFIX)] = content
+    if takes:
+        write_takes(path, takes)
+    elif path.exists():
+        _delete(path)
+
+
+def _delete(path: Path) -> None:
     try:
         path.unlink()
     except OSError as error:

@@ -86,9 +86,9 @@ class BuildOutcome:
 
 
 @contextmanager
-def locked(folder: Path, tell: Tell) -> Iterator[None]:
+def locked(folder: Path, tell: Tell, part: str = "") -> Iterator[None]:
     """Hold the lock of a project's builds, after other builds have released it."""
-    path = record_folder(folder) / LOCK
+    path = record_folder(folder) / part / LOCK
     waiting = False
     try:
         while (held := claim(path)) is None:

@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
+from lipsync_lang.build.archives import TAKE_SUFFIX
 from lipsync_lang.build.script_faults import ScriptFaults
+from lipsync_lang.build.takes import TAKES_SUFFIX
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.reach import is_reached
 from lipsync_lang.packs.models import Project
@@ -44,7 +46,7 @@ def outputs_of(project: Project, faults: ScriptFaults) -> list[OutputPattern]:
     found: list[OutputPattern] = []
     for number, stated in enumerate(project.outputs):
         try:
-            name, path = writer_of(stated)
+            name, path = writer_of(as_member(stated))
         except OutputError as error:
             what, hint = str(error), ""
             if stated in WRITERS:
@@ -55,6 +57,19 @@ def outputs_of(project: Project, faults: ScriptFaults) -> list[OutputPattern]:
         path = posixpath.normpath(path.replace("\\", "/"))
         found.append(OutputPattern(name, path, ("outputs", number)))
     return found
+
+
+def as_member(stated: str) -> str:
+    """Return an output that is an archive of takes as the take of each line in it.
+
+    >>> as_member("takes/{character}.takes")
+    'takes/{character}.takes/{language}/{id}.keys'
+    """
+    if stated.lower().endswith(TAKES_SUFFIX):
+        return f"{stated}/{{language}}/{{id}}{TAKE_SUFFIX}"
+    if f"{TAKES_SUFFIX}/" in stated.lower() and not stated.lower().endswith(TAKE_SUFFIX):
+        raise OutputError(f"'{stated}': an archive of takes holds takes only; end it with .takes")
+    return stated
 
 
 def writer_of(stated: str) -> tuple[str, str]:

@@ -21,6 +21,7 @@ from lipsync_lang.build.project_extras import check_installed
 from lipsync_lang.build.script import read_script
 from lipsync_lang.build.script_faults import PlanningError, ScriptFaults
 from lipsync_lang.build.script_files import PlanRemark
+from lipsync_lang.build.shards import Shard
 from lipsync_lang.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.project import FILE, find_project, load_project
@@ -54,6 +55,7 @@ class Selection:
     """Patterns of ids, such as ``intro_*``."""
     languages: tuple[str, ...] = ()
     characters: tuple[str, ...] = ()
+    shard: Shard | None = None
 
     def has(self, line: PlannedLine) -> bool:
         """Return True if a line is selected."""
@@ -61,7 +63,18 @@ class Selection:
             (not self.languages or line.language in self.languages)
             and (not self.characters or line.character in self.characters)
             and (not self.ids or any(fnmatchcase(line.name, one) for one in self.ids))
+            and (self.shard is None or self.shard.has(line.language, line.name))
         )
+
+    def of(self, lines: Iterable[PlannedLine]) -> list[PlannedLine]:
+        """Return the selected lines; a shard writes archives of its own."""
+        chosen = [line for line in lines if self.has(line)]
+        if self.shard is None:
+            return chosen
+        return [
+            replace(line, outputs=tuple((w, self.shard.output(path)) for w, path in line.outputs))
+            for line in chosen
+        ]
 
     def __bool__(self) -> bool:
         return bool(self.ids or self.languages or self.characters)
@@ -113,11 +126,12 @@ class ProjectBuild:
             )
         pack = load_project(found)
         project, folder = pack.model, found.absolute().parent
-        chosen, faults = selection or Selection(), ScriptFaults(pack)
+        chosen = Selection() if selection is None else selection
+        faults = ScriptFaults(pack)
         places = (*paths, *(folder / path for path in project.paths))
         unread = missing_for({path: [Path(path).suffix.lower()] for path in project.lines})
         read = () if unread else read_script(pack, paths=tuple(paths), remark=remark)
-        lines = [line for line in read if chosen.has(line)]
+        lines = chosen.of(read)
         if chosen and not lines and not unread:
             raise LipsyncError("no line of the script is selected; check the ids and names")
         library = Library(places, folder)

@@ -112,9 +112,12 @@ class Records:
 
     @classmethod
     @contextmanager
-    def open(cls, folder: Path, *, write: bool = True) -> Iterator[Self]:
-        """Open the record of a project's folder; without one, or only to read, one in memory."""
-        path = record_folder(folder) / RECORDS_FILE
+    def open(cls, folder: Path, *, write: bool = True, part: str = "") -> Iterator[Self]:
+        """Open the record of a project's folder; without one, or only to read, one in memory.
+
+        A `part` of the project, such as a shard, has a record of its own.
+        """
+        path = record_folder(folder) / part / RECORDS_FILE
         with ExitStack() as stack:
             try:
                 if write:

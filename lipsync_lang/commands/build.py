@@ -15,7 +15,7 @@ from lipsync_lang.commands.build_watch import MadeByBuilds, StandingRemarks, wat
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options, count
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
-from lipsync_lang.errors import shortlist
+from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
@@ -56,6 +56,10 @@ def _add_build(add: Add) -> None:
     which.add_argument(
         "-c", "--character", metavar="CHARACTER", action="append", default=[], dest="characters",
         help="make lines on this character; may be repeated [all]",
+    )  # fmt: skip
+    which.add_argument(
+        "--shard", metavar="N/M",
+        help="make one of M disjoint parts, such as 3/16, into archives of its own",
     )  # fmt: skip
     for option, told in (
         ("--prune", "delete files of lines that the script no longer has"),
@@ -102,21 +106,29 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
     from lipsync_lang.build.keeping import prune
     from lipsync_lang.build.project_build import ProjectBuild, Selection
     from lipsync_lang.build.records import Records
+    from lipsync_lang.build.shards import Shard
 
     teller = BuildTeller(as_events=options.json)
     teller.begin("reading the script")
-    selection = Selection(tuple(options.only), tuple(options.languages), tuple(options.characters))
+    shard = Shard.parse(options.shard) if options.shard else None
+    if shard and options.scheduler:
+        raise LipsyncError("--shard and --scheduler both spread the work; give one of them")
+    selection = Selection(
+        tuple(options.only), tuple(options.languages), tuple(options.characters), shard
+    )
+    part = shard.name if shard else ""
     project = ProjectBuild.open(
         paths=options.path, selection=selection, tts=options.tts, remark=remarks, adapt=True
     )
     wipe()
-    reports = options.reports or [project.folder / path for path in project.project.reports]
+    stated = [shard.named(path) if shard else path for path in project.project.reports]
+    reports = options.reports or [project.folder / path for path in stated]
     if options.watch:
         made.learn(project, reports)
     for fault in project.unsound.values():
         remarks(str(fault))
-    lock = nullcontext() if options.dry_run else locked(project.folder, teller)
-    with lock, Records.open(project.folder, write=not options.dry_run) as records:
+    lock = nullcontext() if options.dry_run else locked(project.folder, teller, part)
+    with lock, Records.open(project.folder, write=not options.dry_run, part=part) as records:
         teller.begin(f"comparing {len(project.lines):,} lines with the last build")
         plan = project.plan(records, force=options.force, overwrite=options.overwrite)
         if options.dry_run:

@@ -47,6 +47,7 @@ COMMANDS: Extensions[AddCommand] = Extensions(
             ("coverage", "coverage"),
             ("check", "check"),
             ("build", "build"),
+            ("archive", "archive"),
             ("languages", "packs"),
             ("posesets", "packs"),
             ("characters", "packs"),

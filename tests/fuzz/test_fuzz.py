@@ -87,6 +87,8 @@ NO_TARGET = {
 HAVE_TARGETS = {
     "animations/animation_readers.py",
     "authoring/inventories.py",
+    "build/takes.py",
+    "players/takes.py",
     "smartbody/bank_files.py",
     "capture/fit_file.py",
     "capture/capture_files.py",

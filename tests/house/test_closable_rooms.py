@@ -9,7 +9,7 @@ import pytest
 from lanes import full
 from places import ROOT
 
-CLOSABLE = ("capture", "cluster", "mfa", "smartbody", "study")
+CLOSABLE = ("capture", "cluster", "mfa", "players", "smartbody", "study")
 """Rooms that register by entry points, and that no other room imports."""
 
 REST = ("build", "packs", "performing", "resolver", "schedules")

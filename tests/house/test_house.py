@@ -43,7 +43,7 @@ FLOORS = (
     {"build"},
     {"studio"},
     {"commands"},
-    {"capture", "cluster", "mfa", "smartbody", "study"},
+    {"capture", "cluster", "mfa", "players", "smartbody", "study"},
     {"cli"},
 )
 """The house from the ground up. A room imports from the floors below it, never from its own."""
@@ -54,6 +54,7 @@ PACKS = ("yaml", "models", "", "checking")
 ALONE = {
     "gestures": {"arrays"},
     "pipeline": {"arrays"},
+    "players": {"commands", "errors", "files"},
     "phonology": {"arrays", "errors", "extensions", "extras", "files", "json_object"},
     "schedules": {"arrays", "errors", "extensions", "files", "json_object"},
 }

@@ -1,0 +1,120 @@
+"""The commands for archives of takes: put parts together, make a patch, and apply it."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from lipsync_lang.commands.output import SOUND, as_json, count, tell_written
+from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.shared_options import add_json
+
+
+@command("archive")
+def add_archive(add: Add) -> None:
+    """Add `archive`."""
+    made = add(
+        "archive",
+        merge,
+        "show archives of takes, put them together, or make patches of them",
+        "archive merge takes/game.takes takes/game.*-of-16.takes",
+    )
+    add_actions(made, "archive")
+
+
+@command("archive merge")
+def _add_merge(action: Add) -> None:
+    made = action(
+        "merge",
+        merge,
+        "put the archives of shards together",
+        "archive merge takes/game.takes takes/game.*-of-16.takes",
+        more="; the result has the same bytes as one build",
+    )
+    made.add_argument("output", metavar="OUTPUT", type=Path, help="the archive to write")
+    made.add_argument("parts", metavar="PART", type=Path, nargs="+", help="an archive of a shard")
+
+
+@command("archive diff")
+def _add_diff(action: Add) -> None:
+    made = action(
+        "diff",
+        diff,
+        "write a patch: only the takes that differ",
+        "archive diff old/game.takes new/game.takes game.patch",
+    )
+    made.add_argument("old", metavar="OLD", type=Path, help="the archive that players have")
+    made.add_argument("new", metavar="NEW", type=Path, help="the archive that they should have")
+    made.add_argument("output", metavar="PATCH", type=Path, help="the patch to write")
+
+
+@command("archive apply")
+def _add_apply(action: Add) -> None:
+    made = action(
+        "apply",
+        apply,
+        "apply a patch to an archive",
+        "archive apply game.takes game.patch -o new.takes",
+    )
+    made.add_argument("archive", metavar="ARCHIVE", type=Path, help="the archive to change")
+    made.add_argument("patch", metavar="PATCH", type=Path, help="a file of `archive diff`")
+    made.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help="the archive to write [ARCHIVE itself]"
+    )
+
+
+@command("archive show")
+def _add_show(action: Add) -> None:
+    made = action("show", show, "check an archive, and list its takes", "archive show game.takes")
+    made.add_argument("archive", metavar="ARCHIVE", type=Path, help="an archive or a patch")
+    add_json(made)
+
+
+def merge(options: Namespace) -> int:
+    """Put archives together."""
+    from lipsync_lang.build.takes import merged, write_takes
+
+    takes = merged(options.parts)
+    write_takes(options.output, takes)
+    tell_written(options.output)
+    print(f"{count(len(takes), 'take')} of {count(len(options.parts), 'part')}", file=sys.stderr)
+    return SOUND
+
+
+def diff(options: Namespace) -> int:
+    """Write a patch between two archives."""
+    from lipsync_lang.build.takes import archive_of, difference, read_takes
+    from lipsync_lang.files import atomic
+
+    old, new = archive_of(options.old), archive_of(options.new)
+    patch = difference(old, new)
+    with atomic(options.output) as out:
+        out.write(patch)
+    tell_written(options.output)
+    changes = read_takes(options.output).takes.values()
+    gone = sum(not one for one in changes)
+    told = f"{count(len(changes) - gone, 'take')} changed or new, {gone} removed"
+    print(f"{told}; {len(patch):,} bytes", file=sys.stderr)
+    return SOUND
+
+
+def apply(options: Namespace) -> int:
+    """Apply a patch."""
+    from lipsync_lang.build.takes import patched, write_takes
+
+    output = options.output or options.archive
+    write_takes(output, patched(options.archive, options.patch))
+    tell_written(output)
+    return SOUND
+
+
+def show(options: Namespace) -> int:
+    """Check an archive or a patch, and list its takes."""
+    from lipsync_lang.build.takes import read_takes
+
+    found = read_takes(options.archive).takes
+    if options.json:
+        print(as_json({name: len(one) for name, one in found.items()}))
+    else:
+        for name, one in found.items():
+            print(f"{name}  {len(one):,} bytes" if one else f"{name}  removed")
+    return SOUND

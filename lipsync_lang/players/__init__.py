@@ -1,0 +1,1 @@
+"""Players of archives of takes, for engines: sources that stand alone, in several languages."""
