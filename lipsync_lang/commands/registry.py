@@ -52,6 +52,7 @@ COMMANDS: Extensions[AddCommand] = Extensions(
             ("characters", "packs"),
             ("bank", "bank"),
             ("models", "models"),
+            ("heads", "heads"),
             ("voices", "listing"),
             ("formats", "listing"),
             ("completion", "completion"),
