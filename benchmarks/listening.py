@@ -272,7 +272,8 @@ def main() -> int:
     parser.add_argument("-l", "--language", help="of a folder of recordings with texts")
     parser.add_argument("--delay", type=float, default=0.08)
     parser.add_argument("--whole", action="store_true", help="whole recordings instead of live")
-    parser.add_argument("--only", nargs="+", default=["lips", "real", "rest", "speed"])
+    names = ["lips", "real", "rest", "speed", "hour"]
+    parser.add_argument("--only", nargs="+", choices=names, default=names[:-1])
     json_figures.add_option(parser)
     asked = parser.parse_args()
     if asked.language:

@@ -11,11 +11,12 @@
     sheet       a sheet of stills
     recording   a natural recording with its spectrogram and boundaries
     takes       one sentence whispered, plain and shouted: the jaw, and the mouth in each vowel
+    heard       natural recordings by their text, by the whole sound and live: the jaw
 
 "Before" is today's targets with the motion settings of version 0.1: valleys filled, thresholds of
 0.5, no softening, no look-ahead, no stress, no loudness, and every shade as its parent. Lines are
-spoken by eSpeak NG; the pictures need the extras `plot` and `speech`. The recording is of the
-folder that LIPSYNC_LANG_TEST_DATA names, and needs the extra `audio` as well.
+spoken by eSpeak NG; the pictures need the extras `plot` and `speech`. The recordings are of the
+folder that LIPSYNC_LANG_TEST_DATA names, and need the extra `audio` as well.
 """
 
 # ruff: noqa: INP001 - a script, not in a package
@@ -51,7 +52,20 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parent
 sys.path.insert(0, str(ROOT.parent / "benchmarks"))
+import hearing  # noqa: E402 it lies beside
+import listening  # noqa: E402 it lies beside
 import motion as benchmark  # noqa: E402 it lies beside
+
+DATA = "LIPSYNC_LANG_TEST_DATA"
+
+HEARD = (
+    ("german", "German", "german"),
+    ("japanese", "Japanese", "japanese"),
+    ("swedish", "Swedish, not stated", "ipa:und"),
+)
+"""Language of a recording, title, and the language that the listener was told."""
+
+HEARD_DELAY, HEARD_SECONDS = 0.08, 4.0
 
 BEFORE: dict[str, Any] = {
     "smooth": "closing",
@@ -297,7 +311,7 @@ def sheet(path: Path) -> None:
 
 def recording(path: Path) -> None:
     """Draw what `--plot` shows of a sentence of LibriSpeech (CC BY 4.0)."""
-    folder = Path(os.environ["LIPSYNC_LANG_TEST_DATA"], "recordings", "mfa_tests")
+    folder = Path(os.environ[DATA], "recordings", "mfa_tests")
     text = (folder / "61-70968-0000.lab").read_text("utf-8").strip()
     schedule = ll.align(folder / "61-70968-0000.flac", text.lower(), "english")
     with path.open("wb") as stream:
@@ -335,6 +349,31 @@ def takes(path: Path) -> None:
     _save(Image.open(path).convert("RGB"), path)
 
 
+def heard(path: Path) -> None:
+    """Draw the jaw of natural recordings by text, by the whole sound, and live at a delay."""
+    natural = {one.language: one for one in hearing.natural(Path(os.environ[DATA]))}
+    figure = Figure((9.4, 4.0), layout="constrained")
+    columns = figure.subplots(3, len(HEARD), sharex="col", sharey=True).T
+    for column, (name, title, stated) in zip(columns, HEARD, strict=True):
+        one, performer = natural[name], ll.resolve(name, "facefx")
+        listener = ll.resolve(stated, "facefx")
+        whole = ll.recognise(one.audio, stated, recogniser="sound")
+        takes = [performer.perform(ll.align(one.audio, one.text, name)), listener.perform(whole)]
+        jaw = [(take.times, take["open"]) for take in takes]
+        samples = listening.sound_of(one.audio)
+        times, weights = listening.listened(listener, samples, HEARD_DELAY)
+        jaw.append((times, weights[:, listener.poses.index("open")]))
+        rows = "text", "sound, whole", f"live, {1000 * HEARD_DELAY:.0f} ms behind"
+        for axes, (at, weight), row in zip(column, jaw, rows, strict=True):
+            axes.fill_between(at, weight, color=NOW)
+            axes.set(ylim=(0, 1.05), xlim=(0, min(HEARD_SECONDS, takes[0].times[-1])))
+            axes.set_title(f"{title}: {row}" if row == "text" else row, loc="left", fontsize=9)
+        column[-1].set_xlabel("seconds")
+    columns[0][1].set_ylabel("open")
+    figure.savefig(path, dpi=90)
+    _save(Image.open(path).convert("RGB"), path)
+
+
 def _save(page: Image.Image, path: Path) -> None:
     """Write a picture of 256 colours, for small files."""
     page.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
@@ -351,6 +390,7 @@ PICTURES = {
     "sheet": ("still-sheet.png", sheet),
     "recording": ("recording.png", recording),
     "takes": ("loudness-takes.png", takes),
+    "heard": ("heard-takes.png", heard),
 }
 
 

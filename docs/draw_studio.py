@@ -1,24 +1,29 @@
-"""Draw the pictures of the studio, still and moving, into docs/images or another folder.
+"""Draw the pictures of the studio and of the page of a voice into docs/images or another folder.
 
-    python docs/draw_studio.py [FOLDER]
+    python docs/draw_studio.py [FOLDER] [--only studio|voice]
 
-A headless browser uses the studio as the tests do (tests/browser/studio.mjs), so it needs what they
-need: Chromium, and LIPSYNC_LANG_NODE_MODULES with playwright-core. Pillow writes the pictures.
+A headless browser uses both as the tests do (tests/browser/studio.mjs and voice.mjs), so it needs
+what they need: Chromium, and LIPSYNC_LANG_NODE_MODULES with playwright-core. Pillow writes the
+pictures.
 """  # noqa: INP001 a script, not a package
 
 import argparse
-import json
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from PIL import Image
 
+import lipsync_lang as ll
+
 ROOT = Path(__file__).parent
-STORIES = ROOT.parent / "tests" / "browser" / "studio.mjs"
+BROWSING = ROOT.parent / "tests" / "browser"
 
 STILLS = ("sentence", "matrix", "bigram", "character", "words", "coverage", "language")
 """Pictures of the story `album`."""
@@ -26,33 +31,41 @@ STILLS = ("sentence", "matrix", "bigram", "character", "words", "coverage", "lan
 COLOURS = 192
 """Colours of a picture; more make it larger, and look the same."""
 
-FILM_MS, FILM_PIXELS = 90, (960, 540)
+FILM_MS, FILM_PIXELS, VOICE_PIXELS = 90, (960, 540), (800, 368)
+
+SAID = "Bob may buy a map of Mali by now, or so my mother told me."
 
 
-def tell(story: str, character: str, folder: Path) -> dict[str, object]:
-    """Run a story in a new project; its pictures go to a folder."""
+@contextmanager
+def served(*command: str) -> Iterator[str]:
+    """Run a command with a page in a new project, and yield its address."""
     with TemporaryDirectory() as project:
-        command = [sys.executable, "-m", "lipsync_lang", "studio", "-l", "english", "-c", character]
-        studio = subprocess.Popen(  # noqa: S603 our own program
-            [*command, "--no-browser"], cwd=project, stdout=subprocess.PIPE, encoding="utf-8",
-            env=os.environ | {"XDG_STATE_HOME": project},
+        program = subprocess.Popen(  # noqa: S603 our own program
+            [sys.executable, "-m", "lipsync_lang", *command, "--no-browser"], cwd=project,
+            stdout=subprocess.PIPE, encoding="utf-8", env=os.environ | {"XDG_STATE_HOME": project},
         )  # fmt: skip
-        assert studio.stdout is not None  # noqa: S101 it was asked for
-        address = studio.stdout.readline().split()[-1]
-        node, browser = shutil.which("node") or "node", shutil.which("chromium") or "chromium"
-        modules = os.environ["LIPSYNC_LANG_NODE_MODULES"]
-        done = subprocess.run(  # noqa: S603 as above
-            [node, STORIES, modules, browser, address, story, folder],
-            stdout=subprocess.PIPE, encoding="utf-8", check=True,
-        )  # fmt: skip
-        studio.terminate()
-        studio.wait()
-    told: dict[str, object] = json.loads(done.stdout.splitlines()[-1])
-    return told
+        assert program.stdout is not None  # noqa: S101 it was asked for
+        try:
+            yield program.stdout.readline().split()[-1]
+        finally:
+            program.terminate()
+            program.wait()
 
 
-def moving(frames: list[Path], path: Path, size: tuple[int, int], milliseconds: int) -> None:
-    """Write frames as an animated WebP."""
+def browse(script: str, *arguments: str | Path) -> None:
+    """Run a script of the browser tests."""
+    node, browser = shutil.which("node") or "node", shutil.which("chromium") or "chromium"
+    modules = os.environ["LIPSYNC_LANG_NODE_MODULES"]
+    subprocess.run(  # noqa: S603 our own script
+        [node, BROWSING / script, modules, browser, *arguments],
+        stdout=subprocess.DEVNULL, check=True,
+    )  # fmt: skip
+
+
+def moving(
+    frames: list[Path], path: Path, size: tuple[int, int], milliseconds: int | list[int]
+) -> None:
+    """Write frames as an animated WebP; each lasts as long as stated, or all as long."""
     pictures = [Image.open(frame).convert("RGB").resize(size, Image.LANCZOS) for frame in frames]
     pictures[0].save(
         path, save_all=True, append_images=pictures[1:], duration=milliseconds, loop=0,
@@ -60,19 +73,43 @@ def moving(frames: list[Path], path: Path, size: tuple[int, int], milliseconds: 
     )  # fmt: skip
 
 
+def draw_studio(folder: Path) -> None:
+    """Draw the views of the studio, and a line that changes."""
+    with TemporaryDirectory() as made, served("studio", "-l", "english", "-c", "crab") as address:
+        drawn = Path(made)
+        browse("studio.mjs", address, "album", drawn)
+        for name in STILLS:
+            picture = Image.open(drawn / f"{name}.png").convert("RGB")
+            picture.quantize(COLOURS).save(folder / f"studio-{name}.png", optimize=True)
+    with TemporaryDirectory() as made, served("studio", "-l", "english", "-c", "crab") as address:
+        browse("studio.mjs", address, "film", Path(made))
+        moving(sorted(Path(made).glob("film-*.png")), folder / "studio.webp", FILM_PIXELS, FILM_MS)
+
+
+def draw_voice(folder: Path) -> None:
+    """Draw the page of a voice as somebody talks; the browser hears a recording."""
+    with TemporaryDirectory() as made, served("live", "--page", "-c", "facefx") as address:
+        drawn, recording = Path(made), Path(made) / "voice.wav"
+        performer = ll.resolve("english", "facefx")
+        performer.perform(ll.speak(SAID, "english")).save(recording)
+        browse("voice.mjs", address, recording, drawn)
+        frames = sorted(drawn.glob("*.png"))
+        at = [round(1000 * float(frame.stem)) for frame in frames]
+        lasts = [after - before for before, after in pairwise(at)]
+        moving(frames[:-1], folder / "voice-page.webp", VOICE_PIXELS, lasts)
+
+
+DRAWN = {"studio": draw_studio, "voice": draw_voice}
+
+
 def main() -> None:
     """Draw the pictures."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", nargs="?", type=Path, default=ROOT / "images")
-    folder = parser.parse_args().folder
-    with TemporaryDirectory() as made:
-        drawn = Path(made)
-        tell("album", "crab", drawn)
-        for name in STILLS:
-            picture = Image.open(drawn / f"{name}.png").convert("RGB")
-            picture.quantize(COLOURS).save(folder / f"studio-{name}.png", optimize=True)
-        tell("film", "crab", drawn)
-        moving(sorted(drawn.glob("film-*.png")), folder / "studio.webp", FILM_PIXELS, FILM_MS)
+    parser.add_argument("--only", choices=DRAWN)
+    options = parser.parse_args()
+    for name in [options.only] if options.only else DRAWN:
+        DRAWN[name](options.folder)
 
 
 if __name__ == "__main__":

@@ -68,8 +68,10 @@ class PairNeeds:
         self._known: dict[str, bytes] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle the performer and the settings; digests are computed again where needed."""
-        return {"performer": self.performer, "settings": self.settings, "_known": {}}
+        """Pickle the performer, the settings and the digests of files, not the other digests."""
+        # An interrupted build deletes its copies of files while workers still look for them.
+        files = {"model_digest": self.model_digest, "_manner": self._manner}
+        return {"performer": self.performer, "settings": self.settings, "_known": {}, **files}
 
     def of(self, schedule: Schedule, *, spoken: bool, reasons: bool) -> dict[str, bytes]:
         """Return the needs of a line with their digests.

@@ -130,8 +130,6 @@ class Mouth:
         self._wanted = np.zeros((SOFT_FRAMES, poses))
         self._now = np.zeros(poses)
         self._held = [0] * len(demands)
-        rises = (ceil(float(one.floor.max()) / self._step) for one in tables.contacts)
-        self._holds = [rise + HELD_FRAMES for rise in rises]
 
     def push(self, belief: Floats) -> Floats:
         """Return the curves at each frame of a belief (k, N, 3), before the constraints: (k, P)."""
@@ -159,6 +157,9 @@ class Mouth:
         if held:
             held = max(held - 1, int(sure >= OPENS))
         elif sure >= CLOSES:
-            held = self._holds[number]
+            # the lips move no faster than the speed limit, up to the floor or down to the ceiling
+            contact = self.tables.contacts[number]
+            away = max((contact.floor - self._now).max(), (self._now - contact.ceiling).max(), 0.0)
+            held = ceil(away / self._step) + HELD_FRAMES
         self._held[number] = held
         return held > 0

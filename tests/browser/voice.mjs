@@ -1,12 +1,13 @@
 // Talk to the page of a voice by a recording in place of a microphone, and print what it showed:
 //
-//   node voice.mjs NODE_MODULES CHROMIUM ADDRESS RECORDING [PICTURE]
+//   node voice.mjs NODE_MODULES CHROMIUM ADDRESS RECORDING [FOLDER]
 //
 // Printed is JSON: the states, the phones, the weights that moved, the delay before and after a
-// change, and the errors.
+// change, and the errors. Pictures of the page go to a folder, with the seconds of each as its name.
 import { WEBGL, launch, watch } from "./browsing.mjs";
 
-const [modules, chromium, address, recording, picture] = process.argv.slice(2);
+const [modules, chromium, address, recording, folder] = process.argv.slice(2);
+const FILM_FRAMES = 60;
 const FAKE = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream", `--use-file-for-fake-audio-capture=${recording}`];
 const browser = await launch(modules, chromium, ...WEBGL, ...FAKE);
 const said = [], asked = [], states = [];
@@ -31,7 +32,11 @@ await state("Listening");
 states.push(await page.textContent("#state"));
 await heard(90);
 const phones = await page.locator("#belief li").allTextContents();
-if (picture) await page.screenshot({ path: picture });
+if (folder) await page.setViewportSize({ width: 1000, height: 460 });
+for (let n = 0, began = performance.now(); folder && n < FILM_FRAMES; n++) {
+  const seconds = ((performance.now() - began) / 1000).toFixed(3);
+  await page.screenshot({ path: `${folder}/${seconds.padStart(7, "0")}.png` });
+}
 await page.fill("#delay", "200");
 await page.dispatchEvent("#delay", "change");
 const first = frames.length;

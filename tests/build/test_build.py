@@ -1,6 +1,7 @@
 """Builds: the lines that are made, the reasons, and the files that never change."""
 
 import os
+import pickle
 import sqlite3
 from contextlib import closing
 from dataclasses import replace
@@ -675,3 +676,15 @@ def test_a_style_that_moves_in_its_file_is_no_change_of_the_face():
     assert performer.compiled.style_drafts
     assert face(place="posesets/facefx/poseset.yaml:99:1") == face()
     assert face(scale=[1.0] * len(performer.poses)) != face()
+
+
+def test_a_worker_knows_a_model_whose_copy_an_interrupted_build_deleted(tmp_path):
+    performer = ll.resolve("english", "facefx")
+    copy = tmp_path / "face.glb"
+    copy.write_bytes(b"a face")
+    compiled = replace(performer.compiled, model=str(copy))
+    one = needs.PairNeeds(replace(performer, compiled=compiled), needs.BuildSettings(30, {}))
+    sent = pickle.dumps(one)
+    copy.unlink()
+    there = pickle.loads(sent)  # noqa: S301 our own
+    assert there.current("model") == one.current("model") != needs.digest(None)

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from strategies import RATES
 
@@ -89,6 +89,13 @@ def test_a_pause_nearby_draws_a_blink():
     assert [one.begin for one in drawn if one.trigger == "pause"] == [alone[1] + 0.3]
 
 
+def test_a_gesture_by_hand_stands_for_those_near_it():
+    blink = stated("blink", on=["pause"], apart=0.5)
+    by_hand = (PlacedGesture(0, 1.1, 1.0, "by hand", 1.1),)
+    facts = line(pause=[0.9, 1.4, 3.0])._replace(by_hand=by_hand)
+    assert sorted(placed(blink, facts)) == pytest.approx([1.1, 3.0])
+
+
 # Laying
 
 
@@ -96,6 +103,7 @@ def test_a_pause_nearby_draws_a_blink():
     RATES,
     st.lists(st.tuples(st.integers(0, 2), st.floats(-0.2, 3.2), st.floats(0, 2)), max_size=12),
 )
+@example(60, [(1, 0.0, 2.0), (1, 0.01, 2.0), (1, -0.1, 2.0), (1, 2.6, 2.0), (1, 2.5, 2.0)])
 def test_every_pose_keeps_its_bounds_its_speed_and_its_rest(fps, found):
     own = gesture_set(
         stated("blink"),

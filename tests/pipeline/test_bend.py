@@ -27,6 +27,12 @@ def test_a_bend_passes_its_keys_and_fades_at_its_ends():
     assert at == pytest.approx([0, 0, 0.25, 0.5, 0.125, 0.05, 0])
 
 
+def test_a_bend_has_no_corner():
+    one = Bend(0, np.array([1.0, 1.2, 1.5]), np.array([0.5, -0.25, 1.0]))
+    speeds = np.diff(one.at(np.arange(0.8, 1.7, 1e-4)))
+    assert np.abs(np.diff(speeds)).max() < 0.01 * np.abs(speeds).max()
+
+
 def test_curves_stay_within_bounds_and_others_stay():
     curves = np.array([[0.2, 0.9], [0.3, 0.4]])
     out = bend(curves, [Bend(0, np.array([0.0]), np.array([0.5]))], np.array([0.0, 0.01]))
