@@ -26,7 +26,10 @@ def write_clone(folder, identities=3):
         _write(home / f"{name}.obj", moved)
     modes = np.load(DATA / "ict/ict_identity40.npz")
     for number in range(identities):
-        _write(home / f"identity{number:03}.obj", points + modes["modes"][number] * float(modes["quantum"]))
+        _write(
+            home / f"identity{number:03}.obj",
+            points + modes["modes"][number] * float(modes["quantum"]),
+        )
     return folder
 
 

@@ -36,7 +36,9 @@ def _add_ict(action: Add) -> None:
         help="add identity N of the model, by 1 or WEIGHT standard deviations; repeatable",
     )  # fmt: skip
     made.add_argument("--seed", metavar="N", type=int, help="draw a person by this number")
-    made.add_argument("--hair", metavar="OBJ", type=Path, help="hair, in the model's lengths and place")
+    made.add_argument(
+        "--hair", metavar="OBJ", type=Path, help="hair, in the model's lengths and place"
+    )
     made.add_argument(
         "--color", metavar="PART=#RRGGBB", action="append", default=[],
         help="paint skin, lips, irises, brows, hair or another part; repeatable",

@@ -92,7 +92,9 @@ class FaceModel:
             weights |= dict(enumerate(drawn.tolist()))
         unknown = [number for number in stated if number not in weights]
         if unknown:
-            raise LipsyncError(f"identity {unknown[0]} is unknown: {self.home} has 0 to {len(paths) - 1}")
+            raise LipsyncError(
+                f"identity {unknown[0]} is unknown: {self.home} has 0 to {len(paths) - 1}"
+            )
         found = np.zeros_like(self.neutral.points)
         for number, weight in {**weights, **stated}.items():
             if weight:

@@ -1,4 +1,4 @@
-"""Make a talking head from a face model: painted, with tongue, lashes and brows, thinned to a size."""
+"""Make a talking head from a face model: painted, with tongue, lashes and brows, and thinned."""
 
 import re
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ from lipsync_lang.rigs.parts import (
 
 MEGABYTE = 10**6
 
-FIRST_POINTS = 16000
+FIRST_POINTS = 12600
 """Points of the first try; each further try has as many as would fit the size."""
 
 LEAST_POINTS = 2500
@@ -72,7 +72,7 @@ class MadeHead:
 
 
 def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
-    """Make a head; a LipsyncError if files are damaged, a colour is none, or the size is too small."""
+    """Make a head; a LipsyncError if files are damaged, a color is none, or the size too small."""
     model = FaceModel(model.folder, _colored(model.recipe, wish.colors))
     recipe, neutral = model.recipe, model.neutral
     shift = model.identity(wish.identities, wish.seed)
@@ -151,7 +151,9 @@ def _tongue_shapes(model: FaceModel) -> dict[str, Floats]:
     """Make shapes of the tongue: its front moves, flattens and narrows, more towards the tip."""
     recipe, points = model.recipe, model.neutral.points
     surface = list(recipe["surfaces"]).index("tongue")
-    tongue = np.flatnonzero(_marked(model.neutral.triangles[_surfaces(model) == surface], len(points)))
+    tongue = np.flatnonzero(
+        _marked(model.neutral.triangles[_surfaces(model) == surface], len(points))
+    )
     found = {}
     for name, row in recipe["tongue"].items():
         x, y, z = points[tongue].T
@@ -192,7 +194,9 @@ def _worn(path: Path, face: Floats, shift: Floats, recipe: Json) -> Part:
     used, triangles = np.unique(mesh.triangles, return_inverse=True)
     positions = mesh.points[used]
     if len(used) > MAX_HAIR_POINTS:
-        raise ModelError(f"{path}: has {len(used):,} points, more than {MAX_HAIR_POINTS:,}; thin it")
+        raise ModelError(
+            f"{path}: has {len(used):,} points, more than {MAX_HAIR_POINTS:,}; thin it"
+        )
     near = np.concatenate(
         [
             np.argmin(((block[:, None] - face[None, ::SPARSE]) ** 2).sum(axis=2), axis=1)

@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 
@@ -19,9 +19,9 @@ def obj_points(path: Path, count: int | None = None) -> Floats:
     rows = _rows(path, b"v ")
     try:
         found = np.array(b" ".join(rows).split(), float).reshape(len(rows), -1)[:, :3]
-        if found.shape[1] != 3:  # noqa: PLR2004 of space
-            raise ValueError
     except ValueError:
+        found = np.zeros((0, 0))
+    if found.shape[1] != 3:  # noqa: PLR2004 of space
         _tell_line(path, b"v ", 3)
     if count is not None and len(found) != count:
         raise ModelError(f"{path}: has {len(found):,} points instead of {count:,}; clone it again")
@@ -42,7 +42,7 @@ class ObjMesh(NamedTuple):
 
 
 def obj_mesh(path: Path, count: int | None = None) -> ObjMesh:
-    """Read points, and faces of three or more corners; with `count`, it must have as many points."""
+    """Read points, and faces of three or more corners; with `count`, it must have so many points."""
     points = obj_points(path, count)
     uv = np.array(b" ".join(_rows(path, b"vt")).split() or [np.nan, np.nan], float).reshape(-1, 2)
     places = np.full((len(points), 2), np.nan)
@@ -84,7 +84,7 @@ def _rows(path: Path, start: bytes) -> list[bytes]:
     return [line[2:] for line in data.splitlines() if line.startswith(start)]
 
 
-def _tell_line(path: Path, start: bytes, width: int) -> None:
+def _tell_line(path: Path, start: bytes, width: int) -> NoReturn:
     """Raise an error at the first line that does not hold numbers."""
     data = read_input(path, MAX_OBJ_BYTES, error=ModelError, mend="export it with fewer points")
     for number, line in enumerate(data.splitlines(), 1):

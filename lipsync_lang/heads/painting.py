@@ -4,6 +4,7 @@ Colours are linear, (V, 3). Places are those of the neutral face, in its own uni
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -55,7 +56,7 @@ def brow_way(points: Floats, recipe: Json) -> tuple[Floats, Floats]:
     far, along = np.full(len(points), np.inf), np.zeros(len(points))
     for line in recipe["brows"]["lines"]:
         knots = points[line]
-        for number, (a, b) in enumerate(zip(knots, knots[1:], strict=False)):
+        for number, (a, b) in enumerate(pairwise(knots)):
             share = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
             apart = np.linalg.norm(points - a - share[:, None] * (b - a), axis=1)
             nearer = apart < far
@@ -65,7 +66,7 @@ def brow_way(points: Floats, recipe: Json) -> tuple[Floats, Floats]:
 
 
 def _skin(points: Floats, recipe: Json) -> Floats:
-    """Paint skin: warmer at cheeks, nose, chin and ears, darker around the eyes and in the brows."""
+    """Paint skin: warmer at cheeks, nose and ears, darker around the eyes and in the brows."""
     x, y, z = np.abs(points[:, 0]), points[:, 1], points[:, 2]
 
     def spot(centre: Sequence[float], size: float) -> Floats:

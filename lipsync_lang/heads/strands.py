@@ -11,10 +11,10 @@ from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.heads.painting import BROW_REACH, brow_way
 from lipsync_lang.json_object import Json
 
-BROW_HAIRS = 300
+BROW_HAIRS = 200
 """Hairs of both brows."""
 
-HAIR_SIZE = (0.05, 0.62)
+HAIR_SIZE = (0.08, 0.6)
 """Width at the root and length of a hair of a brow, in centimetres."""
 
 LASH_WIDTH = 0.3
@@ -57,7 +57,10 @@ def lashes(places: Floats, rows: int) -> Strands:
             for one, following in zip(range(len(root)), range(1, len(root)), strict=False):
                 start, wide = len(found), LASH_WIDTH
                 found += [(root[one], root[following], 0.0), (root[one], root[following], wide)]
-                found += [(middle[one], middle[following], 0.8 * wide), (tip[one], tip[following], wide / 2)]
+                found += [
+                    (middle[one], middle[following], 0.8 * wide),
+                    (tip[one], tip[following], wide / 2),
+                ]
                 triangles += [(start, start + 1, start + 2), (start, start + 2, start + 3)]
     first, second, share = (np.array(row) for row in zip(*found, strict=True))
     return Strands(first, second, share[:, None], np.zeros((len(first), 3)), np.array(triangles))
@@ -73,14 +76,16 @@ def brows(points: Floats, normals: Floats, recipe: Json) -> Strands:
     width, length = HAIR_SIZE
     side = np.sign(points[chosen, 0])[:, None]
     out = normals[chosen]
-    lean = (np.clip(1 - along[chosen], 0, 1) * 1.2 + 0.25 + 0.3 * draw.standard_normal(BROW_HAIRS))[:, None]
+    lean = (np.clip(1 - along[chosen], 0, 1) * 1.2 + 0.25 + 0.3 * draw.standard_normal(BROW_HAIRS))[
+        :, None
+    ]
     way = np.concatenate([side * np.sin(lean), np.cos(lean) - 0.25, 0 * lean], 1)
     way -= out * np.sum(way * out, axis=1, keepdims=True)
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     across = np.cross(out, way)
     jitter = 0.1 * draw.standard_normal((BROW_HAIRS, 3))
     jitter -= out * np.sum(jitter * out, axis=1, keepdims=True)
-    root = jitter + 0.02 * out
+    root = jitter + 0.05 * out
     tall = length * (0.6 + 0.5 * draw.random((BROW_HAIRS, 1)))
     corners = [root - across * width / 2, root + across * width / 2, root + way * tall + 0.1 * out]
     follows = np.repeat(chosen, 3)

@@ -157,7 +157,9 @@ def _upright(web: Web, gone: Ints, target: Ints) -> Bools:
     turned = np.zeros(len(moved), bool)
     for points in web.poses:
         old, new = (
-            np.cross(points[rows[:, 1]] - points[rows[:, 0]], points[rows[:, 2]] - points[rows[:, 0]])
+            np.cross(
+                points[rows[:, 1]] - points[rows[:, 0]], points[rows[:, 2]] - points[rows[:, 0]]
+            )
             for rows in (before, after)
         )
         size = np.linalg.norm(old, axis=1) * np.linalg.norm(new, axis=1)
