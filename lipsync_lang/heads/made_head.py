@@ -28,8 +28,8 @@ from lipsync_lang.rigs.parts import (
 
 MEGABYTE = 10**6
 
-FIRST_POINTS = 12600
-"""Points of the first try; each further try has as many as would fit the size."""
+POINTS_PER_MEGABYTE = 2850
+"""Points of the first try; a further try has as many as would fit the size."""
 
 LEAST_POINTS = 2500
 """Fewest points of a head; with fewer the lips break up."""
@@ -86,7 +86,7 @@ def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
     }
     colors = painted(neutral.points, on, recipe)
     body = Part("head", points, neutral.triangles[seen], WHITE, targets=shapes, colors=colors)
-    poses = np.stack([points, *(points + shapes[name] for name in recipe["watched"])])
+    poses = np.stack([points, points + sum(shapes[name] for name in recipe["watched"])])
     web = Web(poses, body.triangles, surface[seen], colors, _worth(model, on))
     extra = [_hairs("lashes", lashes(_lash_places(model), recipe["lash_rows"]), body, recipe)]
     normals = smooth_normals(neutral.points, neutral.triangles[surface == 0])
@@ -210,7 +210,7 @@ def _worn(path: Path, face: Floats, shift: Floats, recipe: Json) -> Part:
 
 def _fitted(body: Part, web: Web, extra: list[Part], model: FaceModel, limit: float) -> MadeHead:
     """Thin the head until its file is small enough."""
-    goal = FIRST_POINTS
+    goal = int(limit * POINTS_PER_MEGABYTE)
     while True:
         web = thin(web, goal)
         parts = [*_split(replace(body, triangles=web.triangles), web.surface, model), *extra]

@@ -42,9 +42,12 @@ class ObjMesh(NamedTuple):
 
 
 def obj_mesh(path: Path, count: int | None = None) -> ObjMesh:
-    """Read points, and faces of three or more corners; with `count`, it must have so many points."""
+    """Read points, and faces of three or more corners; with `count`, it has so many points."""
     points = obj_points(path, count)
-    uv = np.array(b" ".join(_rows(path, b"vt")).split() or [np.nan, np.nan], float).reshape(-1, 2)
+    try:
+        uv = np.array([row.split()[:2] for row in _rows(path, b"vt")], float).reshape(-1, 2)
+    except ValueError:
+        _tell_line(path, b"vt", 2)
     places = np.full((len(points), 2), np.nan)
     triangles, faces = [], []
     for face, row in enumerate(_rows(path, b"f ")):
@@ -96,6 +99,6 @@ def _tell_line(path: Path, start: bytes, width: int) -> NoReturn:
             if len(values) < width:
                 shown = line[:40].decode("latin-1")
                 raise ModelError(
-                    f"{path}:{number}: '{shown}' is no point of {width} numbers; clone it again"
+                    f"{path}:{number}: '{shown}' does not hold {width} numbers; clone it again"
                 )
     raise ModelError(f"{path}: its points do not all have as many numbers; clone it again")

@@ -48,7 +48,8 @@ def linear(code: str) -> Floats:
 def ramp(low: float, high: float, x: Floats) -> Floats:
     """Rise from 0 at `low` to 1 at `high` in an S; with low > high it falls."""
     t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
+    risen: Floats = t * t * (3.0 - 2.0 * t)
+    return risen
 
 
 def brow_way(points: Floats, recipe: Json) -> tuple[Floats, Floats]:
@@ -71,7 +72,8 @@ def _skin(points: Floats, recipe: Json) -> Floats:
 
     def spot(centre: Sequence[float], size: float) -> Floats:
         away = np.stack([x, y, z], 1) - np.array(centre)
-        return np.exp(-np.sum(away**2, axis=1) / size**2)
+        shade: Floats = np.exp(-np.sum(away**2, axis=1) / size**2)
+        return shade
 
     warm = 0.34 * spot((4.6, -0.4, 9.0), 2.4) + 0.3 * spot((0, 0.2, 12.8), 1.3)
     warm += 0.14 * spot((0, -7.0, 10.5), 1.8) + 0.3 * ramp(7.0, 8.0, x) * ramp(-7, -2, y)
@@ -113,6 +115,7 @@ def _irises(points: Floats, recipe: Json) -> Floats:
     rays = 1 + 0.12 * np.sin(17 * np.arctan2(off[:, 1], off[:, 0]))
     light = (0.75 + 0.5 * ramp(0.9, eye["pupil"], out)) * rays
     light *= 1 - 0.75 * ramp(eye["limbus"], 1.0, out)
-    found = linear(recipe["surfaces"]["irises"]["color"]) * light[:, None]
+    found: Floats = linear(recipe["surfaces"]["irises"]["color"]) * light[:, None]
     black = ramp(eye["pupil"] + 0.03, eye["pupil"] - 0.03, out)[:, None]
-    return found * (1 - black) + linear(recipe["colors"]["pupil"]) * black
+    found += black * (linear(recipe["colors"]["pupil"]) - found)
+    return found

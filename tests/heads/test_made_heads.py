@@ -34,7 +34,9 @@ def test_a_clone_becomes_a_head_that_speaks(tmp_path):
 
 
 def test_a_folder_without_the_model_is_told(tmp_path):
-    with pytest.raises(ModelError, match="lacks generic_neutral_mesh.obj, .* more; get the model"):
+    with pytest.raises(
+        ModelError, match=r"lacks generic_neutral_mesh\.obj, .* more; get the model"
+    ):
         FaceModel(tmp_path, RECIPE)
     with pytest.raises(ModelError, match="is no folder"):
         FaceModel(tmp_path / "absent", RECIPE)
@@ -43,7 +45,7 @@ def test_a_folder_without_the_model_is_told(tmp_path):
 def test_a_damaged_mesh_is_told_with_its_line(tmp_path):
     path = tmp_path / "face.obj"
     path.write_text("# one\nv 0 0 0\nv 1 two 3\n")
-    with pytest.raises(ModelError, match=r"face\.obj:3: 'v 1 two 3' is no point"):
+    with pytest.raises(ModelError, match=r"face\.obj:3: 'v 1 two 3' does not hold 3 numbers"):
         obj_points(path)
     path.write_text("v 0 0 0\n")
     with pytest.raises(ModelError, match="has 1 points instead of 2"):
