@@ -1,12 +1,14 @@
 """A clone of ICT-FaceKit as its repository has it, written from the arrays in ../shared/data."""
 
 import gzip
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 from places import ROOT
 
-DATA = ROOT.parent / "shared" / "data" / "head"
+DATA = Path(os.environ.get("LIPSYNC_LANG_TEST_DATA") or ROOT.parent / "shared" / "data") / "head"
 
 
 def write_clone(folder, identities=3):
