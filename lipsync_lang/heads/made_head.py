@@ -42,13 +42,13 @@ SPARSE = 7
 
 WHITE = (1.0, 1.0, 1.0, 1.0)
 
-CLEAR = 1.06
+CORNEA_SHARE = 1.06
 """Radius, in those of the iris, of the part of the eyeball in front of it that is left out."""
 
 
 @dataclass(frozen=True)
 class HeadWish:
-    """What a head should be like."""
+    """Request for a head: its person, hair, colors and size."""
 
     identities: Mapping[int, float] = field(default_factory=dict)
     """Identities by number, in standard deviations."""
@@ -126,8 +126,8 @@ def _surfaces(model: FaceModel) -> Ints:
     out = np.linalg.norm(off, axis=-1) / eye["radius"]
     names = list(recipe["surfaces"])
     front = places[..., 2].min(axis=1) > eye["front"]
-    found[(found == names.index("eyes")) & (out.max(axis=1) < CLEAR) & front] = -1
-    hidden = (out.min(axis=1) > CLEAR) | ~front
+    found[(found == names.index("eyes")) & (out.max(axis=1) < CORNEA_SHARE) & front] = -1
+    hidden = (out.min(axis=1) > CORNEA_SHARE) | ~front
     found[(found == names.index("irises")) & hidden] = -1
     return found
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 
-SHORT = 0.003
+LENGTH_WEIGHT = 0.003
 """Weight of the length of an edge, so that flat parts thin evenly."""
 
 TINTED = 0.05
@@ -131,7 +131,7 @@ def _costs(web: Web, source: Ints, end: Ints) -> Floats:
         total += np.einsum("ei,eij,ej->e", way, sums[source].reshape(-1, 3, 3), way)
         areas = np.bincount(flat, np.repeat(area, 3), count)
         tint = np.sum((web.colors[end] - web.colors[source]) ** 2, axis=1)
-        total += areas[source] * (SHORT * np.sum(way**2, axis=1) + TINTED * tint)
+        total += areas[source] * (LENGTH_WEIGHT * np.sum(way**2, axis=1) + TINTED * tint)
     return total * web.worth[source]
 
 

@@ -27,7 +27,7 @@ INSIDE = (0.12, 1.2)
 
 
 @dataclass(frozen=True)
-class ReadOut:
+class MouthReadOut:
     """Movement of the mouth by one shape at full weight, in widths of the mouth."""
 
     aperture: float
@@ -51,7 +51,7 @@ class ReadOut:
 
 
 @dataclass(frozen=True, eq=False)
-class Mouth:
+class MeshMouth:
     """Point numbers of a mouth: pairs of lip points from the right corner to the left, and others.
 
     `width` is the distance between the corners at rest, in units of the model.
@@ -63,7 +63,7 @@ class Mouth:
     tongue: Ints
     width: float
 
-    def measure(self, moved: Floats) -> ReadOut:
+    def measure(self, moved: Floats) -> MouthReadOut:
         """Measure a shape by its (V, 3) offsets at full weight."""
         middle = len(self.upper) // 2
         above, below = moved[self.upper], moved[self.lower]
@@ -80,10 +80,10 @@ class Mouth:
             max(0.0, inside[:, 2].max() - max(0.0, chin[2], lips[2])),
             max(0.0, inside[:, 1].max() - max(0.0, *above[:, 1], *below[:, 1])),
         )
-        return ReadOut(*(float(value / self.width) for value in found))
+        return MouthReadOut(*(float(value / self.width) for value in found))
 
 
-def read_outs(model: Model) -> Mapping[str, ReadOut]:
+def read_outs(model: Model) -> Mapping[str, MouthReadOut]:
     """Measure each shape of a model at full weight, by its name.
 
     Raises ModelError if the file is damaged, or no shape of it opens a mouth.
@@ -120,7 +120,7 @@ def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
     return rest, shapes
 
 
-def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> Mouth:
+def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MeshMouth:
     """Find the mouth among (V, 3) points, where the shape that lowers the most parts them."""
     opened = max(shapes.values(), key=lambda moved: -np.minimum(moved[:, 1], 0.0).sum())
     upper, lower = _lip_pairs(rest, opened)
@@ -136,7 +136,7 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> Mouth:
     front, back = INSIDE
     within = (np.abs(off[:, 0]) < 0.3) & (np.abs(off[:, 1]) < 0.4)  # noqa: PLR2004
     tongue = np.flatnonzero(within & (-off[:, 2] > front) & (-off[:, 2] < back))
-    return Mouth(upper, lower, chin if len(chin) else lower, tongue, width)
+    return MeshMouth(upper, lower, chin if len(chin) else lower, tongue, width)
 
 
 def _lip_pairs(rest: Floats, opened: Floats) -> tuple[Ints, Ints]:
