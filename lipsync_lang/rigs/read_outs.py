@@ -22,7 +22,7 @@ NEAR_SHARE = 0.05
 PARTED_SHARE = 0.15
 """Smallest opening of a pair of lip points, as a fraction of the largest one."""
 
-INSIDE = (0.12, 1.2)
+TONGUE_DEPTHS = (0.12, 1.2)
 """Distance of the tongue behind the lips, in widths of the mouth, from and to."""
 
 
@@ -133,7 +133,7 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MeshMo
     midway = np.abs(off[:, 0]) < 0.15  # noqa: PLR2004 of the width
     low = midway & (np.abs(off[:, 1] + 0.7) < 0.25) & (np.abs(off[:, 2]) < 0.5)  # noqa: PLR2004
     chin = np.flatnonzero(low)
-    front, back = INSIDE
+    front, back = TONGUE_DEPTHS
     within = (np.abs(off[:, 0]) < 0.3) & (np.abs(off[:, 1]) < 0.4)  # noqa: PLR2004
     tongue = np.flatnonzero(within & (-off[:, 2] > front) & (-off[:, 2] < back))
     return MeshMouth(upper, lower, chin if len(chin) else lower, tongue, width)
