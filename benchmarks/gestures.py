@@ -1,4 +1,4 @@
-r"""Print how often faces make gestures, and what they cost, beside published figures.
+r"""Rates of gestures and their cost, beside published figures.
 
     python benchmarks/gestures.py [TEXTS] [-c POSESET ...] [--json FILE]
 

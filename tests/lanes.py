@@ -8,12 +8,17 @@ programs that are not ours (pip, a browser, an engine). Of every sweep, some par
 
 import os
 from collections.abc import Iterable
+from importlib.util import find_spec
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 full = pytest.mark.full
+
+needs_espeak = pytest.mark.skipif(
+    find_spec("espeakng_loader") is None, reason="needs espeakng_loader"
+)
 
 settings.register_profile(
     "quick",

@@ -13,6 +13,7 @@ from lipsync_lang.pipeline.levels import Blend, Dial, Level
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.perform import perform
+from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
 from lipsync_lang.pipeline.track import lay_track
 
@@ -304,3 +305,14 @@ def undisturbed(performance, seconds=0.1):
         for start, stop in edges.reshape(-1, 2):
             kept[start:stop] = not near[start:stop].any()
         yield contact, kept
+
+
+def assert_promises(performance):
+    """Check that poses keep to their speed, and that every undisturbed contact is made."""
+    weights, fps = performance.weights(), performance.frames.fps
+    assert np.abs(np.diff(weights, axis=0)).max() <= performance.motion.speed_limit / fps + 1e-9
+    for contact, frames in undisturbed(performance):
+        kept = (weights >= contact.floor - GIVEN - 1e-9).all(axis=1)
+        kept &= (weights <= contact.ceiling + GIVEN + 1e-9).all(axis=1)
+        starts = np.flatnonzero(np.diff(frames, prepend=False, append=False))
+        assert all(kept[start:stop].any() for start, stop in starts.reshape(-1, 2))

@@ -102,7 +102,7 @@ class Animation:
         source = Path(self.schedule.source)
         words = " ".join(word.text for word in self.schedule.words)
         named = source.stem if source.suffix else "lipsync"
-        return shorten(words, 60, placeholder=" ...") or named
+        return shorten(words, 60, placeholder="…") or named
 
     @property
     def columns(self) -> tuple[Channel, ...]:

@@ -54,18 +54,21 @@ def keys(animation: Animation, found: list[MovingShape], suits: float) -> list[K
 
 
 def on_model(animation: Animation) -> list[tuple[str, str, int]]:
-    """Return mesh, shape name and column of each shape of a known model."""
-    from lipsync_lang.rigs.model import read_model
+    """Return mesh, shape name and column of each shape that moves points of a known model."""
+    from lipsync_lang.rigs.model import known_model
+    from lipsync_lang.rigs.read_outs import still_by_mesh
     from lipsync_lang.rigs.shape_matching import on_mesh
 
     if animation.model is None:
         return []
-    meshes = read_model(animation.model, bones=True).meshes
+    model = known_model(animation.model, bones=True)
+    meshes, still = model.meshes, still_by_mesh(model)
     return [
         ((mesh.given or mesh.name) if len(meshes) > 1 else "", name, column)
         for mesh in meshes
         for column, names in on_mesh(animation.columns, mesh).shapes.items()
         for name in names
+        if name not in still.get(mesh.name, ())
     ]
 
 
@@ -76,3 +79,36 @@ def unshown(animation: Animation, program: str) -> Iterator[str]:
     yield from unplaced(animation)
     yield from boneless(animation, program)
     yield from late(animation, program)
+
+
+def node_paths(animation: Animation) -> dict[str, list[str]]:
+    """Return the paths of the nodes of each mesh below the top of the model, by `MovingShape.mesh`.
+
+    A path is the names of the nodes, such as ``Armature/Head``. A single mesh at the top is the
+    model itself, and has an empty path.
+    """
+    from lipsync_lang.rigs.model import is_index, known_model
+
+    if animation.model is None:
+        return {}
+    model = known_model(animation.model, bones=True)
+    nodes = model.document.get("nodes", [])
+    below = [(n, node.get("children")) for n, node in enumerate(nodes)]
+    above = {
+        child: n
+        for n, own in below
+        for child in (own if isinstance(own, list) else ())
+        if is_index(child, len(nodes))
+    }
+    found: dict[str, list[str]] = defaultdict(list)
+    for mesh in model.meshes:
+        for at in (n for n, node in enumerate(nodes) if node.get("mesh") == mesh.number):
+            chain = [at]
+            while above.get(chain[0], at) not in chain:
+                chain.insert(0, above[chain[0]])
+            path = "/".join(nodes[n].get("name") or mesh.name for n in chain)
+            single = len(model.meshes) == 1
+            found["" if single else mesh.given or mesh.name].append(
+                "" if single and len(chain) == 1 else path
+            )
+    return found

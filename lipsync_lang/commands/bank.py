@@ -14,8 +14,7 @@ SHOWN = 8
 
 
 @command("bank")
-def add_bank(add: Add) -> None:
-    """Add `bank`."""
+def _add_bank(add: Add) -> None:
     made = add(
         "bank",
         draft,

@@ -37,8 +37,7 @@ LOG_SECONDS = 10.0
 
 
 @command("build")
-def add_build(add: Add) -> None:
-    """Add `build`."""
+def _add_build(add: Add) -> None:
     made = add(
         "build",
         build,

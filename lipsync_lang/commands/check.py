@@ -24,8 +24,7 @@ SUFFIXES = {".json": "json", ".xml": "junit", ".html": LINE_PAGE}
 
 
 @command("check")
-def add_check(add: Add) -> None:
-    """Add `check`."""
+def _add_check(add: Add) -> None:
     check_ = add(
         "check",
         check,

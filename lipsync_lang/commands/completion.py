@@ -15,8 +15,7 @@ FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 
 
 @command("completion")
-def add_completion(add: Add) -> None:
-    """Add `completion`."""
+def _add_completion(add: Add) -> None:
     made = add(
         "completion",
         completion,

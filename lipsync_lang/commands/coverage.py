@@ -39,8 +39,7 @@ MAX_NAMES = 8
 
 
 @command("coverage")
-def add_coverage(add: Add) -> None:
-    """Add `coverage`."""
+def _add_coverage(add: Add) -> None:
     coverage_ = add(
         "coverage",
         coverage,

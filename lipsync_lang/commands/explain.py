@@ -9,8 +9,7 @@ from lipsync_lang.commands.shared_options import add_json, add_line
 
 
 @command("explain")
-def add_explain(add: Add) -> None:
-    """Add `explain`."""
+def _add_explain(add: Add) -> None:
     explain_ = add(
         "explain",
         explain,

@@ -15,8 +15,7 @@ SHOWN = 4
 
 
 @command("voices")
-def add_voices(add: Add) -> None:
-    """Add `voices`."""
+def _add_voices(add: Add) -> None:
     made = add("voices", voices, "list the voices that speak text", "voices")
     made.add_argument(
         "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"
@@ -25,8 +24,7 @@ def add_voices(add: Add) -> None:
 
 
 @command("formats")
-def add_formats(add: Add) -> None:
-    """Add `formats`."""
+def _add_formats(add: Add) -> None:
     made = add("formats", formats, "list the formats that can be read and written", "formats")
     add_json(made)
 

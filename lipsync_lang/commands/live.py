@@ -33,8 +33,7 @@ MAX_LINE_BYTES = 64 * 1024
 
 
 @command("live")
-def add_live(add: Add) -> None:
-    """Add `live`."""
+def _add_live(add: Add) -> None:
     live_ = add(
         "live",
         live,

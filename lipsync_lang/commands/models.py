@@ -10,8 +10,7 @@ from lipsync_lang.commands.shared_options import add_language, add_path
 
 
 @command("models")
-def add_models(add: Add) -> None:
-    """Add `models`."""
+def _add_models(add: Add) -> None:
     made = add(
         "models",
         adapt,

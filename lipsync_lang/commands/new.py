@@ -13,8 +13,7 @@ from lipsync_lang.packs.project import FILE
 
 
 @command("new")
-def add_new(add: Add) -> None:
-    """Add `new`."""
+def _add_new(add: Add) -> None:
     made = add(
         "new",
         new,

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 
 
 @command("languages")
-def add_languages(add: Add) -> None:
-    """Add `languages`."""
+def _add_languages(add: Add) -> None:
     title = "list language packs, show one, check one, or draft a new one"
     made = _add_kind(add, "languages", title, ("list", "show", "check", "new"))
     made.set_defaults(choosing=True)  # a character is welcome, but not needed
@@ -67,15 +66,14 @@ def add_languages(add: Add) -> None:
 
 
 @command("posesets")
-def add_posesets(add: Add) -> None:
-    """Add `posesets`."""
+def _add_posesets(add: Add) -> None:
     title = "list pose sets, show one, or draft a new one"
     made = _add_kind(add, "posesets", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new pose set")
     new.add_argument("poses", metavar="POSE", nargs="*", help="the names of its poses")
     new.add_argument(
         "--model", metavar="FILE", type=Path,
-        help="a model (.glb); its shapes are the poses unless you name some",
+        help="a model (.glb, .vrm, .gltf); its shapes are the poses unless you name some",
     )  # fmt: skip
     new.add_argument(
         "--like", metavar="POSESET",
@@ -87,12 +85,13 @@ def add_posesets(add: Add) -> None:
 
 
 @command("characters")
-def add_characters(add: Add) -> None:
-    """Add `characters`."""
+def _add_characters(add: Add) -> None:
     title = "list characters, show one, or draft one from a model"
     made = _add_kind(add, "characters", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new character")
-    new.add_argument("--model", metavar="FILE", type=Path, help="the model of the face (.glb)")
+    new.add_argument(
+        "--model", metavar="FILE", type=Path, help="the model of the face (.glb, .vrm, .gltf)"
+    )
     new.add_argument("--poseset", metavar="POSESET", help="its pose set [the best match]")
     new.add_argument("--rig", metavar="RIG", help="a rig of the pose set [the best match]")
     new.add_argument("--title", metavar="TITLE", help="its title in lists")

@@ -8,8 +8,7 @@ from lipsync_lang.commands.shared_options import add_json, add_pair
 
 
 @command("resolve")
-def add_resolve(add: Add) -> None:
-    """Add `resolve`."""
+def _add_resolve(add: Add) -> None:
     made = add(
         "resolve",
         resolve,

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 
 @command("run")
-def add_run(add: Add) -> None:
-    """Add `run`."""
+def _add_run(add: Add) -> None:
     run_ = add(
         "run",
         run,

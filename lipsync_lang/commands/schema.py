@@ -8,8 +8,7 @@ from lipsync_lang.commands.shared_options import add_json
 
 
 @command("schema")
-def add_schema(add: Add) -> None:
-    """Add `schema`."""
+def _add_schema(add: Add) -> None:
     made = add(
         "schema",
         schema,

@@ -63,7 +63,11 @@ def add_language(made: Options) -> None:
 
 def add_pair(made: Options, *, models: bool = False) -> None:
     """Add the language and character options; `models` if a model may stand for a character."""
-    face = "a character, a pose set or a model (.glb)" if models else "a character or a pose set"
+    face = (
+        "a character, a pose set or a model (.glb, .vrm, .gltf)"
+        if models
+        else "a character or a pose set"
+    )
     add_language(made)
     made.add_argument("-c", "--character", metavar="CHARACTER", help=f"{face} [the project's]")
     add_path(made)

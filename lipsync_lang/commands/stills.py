@@ -14,8 +14,7 @@ from lipsync_lang.files import argument_path
 
 
 @command("stills")
-def add_stills(add: Add) -> None:
-    """Add `stills`."""
+def _add_stills(add: Add) -> None:
     stills_ = add(
         "stills",
         stills,

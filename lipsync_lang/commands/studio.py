@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
 
 @command("studio")
-def add_studio(add: Add) -> None:
-    """Add `studio`."""
+def _add_studio(add: Add) -> None:
     studio_ = add(
         "studio",
         studio,

@@ -16,8 +16,7 @@ from lipsync_lang.files import argument_path
 
 
 @command("transcribe")
-def add_transcribe(add: Add) -> None:
-    """Add `transcribe`."""
+def _add_transcribe(add: Add) -> None:
     transcribe_ = add(
         "transcribe",
         transcribe,

@@ -11,8 +11,7 @@ from lipsync_lang.packs.project import FILE, find_project
 
 
 @command("validate")
-def add_validate(add: Add) -> None:
-    """Add `validate`."""
+def _add_validate(add: Add) -> None:
     made = add(
         "validate",
         validate,

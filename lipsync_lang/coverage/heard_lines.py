@@ -10,7 +10,6 @@ from contextlib import suppress
 from glob import escape
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,9 +22,7 @@ from lipsync_lang.resolver.cache import folder
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.speech.hearing.recognition import recognised
 from lipsync_lang.speech.sound_forms import AUDIO_SUFFIXES
-
-if TYPE_CHECKING:
-    from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 HEARD_BY = "sound"
 """The recogniser, which hears every language."""
@@ -53,7 +50,7 @@ def is_text(path: Path) -> bool:
 
 
 def heard_lines(
-    recordings: Iterable[Path], speaker: "Speaker", remark: Callable[[str], None]
+    recordings: Iterable[Path], speaker: Speaker, remark: Callable[[str], None]
 ) -> Iterator[Line]:
     """Yield each recording as a line with a schedule, whose labels count and whose times do not.
 
@@ -80,7 +77,7 @@ def heard_lines(
         yield Line("", f"{path}:1", path.stem, schedule=schedule)
 
 
-def _kept(speaker: "Speaker") -> ReadingCache | None:
+def _kept(speaker: Speaker) -> ReadingCache | None:
     """Return what was heard in a language before; None if nothing can be kept."""
     home, notation = folder(), speaker.notations.get(IPA)
     if home is None or notation is None:

@@ -15,7 +15,6 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,10 +25,7 @@ from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Audio, Schedu
 from lipsync_lang.speech.hearing.align.aligners import BatchAligner, aligner
 from lipsync_lang.speech.hearing.engine_names import engine_and_model
 from lipsync_lang.speech.results import batches, each, tried
-from lipsync_lang.speech.speaking.speaker import BATCH_TEXTS
-
-if TYPE_CHECKING:
-    from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.speech.speaking.speaker import BATCH_TEXTS, Speaker
 
 NAME = "mfa"
 
@@ -45,7 +41,7 @@ class MfaAligner(BatchAligner):
     """
 
     def align_many(
-        self, recordings: Iterable[Given], speaker: "Speaker", model: str | None = None
+        self, recordings: Iterable[Given], speaker: Speaker, model: str | None = None
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does; MFA starts once for up to 500 recordings, each read twice."""
         audio = speaker.manner.audio

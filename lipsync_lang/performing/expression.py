@@ -13,23 +13,19 @@ fades, speed and acceleration may exceed the limits of the motion.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, spelled
-from lipsync_lang.performing.delivery import timed
+from lipsync_lang.performing.delivery import DialLevels, timed
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.rigs.channel import Channel
 
-if TYPE_CHECKING:
-    from lipsync_lang.performing.delivery import DialLevels
 
-
-def with_expression(animation: Animation, tables: Tables, expression: "DialLevels") -> Animation:
+def with_expression(animation: Animation, tables: Tables, expression: DialLevels) -> Animation:
     """Return an animation with an expression added; see `Performer.with_expression`.
 
     The tables have the contacts and constraints that the animation keeps.

@@ -13,17 +13,15 @@ from collections.abc import Collection
 from copy import copy
 from dataclasses import dataclass, field
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, StressMarks
 from lipsync_lang.pipeline.overlay import Overlay
+from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.pipeline.track import trigrams_in
-
-if TYPE_CHECKING:
-    from lipsync_lang.pipeline.tables import Tables
 
 UNSURE_SECONDS = 0.1
 """Assumed length of the last phoneme until its end is known; no final frame depends on it."""
@@ -339,7 +337,7 @@ class HeardLabels:
         return tuple(one for word in self.words for one in word.overlays)
 
 
-def begun_trigrams(heard: HeardLabels, tables: "Tables") -> frozenset[int]:
+def begun_trigrams(heard: HeardLabels, tables: Tables) -> frozenset[int]:
     """Return the sounds that begin a trigram, by index; -1 is the silence before the first."""
     if not len(tables.trigrams) or not heard.sounds:
         return frozenset()
@@ -348,7 +346,7 @@ def begun_trigrams(heard: HeardLabels, tables: "Tables") -> frozenset[int]:
     return frozenset(at - before for at in trigrams_in(ids, tables).tolist())
 
 
-def open_trigram(heard: HeardLabels, tables: "Tables", silence_reach: float) -> float | None:
+def open_trigram(heard: HeardLabels, tables: Tables, silence_reach: float) -> float | None:
     """Return the time from which bigrams depend on the sound after the last one.
 
     Parameters

@@ -190,12 +190,37 @@ def _posed(performer: "Performer") -> Face:
     }
     alone = _alone(compiled)
     roles = _roles(compiled, alone)
-    aperture = measures.get(APERTURE, roles.opening.astype(float))
+    opening = measures.get(APERTURE, roles.opening.astype(float))
+    aperture = opening * _moving(performer, performer.poses)
     unit = np.ones(count)
     limits = tables.caps, tables.at_most, np.zeros(count), unit, unit
-    judged = measures, _meant(compiled), roles, aperture if aperture.any() else None
-    vowels = _vowels(compiled, alone @ aperture)
+    judged = measures, _meant(compiled), roles, aperture if opening.any() else None
+    vowels = _vowels(compiled, alone @ opening)
     return Face(performer.poses, tuple(touches), *limits, *judged, vowels, _yields(tables))
+
+
+def _moving(performer: "Performer", names: tuple[str, ...]) -> Bools:
+    """Return False for poses, or channels, whose shapes move no point of the model: (C,)."""
+    from lipsync_lang.rigs.driver import Driver
+    from lipsync_lang.rigs.model import known_model
+    from lipsync_lang.rigs.read_outs import still_shapes
+    from lipsync_lang.rigs.shape_matching import on_mesh
+
+    model = None if performer.model is None else known_model(performer.model, bones=True)
+    still = still_shapes(model) if model else frozenset()
+    if model is None or not still:
+        return np.ones(len(names), bool)
+    compiled = performer.compiled
+    rig = compiled.rig and Driver.from_plain(compiled.rig, performer.poses, compiled.tables.floors)
+    channels = rig.channels if rig else performer.channels
+    found: dict[int, set[str]] = {}
+    for mesh in model.meshes:
+        for number, shapes in on_mesh(channels, mesh).shapes.items():
+            found.setdefault(number, set()).update(shapes)
+    moves = np.array([not (n in found and found[n] <= still) for n in range(len(channels))])
+    if rig and names == performer.poses:
+        moves = ((rig.rig.gains != 0) & moves[:, None]).any(axis=0)
+    return moves
 
 
 def _yields(tables: Tables) -> Bools:
@@ -272,6 +297,7 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
     elif posed.aperture is not None:
         # of all gains that read the aperture of the poses, the smallest
         aperture = posed.aperture @ np.linalg.pinv(rig.gains / span[:, None]) / span
+    moving = _moving(performer, names)
     alone = np.clip(_alone(compiled) @ rig.gains.T, rig.low, rig.high)
     yielding = np.isin(np.arange(len(names)), [channel for channel, _ in rig.at_most])
     free = _bounds(rig, np.zeros(len(performer.poses)), np.ones(len(performer.poses)))
@@ -289,9 +315,10 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
         )
     ranges = rig.at_most, rig.low, rig.high, span
     vowels = None if aperture is None else _vowels(compiled, alone @ aperture)
+    seen = None if aperture is None else aperture * moving
     return Face(
         names, tuple(touches), (), *ranges, {}, _meant(compiled),
-        aperture=aperture, vowels=vowels, yields=posed.yields,
+        aperture=seen, vowels=vowels, yields=posed.yields,
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 
 from lipsync_lang.quality.figures import Figure, Quality, describe
 from lipsync_lang.reports.junit import JunitCase, JunitSuite, junit_text
+from lipsync_lang.reports.text_table import columns
 
 Qualities = Mapping[str, Quality]
 """Results by name; the first is for the judged animation, the others are for comparison."""
@@ -19,9 +20,7 @@ def as_text(qualities: Qualities) -> str:
     known = [{figure.name: figure for figure in one.figures} for one in qualities.values()]
     rows = [["", *qualities]]
     rows += [[name, *(_cell(one.get(name)) for one in known)] for name in names]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ("  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows)
-    return "\n".join([str(first), "", *(line.rstrip() for line in lines)])
+    return "\n".join([str(first), "", *columns(rows)])
 
 
 def _cell(figure: Figure | None) -> str:

@@ -10,20 +10,18 @@ speaking, and a character's words, lines and motion, are not looked at.
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.packs.library import Library
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
 from lipsync_lang.resolver.layers import THIRDS, BigramRow, Halves, PairPacks
 from lipsync_lang.resolver.trigrams import drawn_trigrams, played_trigrams
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
 
 SLACK = 1e-6
 """Maximum difference that counts as none."""
@@ -142,7 +140,7 @@ class Diff:
 
 
 def diff_banks(
-    library: "Library",
+    library: Library,
     language: str,
     character: str,
     against: str | None = None,
@@ -212,7 +210,7 @@ def _beneath(shelf: PairPacks) -> tuple[PairPacks, str]:
     return replace(shelf, character=Pack(bare, shelf.poseset.sources), own_banks=()), name
 
 
-def _other(library: "Library", shelf: PairPacks, against: str) -> tuple[PairPacks, str]:
+def _other(library: Library, shelf: PairPacks, against: str) -> tuple[PairPacks, str]:
     """Open another character of the same pose set."""
     other = PairPacks.open(library, shelf.language.model.name, against)
     mine, its = shelf.poseset.model.name, other.poseset.model.name

@@ -1,18 +1,15 @@
 """Sources of a bigram's curves: its file, the layers beneath, and drafts from the targets."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.banks.write import BankBigrams
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.packs.library import Library
 from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import DRAFTED, BigramRow, PairPacks
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
 
 
 def stated(shelf: PairPacks, row: BigramRow) -> str | None:
@@ -66,7 +63,7 @@ def _middles(parts: int, start: float, end: float) -> list[float]:
 
 
 def draft_bigrams(
-    library: "Library", language: str, character: str, wanted: Sequence[str] = ()
+    library: Library, language: str, character: str, wanted: Sequence[str] = ()
 ) -> BankBigrams:
     """Draft bigrams from the targets of a character's pose set, also bigrams in banks.
 

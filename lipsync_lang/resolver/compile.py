@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats, Singles
 from lipsync_lang.banks.draft import shape
+from lipsync_lang.packs import models
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models.rig_channels import expanded, pose_names
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.pipeline.curve import bspline, polyline
@@ -26,12 +28,8 @@ from lipsync_lang.resolver.rigging import model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.resolver.trigrams import drawn_trigrams, played_trigrams, trigram_arrays
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack
 
-
-def compile_pair(library: "Library", language: str, character: str) -> CompiledPair:
+def compile_pair(library: Library, language: str, character: str) -> CompiledPair:
     """Read the packs of a pair and compile them; the package's docstring lists the layers."""
     packs = PairPacks.open(library, language, character)
     return compile_packs(packs, PairRows.of(packs))
@@ -197,7 +195,7 @@ def _plain(data: Any) -> Any:
     return [_plain(value) for value in data] if isinstance(data, (list, tuple)) else data
 
 
-def _checks(*layers: "models.Checks") -> dict[str, Any]:
+def _checks(*layers: models.Checks) -> dict[str, Any]:
     """Return limits and rules as plain data; later layers override earlier ones."""
     limits: dict[str, Any] = {}
     rules: dict[str, Any] = {}
@@ -266,7 +264,7 @@ def _marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
     return boundary, np.array([False, *(row.free for row in rows)])
 
 
-def _regions(poseset: "models.PoseSet") -> dict[str, list[int]]:
+def _regions(poseset: models.PoseSet) -> dict[str, list[int]]:
     """Return pose numbers by region."""
     regions: dict[str, list[int]] = {}
     for number, pose in enumerate(poseset.poses.values()):
@@ -276,7 +274,7 @@ def _regions(poseset: "models.PoseSet") -> dict[str, list[int]]:
 
 
 def _style_drafts(
-    poseset: "Pack[models.PoseSet]", drawn: Mapping[str, object]
+    poseset: Pack[models.PoseSet], drawn: Mapping[str, object]
 ) -> dict[str, dict[str, Any]]:
     """Return the scale and offset of every pose for styles of the pose set without a bank."""
     poses = poseset.model.poses
@@ -294,14 +292,14 @@ def _style_drafts(
     }
 
 
-def _delivery(manner: "models.Delivery") -> dict[str, Any]:
+def _delivery(manner: models.Delivery) -> dict[str, Any]:
     """Return a delivery as plain data."""
     stated = {"styles": manner.styles, "dials": manner.dials, "gestures": manner.gestures}
     plain: dict[str, Any] = _plain(stated)
     return plain
 
 
-def _gestures(poseset: "Pack[models.PoseSet]", words: "models.GestureWords") -> dict[str, Any]:
+def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict[str, Any]:
     """Return the gestures, their poses, and the words of the language that have them."""
     model = poseset.model
     poses = [
@@ -335,7 +333,7 @@ def _gestures(poseset: "Pack[models.PoseSet]", words: "models.GestureWords") -> 
     return plain
 
 
-def _line(line: "models.LineEdits") -> dict[str, Any]:
+def _line(line: models.LineEdits) -> dict[str, Any]:
     """Return what a line states, except its curve edits, as plain data."""
     stated: dict[str, Any] = _plain(line.model_dump(exclude={"edits"}, exclude_defaults=True))
     return _delivery(line) | stated

@@ -5,26 +5,22 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from lipsync_lang.arrays import Bools, Floats
 from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
+from lipsync_lang.packs import models
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.known import KnownPhonemes
-from lipsync_lang.packs.library import FilePlace
+from lipsync_lang.packs.library import FilePlace, Library, Pack
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
 from lipsync_lang.resolver.pose_arrays import thresholds
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack
-
 
 NEUTRAL = "neutral"
 """The style of a bank that names none."""
@@ -81,17 +77,17 @@ UNDRAWN = frozenset({"face", "known", "parents", "likes", "_mapped"})
 class PairPacks:
     """All packs of one language-character pair."""
 
-    common: "Pack[models.Phonemes]"
-    language: "Pack[models.Language]"
-    character: "Pack[models.Character]"
-    poseset: "Pack[models.PoseSet]"
-    banks: "tuple[Pack[models.BankPack], ...]"
-    own_banks: "tuple[Pack[models.BankPack], ...]"
+    common: Pack[models.Phonemes]
+    language: Pack[models.Language]
+    character: Pack[models.Character]
+    poseset: Pack[models.PoseSet]
+    banks: tuple[Pack[models.BankPack], ...]
+    own_banks: tuple[Pack[models.BankPack], ...]
     """Banks that the character names."""
-    library: "Library"
+    library: Library
 
     @classmethod
-    def open(cls, library: "Library", language: str, character: str) -> Self:
+    def open(cls, library: Library, language: str, character: str) -> Self:
         """Load and check every pack of a pair; raise `PackError` for one that is unsound."""
         try:
             who = library.character(character)
@@ -153,7 +149,7 @@ class PairPacks:
         return KnownPhonemes(self.library, {*common.phonemes, *common.shades, *self.phonemes})
 
     @cached_property
-    def face(self) -> "models.PoseSet":
+    def face(self) -> models.PoseSet:
         """The pose set, with the character's own targets and seconds in place of its."""
         return self.character.model.own_face(self.poseset.model)
 
@@ -234,7 +230,7 @@ class PairPacks:
             found.append(self._file(layer, bank))
         return tuple(found)
 
-    def _file(self, layer: str, pack: "Pack[Any]") -> DrawnBigrams:
+    def _file(self, layer: str, pack: Pack[Any]) -> DrawnBigrams:
         style = getattr(pack.model, "style", NEUTRAL)
         halves = {}
         for key, trigram in pack.model.trigrams.items():
@@ -282,7 +278,7 @@ class PairPacks:
         found = {style for layer in self.layers.values() for style in layer}
         return tuple(sorted(found - {NEUTRAL}))
 
-    def drawn_rows(self, layer: str, pack: "Pack[Any]") -> dict[Pair, BigramRow]:
+    def drawn_rows(self, layer: str, pack: Pack[Any]) -> dict[Pair, BigramRow]:
         """Return the bigrams of a bank or a character as rows."""
         rows = {}
         for key, bigram in pack.model.bigrams.items():
@@ -292,7 +288,7 @@ class PairPacks:
         return rows
 
     def _drawn_row(
-        self, layer: str, pack: "Pack[Any]", loc: tuple[str, str], pair: Pair
+        self, layer: str, pack: Pack[Any], loc: tuple[str, str], pair: Pair
     ) -> BigramRow:
         """Return the curves at a location of a pack as a row for two phonemes."""
         field, key = loc
@@ -432,7 +428,7 @@ class PairPacks:
         coarse = phoneme if phoneme in targets else self.parents.get(phoneme, phoneme)
         return coarse if coarse in targets else self.likes.get(coarse, coarse)
 
-    def _target(self, steps: "Iterable[models.PhonemeTarget]", bound: Bools) -> Target:
+    def _target(self, steps: Iterable[models.PhonemeTarget], bound: Bools) -> Target:
         """Return a target as arrays; `bound` is (P, P), True for two poses with a constraint.
 
         A pose that is not named yields to the neighbours, unless a constraint sets it against one

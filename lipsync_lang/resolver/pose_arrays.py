@@ -1,21 +1,17 @@
 """Rules of a pose set as arrays; poses are numbered in the order of its `poses`."""
 
 from graphlib import TopologicalSorter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats
-from lipsync_lang.packs.models import AtMost, Threshold
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.models import PoseSet
+from lipsync_lang.packs.models import AtMost, PoseSet, Threshold
 
 SOFTNESS_SECONDS = 0.04
 """Default rounding of a pose in seconds."""
 
 
-def thresholds(poseset: "PoseSet", *, paper: bool = False) -> Floats:
+def thresholds(poseset: PoseSet, *, paper: bool = False) -> Floats:
     """Constraints as a symmetric (P, P) array; `paper` prefers the paper's own values."""
     numbers = _numbers(poseset)
     out = np.full((len(numbers),) * 2, poseset.constraints.default)
@@ -27,7 +23,7 @@ def thresholds(poseset: "PoseSet", *, paper: bool = False) -> Floats:
     return out
 
 
-def at_most(poseset: "PoseSet") -> list[tuple[int, int]]:
+def at_most(poseset: PoseSet) -> list[tuple[int, int]]:
     """Pairs (pose, other), sorted so that each `other` is final before its use."""
     numbers = _numbers(poseset)
     rules = [
@@ -43,14 +39,14 @@ def at_most(poseset: "PoseSet") -> list[tuple[int, int]]:
     return sorted(rules, key=lambda rule: order.index(rule[0]))
 
 
-def priority(poseset: "PoseSet") -> Floats:
+def priority(poseset: PoseSet) -> Floats:
     """(P,) priorities; larger wins. A pose without a stated priority never yields."""
     # poses are listed from the one that yields first
     rank = {pose: float(number) for number, pose in enumerate(poseset.priority)}
     return np.array([rank.get(pose, np.inf) for pose in poseset.poses])
 
 
-def softness(poseset: "PoseSet") -> Floats:
+def softness(poseset: PoseSet) -> Floats:
     """(P,) seconds of rounding for each pose: its own, its region's or the default."""
     regions = poseset.softness
     return np.array(
@@ -62,10 +58,10 @@ def softness(poseset: "PoseSet") -> Floats:
     )
 
 
-def anticipate(poseset: "PoseSet") -> Floats:
+def anticipate(poseset: PoseSet) -> Floats:
     """(P,) seconds of anticipation of each pose."""
     return np.array([pose.anticipate for pose in poseset.poses.values()], float)
 
 
-def _numbers(poseset: "PoseSet") -> dict[str, int]:
+def _numbers(poseset: PoseSet) -> dict[str, int]:
     return {pose: number for number, pose in enumerate(poseset.poses)}

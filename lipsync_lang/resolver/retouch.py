@@ -8,10 +8,10 @@ sampled again, which takes 0.03 to 0.07 s.
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from lipsync_lang.packs.checking.pack_checks import check_bigrams
-from lipsync_lang.packs.library import FilePlace, Pack
+from lipsync_lang.packs.library import FilePlace, Library, Pack
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.splicing import INDEPENDENT, SplicedText, pack_name
 from lipsync_lang.packs.yaml.faults import PackFaults
@@ -19,9 +19,6 @@ from lipsync_lang.packs.yaml.source import Data, scan
 from lipsync_lang.resolver.compile import PairRows, compile_packs
 from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.layers import DrawnBigrams, PairPacks
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +31,7 @@ class OpenPair:
     data: Mapping[Path, Data]
 
     @classmethod
-    def open(cls, library: "Library", language: str, character: str) -> Self:
+    def open(cls, library: Library, language: str, character: str) -> Self:
         """Compile a pair as `compile_pair` does, and keep its packs; errors are as there."""
         shelf = PairPacks.open(library, language, character)
         packs: tuple[Pack[Any], ...] = (shelf.character, *shelf.own_banks, *shelf.banks)

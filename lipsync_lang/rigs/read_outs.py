@@ -7,7 +7,9 @@ where points that lie close together come apart most, in the shape that lowers t
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,12 +24,18 @@ NEAR_SHARE = 0.05
 PARTED_SHARE = 0.15
 """Smallest opening of a pair of lip points, as a fraction of the largest one."""
 
+STILL_SHARE = 1e-5
+"""Largest way of a point that nobody sees, as a fraction of the size of its mesh."""
+
+MAX_MEASURED_POINTS = 30_000
+"""Largest model whose mouth is looked for in a choice of pose sets: pairs of points cost memory."""
+
 TONGUE_DEPTHS = (0.12, 1.2)
 """Distance of the tongue behind the lips, in widths of the mouth, from and to."""
 
 
 @dataclass(frozen=True)
-class MouthReadOut:
+class ShapeReadOut:
     """Movement of the mouth by one shape at full weight, in widths of the mouth."""
 
     aperture: float
@@ -51,7 +59,7 @@ class MouthReadOut:
 
 
 @dataclass(frozen=True, eq=False)
-class MeshMouth:
+class MouthPoints:
     """Point numbers of a mouth: pairs of lip points from the right corner to the left, and others.
 
     `width` is the distance between the corners at rest, in units of the model.
@@ -63,7 +71,7 @@ class MeshMouth:
     tongue: Ints
     width: float
 
-    def measure(self, moved: Floats) -> MouthReadOut:
+    def measure(self, moved: Floats) -> ShapeReadOut:
         """Measure a shape by its (V, 3) offsets at full weight."""
         middle = len(self.upper) // 2
         above, below = moved[self.upper], moved[self.lower]
@@ -80,10 +88,10 @@ class MeshMouth:
             max(0.0, inside[:, 2].max() - max(0.0, chin[2], lips[2])),
             max(0.0, inside[:, 1].max() - max(0.0, *above[:, 1], *below[:, 1])),
         )
-        return MouthReadOut(*(float(value / self.width) for value in found))
+        return ShapeReadOut(*(float(value / self.width) for value in found))
 
 
-def read_outs(model: Model) -> Mapping[str, MouthReadOut]:
+def read_outs(model: Model) -> Mapping[str, ShapeReadOut]:
     """Measure each shape of a model at full weight, by its name.
 
     Raises ModelError if the file is damaged, or no shape of it opens a mouth.
@@ -120,11 +128,11 @@ def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
     return rest, shapes
 
 
-def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MeshMouth:
+def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthPoints:
     """Find the mouth among (V, 3) points, where the shape that lowers the most parts them."""
     opened = max(shapes.values(), key=lambda moved: -np.minimum(moved[:, 1], 0.0).sum())
     upper, lower = _lip_pairs(rest, opened)
-    if not len(upper):
+    if not len(upper) or not np.ptp(rest[upper, 0] + rest[lower, 0]):
         raise ModelError(f"{path}: no shape opens a mouth, so its shapes cannot be measured")
     line = (rest[upper] + rest[lower]) / 2
     width = float(np.ptp(line[:, 0]))
@@ -136,7 +144,7 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MeshMo
     front, back = TONGUE_DEPTHS
     within = (np.abs(off[:, 0]) < 0.3) & (np.abs(off[:, 1]) < 0.4)  # noqa: PLR2004
     tongue = np.flatnonzero(within & (-off[:, 2] > front) & (-off[:, 2] < back))
-    return MeshMouth(upper, lower, chin if len(chin) else lower, tongue, width)
+    return MouthPoints(upper, lower, chin if len(chin) else lower, tongue, width)
 
 
 def _lip_pairs(rest: Floats, opened: Floats) -> tuple[Ints, Ints]:
@@ -166,3 +174,48 @@ def _lip_pairs(rest: Floats, opened: Floats) -> tuple[Ints, Ints]:
         return nothing, nothing
     upper, lower = np.transpose(pairs)
     return upper, lower
+
+
+@lru_cache(maxsize=8)
+def still_by_mesh(model: Model) -> Mapping[str, frozenset[str]]:
+    """Return the shapes that move no point of a mesh, by its name; empty if unreadable."""
+    found = {}
+    try:
+        arrays = Accessors(model)
+        for mesh in model.meshes:
+            primitives = model.document["meshes"][mesh.number]["primitives"]
+            moving = {
+                name
+                for primitive in primitives
+                for name, target in zip(mesh.shapes, primitive["targets"], strict=True)
+                if "POSITION" in target and _moves(arrays, primitive, target["POSITION"])
+            }
+            found[mesh.name] = frozenset(mesh.shapes) - moving
+    except (ModelError, KeyError, TypeError):
+        return {}
+    return found
+
+
+def still_shapes(model: Model) -> frozenset[str]:
+    """Return the shapes that move no point of any mesh; none if the points cannot be read."""
+    still = still_by_mesh(model)
+    parts = (set(mesh.shapes) - still.get(mesh.name, frozenset()) for mesh in model.meshes)
+    return frozenset(model.shape_names).difference(*parts)
+
+
+def _moves(arrays: Accessors, primitive: Mapping[str, Any], offsets: object) -> bool:
+    size = np.ptp(arrays[primitive["attributes"]["POSITION"]].astype(float), axis=0).max()
+    return bool(np.abs(arrays[offsets]).max() > STILL_SHARE * size)
+
+
+@lru_cache(maxsize=8)
+def apertures(model: Model) -> Mapping[str, float]:
+    """Return how far each shape parts the lips; empty without a mouth, and for a large model."""
+    try:
+        meshes = [model.document["meshes"][mesh.number]["primitives"] for mesh in model.meshes]
+        rows = {one["attributes"]["POSITION"] for own in meshes for one in own}
+        if sum(model.document["accessors"][row]["count"] for row in rows) > MAX_MEASURED_POINTS:
+            return {}
+        return {name: found.aperture for name, found in read_outs(model).items()}
+    except (ModelError, LookupError, TypeError, ValueError):
+        return {}

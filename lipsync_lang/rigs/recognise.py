@@ -5,6 +5,9 @@ examined alone, at full weight. The effect on a channel is the distance from res
 channel's span, so that degrees and weights are comparable. Negative gains from rest have no visible
 effect. Limits between channels are ignored. Of two poses that look alike, the one with the larger
 effect counts as shown and the other as lost.
+
+Names may promise what a mesh does not keep. Shapes that move no point are left out, and a pose set
+that opens the mouth comes before all that hardly do.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,7 +24,8 @@ from lipsync_lang.packs.models.rig_channels import channels_of, plain_channels, 
 from lipsync_lang.reports.text_table import columns
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.driver import Driver, bare
-from lipsync_lang.rigs.model import Model
+from lipsync_lang.rigs.model import Model, some
+from lipsync_lang.rigs.read_outs import apertures, still_shapes
 from lipsync_lang.rigs.shape_matching import on_mesh
 
 ALIKE = 0.97
@@ -38,6 +42,9 @@ MAX_SHOWN_MATCHES = 3
 
 MIN_SHOWN_SHARE = 0.25
 """Smallest share of shown poses for the automatic choice of a pose set."""
+
+MIN_OPEN_SHARE = 0.3
+"""Smallest opening of a pose set's shapes, as a fraction of the widest of the model."""
 
 
 @dataclass(frozen=True)
@@ -130,6 +137,8 @@ class Match:
     """Shapes of the model without a channel."""
     losses: tuple[Loss, ...]
     """Poses lost wholly or in part."""
+    opens: bool
+    """False if none of the shapes opens the mouth, and others of the model do."""
 
     @property
     def shown(self) -> int:
@@ -150,7 +159,7 @@ class Match:
     def rank(self) -> tuple[object, ...]:
         """Sort key of matches; the smallest is the best."""
         worth = self.shown * MAX_SHOWN_MATCHES - len(self.losses)
-        return (-worth, -self.shown, self.rig is not None, -self.own, self.name)
+        return (not self.opens, -worth, -self.shown, self.rig is not None, -self.own, self.name)
 
     @property
     def own(self) -> int:
@@ -184,9 +193,10 @@ class Match:
 def recognise(library: Library, model: Model) -> tuple[Match, ...]:
     """Match every pose set and every rig against a model.
 
-    The number of poses shown as themselves decides the order, but three lost poses outweigh a
-    shown one. Among equals, a pose set without a rig comes first. Empty matches are left out.
-    Invalid packs are skipped, because `validate` reports their faults.
+    Matches that open the mouth on the mesh come first. Then the number of poses shown as themselves
+    decides the order, but three lost poses outweigh a shown one. Among equals, a pose set without a
+    rig comes first. Empty matches are left out. Invalid packs are skipped, because `validate`
+    reports their faults.
     """
     found: list[Match] = []
     for name in dict.fromkeys(one.name for one in library.names("poseset")):
@@ -198,7 +208,7 @@ def recognise(library: Library, model: Model) -> tuple[Match, ...]:
 
 
 def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
-    """Find channels among the shapes of all meshes and among the bones."""
+    """Find channels among the shapes of all meshes that move, and among the bones."""
     places: dict[str, dict[str, None]] = {}
     shared: dict[str, tuple[str, ...]] = {}
     doubts: dict[str, None] = {}
@@ -209,6 +219,13 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
         for shape, numbers in on.shared.items():
             shared[shape] = tuple(channels[number].name for number in numbers)
         doubts.update(dict.fromkeys(on.doubts))
+    still = still_shapes(model)
+    lost = {name: shapes for name, shapes in places.items() if shapes.keys() <= still}
+    if lost:
+        dead = [shape for shapes in lost.values() for shape in shapes]
+        doubts[f"on the mesh, nothing moves with {some(dead)}"] = None
+    if len(still) < len(model.shape_names):
+        places = {name: shapes for name, shapes in places.items() if name not in lost}
     for channel in channels:
         if channel.node in model.nodes:
             places[channel.name] = {str(channel.node): None}
@@ -222,7 +239,8 @@ def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterato
     if found.places:
         lost = tuple(Loss(pose, 0, None, "") for pose in poses if pose not in found.places)
         missing = tuple(loss.pose for loss in lost)
-        yield Match(poseset.name, None, poses, found, missing, _left(model, found), lost)
+        opens = _opens(model, found)
+        yield Match(poseset.name, None, poses, found, missing, _left(model, found), lost, opens)
     known = {found.name for found in library.names("poseset")}
     for path in library.rigs_of(poseset.name):
         try:
@@ -243,10 +261,20 @@ def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterato
             missing = tuple(one.name for one in channels if one.name not in found.places)
             kept = replace(rig, model=rig.model.model_copy(update={"channels": held}))
             left, lost = _left(model, found), losses(library, kept)
-            yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost)
+            opens = _opens(model, found)
+            yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost, opens)
+
+
+def _opens(model: Model, found: ChannelPlaces) -> bool:
+    """Test for a found shape that opens the mouth, or a bone, which is not measured."""
+    gaps, own = apertures(model), {name for names in found.places.values() for name in names}
+    widest = max(gaps.values(), default=0.0)
+    if widest <= 0 or not own <= gaps.keys():
+        return True
+    return max((gaps[name] for name in own), default=0.0) >= MIN_OPEN_SHARE * widest
 
 
 def _left(model: Model, found: ChannelPlaces) -> tuple[str, ...]:
-    """List the shapes without a channel."""
-    driven = {shape for shapes in found.places.values() for shape in shapes}
+    """List the shapes that move without a channel."""
+    driven = still_shapes(model) | {shape for shapes in found.places.values() for shape in shapes}
     return tuple(shape for shape in model.shape_names if shape not in driven)

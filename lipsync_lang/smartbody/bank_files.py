@@ -41,6 +41,7 @@ from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from lipsync_lang.errors import PackError
+from lipsync_lang.packs.yaml.faults import visible
 
 MAX_SCRIPT_BYTES = 10_000_000
 """Maximum file size in bytes; the largest published bank has 0.24 million."""
@@ -139,13 +140,6 @@ def read_smartbody(path: Path, remarks: ImportRemarks) -> Sets:
             text = "\n".join(lines[: number - 1])
             break
     return _Script(name, remarks).read(text)
-
-
-def visible(text: str) -> str:
-    """Escape invisible and unencodable characters."""
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 class _Statement(NamedTuple):

@@ -30,6 +30,7 @@ from lipsync_lang.errors import LipsyncError, OutputError, did_you_mean, shortli
 from lipsync_lang.files import atomic
 from lipsync_lang.packs import models
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.yaml.faults import visible
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.smartbody.bank_files import (
@@ -38,7 +39,6 @@ from lipsync_lang.smartbody.bank_files import (
     ImportRemarks,
     Sets,
     read_smartbody,
-    visible,
 )
 from lipsync_lang.smartbody.conversion import Conversion, ImportedCurves
 

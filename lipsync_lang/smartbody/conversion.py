@@ -8,7 +8,8 @@ from itertools import pairwise
 
 from lipsync_lang.banks.write import CurvePoints
 from lipsync_lang.errors import did_you_mean
-from lipsync_lang.smartbody.bank_files import ALONE, Diphone, DiphonePair, ImportRemarks, visible
+from lipsync_lang.packs.yaml.faults import visible
+from lipsync_lang.smartbody.bank_files import ALONE, Diphone, DiphonePair, ImportRemarks
 
 DECIMALS = 4
 """Decimals of a time or weight; the step is smaller than a pixel of any curve editor."""

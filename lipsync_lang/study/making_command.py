@@ -34,8 +34,7 @@ MAX_PAGE_BYTES = 60 * 10**6
 
 
 @command("study")
-def add_study(add: Add) -> None:
-    """Add `study`."""
+def _add_study(add: Add) -> None:
     study_ = add(
         "study",
         new,
@@ -46,8 +45,7 @@ def add_study(add: Add) -> None:
 
 
 @command("study new")
-def add_new(action: Add) -> None:
-    """Add `study new`."""
+def _add_new(action: Add) -> None:
     new_ = action(
         "new",
         new,
@@ -70,8 +68,7 @@ def add_new(action: Add) -> None:
 
 
 @command("study serve")
-def add_serve(action: Add) -> None:
-    """Add `study serve`."""
+def _add_serve(action: Add) -> None:
     made = action(
         "serve",
         serve,

@@ -22,8 +22,7 @@ FORMS = ("text", "json", "html")
 
 
 @command("study report")
-def add_report(action: Add) -> None:
-    """Add `study report`."""
+def _add_report(action: Add) -> None:
     made = action(
         "report",
         report,
@@ -64,8 +63,7 @@ def add_report(action: Add) -> None:
 
 
 @command("study power")
-def add_power(action: Add) -> None:
-    """Add `study power`."""
+def _add_power(action: Add) -> None:
     made = action(
         "power",
         power,

@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from lanes import full
+from test_avatar_files import READ_BACK as AVATARS
 from test_drawn_mouth_files import READ_BACK as HELD
 from test_engine_files import READ_BACK as ENGINES
 from test_godot import READ_BACK as GODOT
@@ -199,6 +200,7 @@ READ_BACK = {
     "html": as_page,
     "json": as_json,
     "wav": as_wav,
+    **AVATARS,
     **ENGINES,
     **GODOT,
     **HELD,

@@ -95,8 +95,35 @@ def from_moho(content, animation):
     ]
 
 
+def from_spine(content):
+    """Return the keys of the slot; each name is an attachment of the skin."""
+    document = json.loads(content)
+    assert document["skeleton"]["spine"].startswith("4.2.")
+    (skin,) = document["skins"]
+    (line,) = document["animations"].values()
+    keys = line["slots"]["mouth"]["attachment"]
+    assert {key["name"] for key in keys} <= set(skin["attachments"]["mouth"])
+    assert document["slots"][0]["attachment"] == keys[-1]["name"]
+    return [(key["time"], after["time"], key["name"]) for key, after in pairwise(keys)]
+
+
+def from_renpy(content):
+    """Return the pictures of the image and the seconds for which each stays."""
+    image, label = content.decode().split("\n\n")
+    head, *rows = image.split("\n")
+    name = head.removeprefix("image ").removesuffix(":")
+    assert f"    show {name}\n" in label
+    found, at = [], 0.0
+    for row, wait in zip(rows[:-1:2], rows[1::2], strict=True):
+        picture = row.strip()[1:-1].removeprefix("images/mouth/").removesuffix(".png")
+        found.append((at, at := at + float(wait), picture))
+    return found
+
+
 READERS = {
     "moho": from_moho,
+    "renpy": lambda content, _: from_renpy(content),
+    "spine": lambda content, _: from_spine(content),
     "rhubarb-json": lambda content, _: from_json(content),
     "rhubarb-tsv": lambda content, _: from_tsv(content),
     "rhubarb-xml": lambda content, _: from_xml(content),
@@ -106,6 +133,7 @@ READERS = {
 def holds(name):
     def check(content, animation):
         near = 0.5 / animation.fps if name == "moho" else 0.005
+        near += 0.0005 * len(animation.times) if name == "renpy" else 0  # waits add up
         found, wanted = READERS[name](content, animation), held(animation, "rest")
         assert [shape for _, _, shape in found] == [shape.name for shape in wanted]
         for (start, end, _), shape in zip(found, wanted, strict=True):

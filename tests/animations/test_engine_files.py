@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 import yaml
+from face_models import face
 from lanes import swept
 from small_models import glb
 
@@ -161,11 +162,32 @@ def from_maya(content, animation):
     return found
 
 
+def from_live2d(content, animation):
+    document = json.loads(content)
+    meta, found = document["Meta"], {}
+    assert (document["Version"], meta["Loop"]) == (3, False)
+    points = segments = 0
+    for curve in document["Curves"]:
+        row, at = curve["Segments"], 2
+        path = [row[:2]]
+        while at < len(row):
+            width = {0: 2, 1: 6}[row[at]]
+            path.append(row[at + width - 1 : at + width + 1])
+            at, points, segments = at + width + 1, points + width // 2, segments + 1
+        points += 1
+        times, values = np.transpose(path)
+        found[curve["Id"]] = (times - animation.begins, values)
+    totals = (meta["CurveCount"], meta["TotalSegmentCount"], meta["TotalPointCount"])
+    assert totals == (len(found), segments, points)
+    return found
+
+
 READERS = {
     "audio2face": (from_audio2face, DENSE),
     "azure": (from_azure, DENSE),
     "blender": (from_blender, SPARSE),
     "live-link-face": (from_live_link, DENSE),
+    "live2d": (from_live2d, SPARSE),
     "maya": (from_maya, SPARSE),
     "smartbody": (from_smartbody, SPARSE),
     "unity": (from_unity, SPARSE),
@@ -234,7 +256,7 @@ def test_numbers_and_names_are_written_without_a_locale(name):
     assert content.endswith("\n")
 
 
-DELAYS = {"audio2face", "azure", "live-link-face", "unity"}
+DELAYS = {"audio2face", "azure", "live-link-face", "live2d", "unity"}
 """Formats without time below zero."""
 
 
@@ -269,13 +291,14 @@ TITLES = {
     "azure": "Azure",
     "blender": "Blender",
     "live-link-face": "Live Link Face",
+    "live2d": "Live2D",
     "maya": "Maya",
     "smartbody": "SmartBody",
     "unity": "Unity",
 }
 
 
-@pytest.mark.parametrize("name", ["audio2face", "blender", "maya", "smartbody", "unity"])
+@pytest.mark.parametrize("name", ["audio2face", "blender", "live2d", "maya", "smartbody", "unity"])
 def test_bones_alone_are_refused(name):
     animation = with_bone(performed())
     alone = replace(
@@ -495,6 +518,21 @@ def test_a_clip_names_the_shapes_of_the_model_mesh_by_mesh(tmp_path):
     assert bound(two) == [("Head", "blendShape.jawOpen"), ("Teeth", "blendShape.jawOpen")]
 
 
+def test_a_clip_follows_the_nodes_of_the_model_and_leaves_still_eyes_out(tmp_path):
+    model = face(
+        tmp_path / "eyes.glb",
+        "jawOpen",
+        "mouthFunnel",
+        meshes=("Wolf3D_Head", "Eye"),
+        still={"Eye"},
+    )
+    rows = clip_of(bytes_of("unity", replace(performed(), model=model)))["m_FloatCurves"]
+    assert {row["path"] for row in rows} == {"Armature/Wolf3D_Head"}
+    one = face(tmp_path / "one.glb", "jawOpen", above=("Root", "Body"), meshes=("Face",))
+    rows = clip_of(bytes_of("unity", replace(performed(), model=one)))["m_FloatCurves"]
+    assert [row["path"] for row in rows] == ["Root/Body/Face"]
+
+
 def test_a_rig_may_say_the_path():
     animation = performed()
     channels = tuple(Channel(pose, mesh="Body/Face") for pose in animation.poses)
@@ -612,3 +650,9 @@ def test_a_scene_is_long_enough_and_counts_slow_frames_as_slow():
     last = max(frame for row in take["channels"] for frame in row["frames"])
     assert last <= take["end"] < last + 1
     assert (take["fps"], take["fps_base"]) == (24, pytest.approx(1.001))
+
+
+def test_a_long_title_ends_without_a_space_in_every_engine():
+    long = ll.Word(" ".join(["wordy"] * 20), 0, 10)
+    title = replace(performed(), schedule=replace(SCHEDULE, words=(long,))).title
+    assert title.endswith("wordy…")

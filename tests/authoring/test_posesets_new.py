@@ -1,13 +1,13 @@
 """Drafts and descriptions of pose sets."""
 
 import json
-import struct
 from pathlib import Path
 
 import pytest
 from lanes import full, swept
 from packs_tree import TREE, plant, put
 from shipped import POSESETS
+from small_models import glb
 
 from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft, guessed
 from lipsync_lang.authoring.poseset_text import MAX_SCREEN_LINES
@@ -25,35 +25,6 @@ def folder(tmp_path, monkeypatch):
     """Folder of a project, as the current folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def glb(path, *shapes):
-    """Write a model of one triangle, whose shapes have names."""
-    points = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
-    accessor = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
-    document = {
-        "asset": {"version": "2.0"},
-        "buffers": [{"byteLength": len(points)}],
-        "bufferViews": [{"buffer": 0, "byteLength": len(points)}],
-        "accessors": [{**accessor, "min": [0, 0, 0], "max": [1, 1, 0]}],
-        "meshes": [
-            {
-                "primitives": [
-                    {"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}] * len(shapes)}
-                ],
-                "extras": {"targetNames": shapes},
-            }
-        ],
-        "nodes": [{"mesh": 0, "name": "head"}],
-        "scenes": [{"nodes": [0]}],
-    }
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    body = struct.pack("<II", len(text), 0x4E4F534A) + text
-    body += struct.pack("<II", len(points), 0x004E4942) + points
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body)
-    return path
 
 
 def new(cli, *arguments):

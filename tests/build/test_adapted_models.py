@@ -2,6 +2,7 @@
 
 import pytest
 from lanes import full
+from spoken_sentences import SENTENCES
 
 from lipsync_lang import cli
 from lipsync_lang.build.project_build import ProjectBuild
@@ -13,19 +14,6 @@ from lipsync_lang.speech.speaking.speaker import Speaker
 pytest.importorskip("pocketsphinx")
 soundfile = pytest.importorskip("soundfile")
 
-LINES = (
-    "The birch canoe slid on the smooth planks.",
-    "Rice is often served in round bowls.",
-    "The juice of lemons makes fine punch.",
-    "The box was thrown beside the parked truck.",
-    "The hogs were fed chopped corn and garbage.",
-    "Four hours of steady work faced us.",
-    "A large size in stockings is hard to sell.",
-    "The boy was there when the sun rose.",
-    "Kick the ball straight and follow through.",
-    "Glue the sheet to the dark blue background.",
-)
-
 
 @pytest.fixture
 def game(tmp_path, monkeypatch):
@@ -34,7 +22,7 @@ def game(tmp_path, monkeypatch):
     (tmp_path / "vo").mkdir()
     english = Speaker.of("english")
     rows = ["id,text"]
-    for number, text in enumerate(LINES):
+    for number, text in enumerate(SENTENCES[:10]):
         audio = english.speak(text).audio
         soundfile.write(tmp_path / "vo" / f"{number}.wav", audio.samples, audio.rate)
         rows.append(f"{number},{text}")

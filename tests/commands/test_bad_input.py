@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lanes import full
+from lanes import full, needs_espeak
 from packs_tree import POSESET, plant, put
 from shipped import LIBRARY
 from small_models import glb
@@ -26,12 +26,6 @@ from lipsync_lang.phonology.espeak.process import EspeakProcess
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.readers.textgrid import read_textgrid
 from lipsync_lang.schedules.timing_file import TimingFile
-
-try:
-    import espeakng_loader
-except ImportError:
-    espeakng_loader = None
-needs_espeak = pytest.mark.skipif(espeakng_loader is None, reason="needs espeakng_loader")
 
 
 @pytest.fixture(scope="module")

@@ -11,15 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import PAIR, ROWS, SCHEDULE, listed, refused
-from lanes import full
+from lanes import full, needs_espeak
 
 from lipsync_lang import extras
-
-try:
-    import espeakng_loader
-except ImportError:
-    espeakng_loader = None
-needs_espeak = pytest.mark.skipif(espeakng_loader is None, reason="needs espeakng_loader")
 
 pytestmark = pytest.mark.usefixtures("folder")
 

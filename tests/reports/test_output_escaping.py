@@ -13,6 +13,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 from glb_files import document_of, mesh, model_of, parts
+from test_avatar_files import from_vrma
 from test_coverage_page import Reader
 from test_drawn_mouth_files import READERS as DRAWN
 from test_engine_files import READERS
@@ -183,6 +184,7 @@ NAMES = {
     "srt": cues("srt"),
     "unreal": curves,
     "usd": lambda content, animation: list(from_usda(content, animation)),
+    "vrma": lambda content, animation: list(from_vrma(content, animation)),
     "vtt": lambda content, animation: list(map(unescape, cues("vtt")(content, animation))),
 }
 """Reader as strict as the programs for a file; it returns the names in the file."""
@@ -214,6 +216,7 @@ CHANGED = {
         "nul___and_bell__",
     ],
     "moho": ONE_LINE,
+    "renpy": [re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", name) for name in ODD],
     "smartbody": ["".join(c if c.isprintable() else "\ufffd" for c in name) for name in ODD],
     "srt": [name.replace("-->", "→") for name in ONE_LINE],
     "vtt": ONE_LINE,

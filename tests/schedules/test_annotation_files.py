@@ -4,27 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from timing_texts import spoken
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
-
-
-@pytest.fixture
-def read(tmp_path):
-    """Write a file, and read it as a schedule."""
-
-    def run(name, text, **options):
-        path = tmp_path / name
-        data = text if isinstance(text, (str, bytes)) else json.dumps(text)
-        path.write_bytes(data if isinstance(data, bytes) else data.encode())
-        return ll.read_schedule(path, **options)
-
-    return run
-
-
-def spoken(schedule):
-    """The words, each with its labels."""
-    return [(w.text, schedule.labels[w.first : w.stop]) for w in schedule.words]
 
 
 def eaf(tiers, slots):

@@ -4,28 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from timing_texts import spoken
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
 
 HH_AY = "0 1000000 hh\n1000000 3000000 ay\n"
-
-
-@pytest.fixture
-def read(tmp_path):
-    """Write a file, and read it as a schedule."""
-
-    def run(name, text, **options):
-        path = tmp_path / name
-        path.write_text(text, "utf-8")
-        return ll.read_schedule(path, **options)
-
-    return run
-
-
-def spoken(schedule):
-    """The words, each with its labels."""
-    return [(w.text, schedule.labels[w.first : w.stop]) for w in schedule.words]
 
 
 # HTK and HTS
@@ -76,11 +60,11 @@ def test_a_master_file_is_read_one_utterance_at_a_time(read):
     assert read("all.mlf", MASTER, tier="two").labels == ("b",)
     assert read("all.mlf", MASTER, tier="one").end == pytest.approx(0.1)
     assert read("all.mlf", MASTER[: MASTER.index('"C:')]).labels == ("a",)
-    with pytest.raises(ScheduleError, match=r"has 2 utterances, such as one, two; .*`tier=.one.`"):
+    with pytest.raises(ScheduleError, match=r"2 utterances: 'one', 'two'; .*`tier=.one.`"):
         read("all.mlf", MASTER)
-    with pytest.raises(ScheduleError, match=r"has no utterance 'twoo'; did you mean 'two'\?"):
+    with pytest.raises(ScheduleError, match=r"no tier is named 'twoo'; did you mean 'two'\?"):
         read("all.mlf", MASTER, tier="twoo")
-    with pytest.raises(ScheduleError, match="has no utterance"):
+    with pytest.raises(ScheduleError, match="has no phonemes"):
         read("all.mlf", "#!MLF!#\n")
 
 

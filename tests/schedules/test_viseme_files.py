@@ -4,31 +4,15 @@ import json
 
 import numpy as np
 import pytest
+from timing_texts import spoken
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
 
 
-@pytest.fixture
-def read(tmp_path):
-    """Write a file, and read it as a schedule."""
-
-    def run(name, text, **options):
-        path = tmp_path / name
-        path.write_text(text if isinstance(text, str) else json.dumps(text), "utf-8")
-        return ll.read_schedule(path, **options)
-
-    return run
-
-
 @pytest.fixture(scope="module")
 def performer():
     return ll.resolve("english", "facefx")
-
-
-def spoken(schedule):
-    """The words, each with its labels."""
-    return [(w.text, schedule.labels[w.first : w.stop]) for w in schedule.words]
 
 
 def guessed(schedule):
@@ -299,9 +283,9 @@ def test_one_voice_is_read(read):
     (voice,) = whole["voices"]
     whole["voices"] = [voice, {**voice, "name": "Bob"}]
     assert read("line.pg2", whole, tier="Bob").labels == ("_", "HH")
-    with pytest.raises(ScheduleError, match=r"has several voices: 'Voice 1', 'Bob'; choose one"):
+    with pytest.raises(ScheduleError, match=r"2 voices: 'Voice 1', 'Bob'; choose one"):
         read("line.pg2", whole)
-    with pytest.raises(ScheduleError, match=r"no voice is named 'Rob'; did you mean 'Bob'\?"):
+    with pytest.raises(ScheduleError, match=r"no tier is named 'Rob'; did you mean 'Bob'\?"):
         read("line.pg2", whole, tier="Rob")
 
 

@@ -5,6 +5,7 @@ import struct
 import numpy as np
 import pytest
 from lanes import full
+from spoken_sentences import SENTENCES
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.resolver.nearest_phonemes import model_phones
@@ -334,17 +335,9 @@ def test_definitions_of_htk_refer_to_each_other(tmp_path):
     np.testing.assert_allclose(np.exp(model.stay[0]), [0.5, 0.5 / 0.8, 0.5])
 
 
-SENTENCES = (
-    "The birch canoe slid on the smooth planks.",
-    "Rice is often served in round bowls.",
-    "The juice of lemons makes fine punch.",
-    "The box was thrown beside the parked truck.",
-    "The hogs were fed chopped corn and garbage.",
-    "Four hours of steady work faced us.",
-    "A large size in stockings is hard to sell.",
-    "The boy was there when the sun rose.",
+VARIED = (
+    *SENTENCES[:9],
     "Measure the joy of your usual voice with care.",
-    "Kick the ball straight and follow through.",
     "Glue brings the youth the blue sheet back.",
 )
 
@@ -353,7 +346,7 @@ def trained(english, folder):
     """Write monophones of HTK, fitted to how the model of Sphinx aligns some sentences."""
     _, rows = kept_features("MFCC_0_D_A_Z", 39, None)
     front, frames = HtkFrontEnd(rows, 26), {}
-    for sentence in SENTENCES:
+    for sentence in VARIED:
         found = aligned(english, english.speak(sentence).audio, sentence, aligner="pocketsphinx")
         heard = front(prepared(found.audio))[:, 0]
         for label, start, stop in zip(found.labels, found.times, found.times[1:], strict=False):

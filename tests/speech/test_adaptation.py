@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lanes import full
+from spoken_sentences import SENTENCES
 
 from lipsync_lang import cli
 from lipsync_lang.errors import OutputError, SpeechError
@@ -24,20 +25,6 @@ from lipsync_lang.speech.speaking.speaker import Speaker
 pytest.importorskip("pocketsphinx")
 soundfile = pytest.importorskip("soundfile")
 
-LINES = (
-    "The birch canoe slid on the smooth planks.",
-    "Rice is often served in round bowls.",
-    "The juice of lemons makes fine punch.",
-    "The box was thrown beside the parked truck.",
-    "The hogs were fed chopped corn and garbage.",
-    "Four hours of steady work faced us.",
-    "A large size in stockings is hard to sell.",
-    "The boy was there when the sun rose.",
-    "Kick the ball straight and follow through.",
-    "Glue the sheet to the dark blue background.",
-    "It is easy to tell the depth of a well.",
-)
-
 
 @pytest.fixture(scope="module")
 def shipped():
@@ -52,7 +39,7 @@ def english():
 @pytest.fixture(scope="module")
 def recordings(english, tmp_path_factory):
     folder = tmp_path_factory.mktemp("vo")
-    for number, text in enumerate(LINES):
+    for number, text in enumerate(SENTENCES):
         audio = english.speak(text).audio
         soundfile.write(folder / f"{number:02}.wav", audio.samples, audio.rate)
         (folder / f"{number:02}.txt").write_text(text, encoding="utf-8")
@@ -105,7 +92,7 @@ def test_a_voice_is_learned_and_its_model_is_read_again(shipped, english, record
     wrong = lines[3]._replace(text="Nobody ever heard about these new green apples.")
     found = adapt(english, [*lines[:3], wrong, *lines[4:]], shipped)
     assert found.gains
-    assert found.lines == len(LINES) - 1
+    assert found.lines == len(SENTENCES) - 1
     assert found.left_out[0].startswith("03.wav: the text")
     write_adapted(shipped, found.model, tmp_path / "anna")
     written = models_in(tmp_path / "anna")
@@ -123,7 +110,16 @@ def test_the_command_writes_a_model_that_aligns(recordings, tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     assert cli.main(["models", "adapt", str(recordings), "-l", "english", "-o", "anna"]) == 0
     assert "11 lines; log likelihood of held-out frames" in capsys.readouterr().out
-    run = ["run", LINES[0], "-l", "english", "-c", "facefx", "--audio", str(recordings / "00.wav")]
+    run = [
+        "run",
+        SENTENCES[0],
+        "-l",
+        "english",
+        "-c",
+        "facefx",
+        "--audio",
+        str(recordings / "00.wav"),
+    ]
     assert cli.main([*run, "--aligner", "pocketsphinx:./anna", "-o", "line.csv"]) == 0
 
 

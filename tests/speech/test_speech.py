@@ -2,12 +2,13 @@ import itertools
 import subprocess
 import sys
 import unicodedata
+from importlib import import_module
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import full
+from lanes import full, needs_espeak
 from places import ROOT
 
 from lipsync_lang.errors import SpeechError
@@ -24,13 +25,6 @@ from lipsync_lang.speech.speaking.espeak import (
 from lipsync_lang.speech.speaking.speech_engines import MAX_WORDS_PER_MINUTE as FASTEST
 from lipsync_lang.speech.speaking.speech_engines import MIN_WORDS_PER_MINUTE as SLOWEST
 from lipsync_lang.speech.speaking.word_spans import find_words
-
-try:
-    import espeakng_loader
-except ImportError:
-    espeakng_loader = None
-
-needs_espeak = pytest.mark.skipif(espeakng_loader is None, reason="needs espeakng_loader")
 
 
 def same(left, right):
@@ -420,7 +414,7 @@ def test_a_missing_library_names_the_extra(monkeypatch):
 
 @needs_espeak
 def test_half_an_installation_says_what_is_missing(monkeypatch, tmp_path):
-    monkeypatch.setattr(espeakng_loader, "get_library_path", lambda: str(tmp_path / "no.so"))
+    monkeypatch.setattr("espeakng_loader.get_library_path", lambda: str(tmp_path / "no.so"))
     with pytest.raises(SpeechError, match="not installed whole"):
         speak("Hello", "en-us")
 
@@ -429,7 +423,7 @@ def test_half_an_installation_says_what_is_missing(monkeypatch, tmp_path):
 def test_a_library_that_cannot_be_loaded_is_no_crash_of_ours(monkeypatch, tmp_path):
     fake = tmp_path / "lib.so"
     fake.write_text("not a library")
-    monkeypatch.setattr(espeakng_loader, "get_library_path", lambda: str(fake))
+    monkeypatch.setattr("espeakng_loader.get_library_path", lambda: str(fake))
     with pytest.raises(SpeechError, match="ended with code 1"):
         speak("Hello", "en-us")
 
@@ -437,7 +431,7 @@ def test_a_library_that_cannot_be_loaded_is_no_crash_of_ours(monkeypatch, tmp_pa
 @needs_espeak
 def test_data_without_a_voice_in_it_says_so(monkeypatch, tmp_path):
     (tmp_path / "espeak-ng-data").mkdir()
-    monkeypatch.setattr(espeakng_loader, "get_data_path", lambda: str(tmp_path / "espeak-ng-data"))
+    monkeypatch.setattr("espeakng_loader.get_data_path", lambda: str(tmp_path / "espeak-ng-data"))
     with pytest.raises(SpeechError, match="cannot read its data"):
         speak("Hello", "en-us")
 
@@ -497,8 +491,8 @@ def test_paths_may_be_long_and_have_spaces_and_accents(monkeypatch, tmp_path):
     folder = tmp_path / "mit Leerzeichen und ünïcödé 音声" / ("long" * 50)
     folder.mkdir(parents=True)
     for name, get in [("data", "get_data_path"), ("lib.so", "get_library_path")]:
-        (folder / name).symlink_to(getattr(espeakng_loader, get)())
-        monkeypatch.setattr(espeakng_loader, get, lambda name=name: str(folder / name))
+        (folder / name).symlink_to(getattr(import_module("espeakng_loader"), get)())
+        monkeypatch.setattr(f"espeakng_loader.{get}", lambda name=name: str(folder / name))
     monkeypatch.chdir(folder)
     assert same(plain, speak("Hello", "en-us"))
 

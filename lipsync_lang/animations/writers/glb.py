@@ -40,6 +40,7 @@ from lipsync_lang.rigs.container import (
     write_parts,
 )
 from lipsync_lang.rigs.model import Mesh, Model, known_model, numbers, some
+from lipsync_lang.rigs.read_outs import still_shapes
 from lipsync_lang.rigs.shape_matching import Placement, on_mesh
 from lipsync_lang.rigs.transforms import parts, product, turns
 
@@ -49,7 +50,7 @@ IDENTITY = (0.0, 0.0, 0.0, 1.0)
 
 
 def unplaced(animation: Animation) -> Iterator[str]:
-    """Yield warnings about channels missing from the model, and other doubts."""
+    """Yield warnings about channels that move nothing on the model, and other doubts."""
     if animation.model is None:
         return
     channels = animation.columns
@@ -64,6 +65,17 @@ def unplaced(animation: Animation) -> Iterator[str]:
     if np.any(animation.weights[:, lost]):  # all are named, so that a build says it once
         names = (channels[number].node or channels[number].name for number in lost)
         yield f"{model.path} has nothing for {some(names)}"
+    still = still_shapes(model)
+    dead = {
+        shape: None
+        for one in placed
+        for number, shapes in one.shapes.items()
+        if animation.weights[:, number].any()
+        for shape in shapes
+        if shape in still
+    }
+    if dead:
+        yield f"{model.path}: on the mesh, nothing moves with {some(dead)}"
     yield from (f"{model.path}: {doubt}" for one in placed for doubt in one.doubts)
 
 

@@ -2,10 +2,11 @@
 
 Based on clips of Unity 2018 and later (`AnimationClip`, serialized version 6). Each blend shape has
 a curve with the attribute `blendShape.<name>` (class 137: SkinnedMeshRenderer). Weights are in
-percent. `path` leads from the Animator object to the mesh object: the mesh name for models with
-several meshes, else empty. Keys have broken linear tangents (mode 69), or free ones with `keys`
-(mode 0, and 1 where both sides differ); slopes are percent per second. Derived data, such as editor
-curves and bindings, is omitted because Unity rebuilds it. Clips have no negative time.
+percent. `path` leads from the Animator object at the top of the model to the mesh object, by the
+names of the nodes; it is empty if the model is a single mesh. A shape has no curve on a mesh where
+it moves no point. Keys have broken linear tangents (mode 69), or free ones with `keys` (mode 0, and
+1 where both sides differ); slopes are percent per second. Derived data, such as editor curves and
+bindings, is omitted because Unity rebuilds it. Clips have no negative time.
 """
 
 import re
@@ -14,7 +15,7 @@ from itertools import pairwise
 from typing import TextIO
 
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
-from lipsync_lang.animations.moving_shapes import keys, shapes, unshown
+from lipsync_lang.animations.moving_shapes import keys, node_paths, shapes, unshown
 from lipsync_lang.animations.writers import Animation, writer
 
 UNITY = "Unity"
@@ -113,11 +114,14 @@ TAIL = """\
 @writer("unity", suffix=".anim", remarks=partial(unshown, program=UNITY))
 def write_unity(animation: Animation, out: TextIO) -> None:
     """A Unity animation clip: keyframes of blend shapes."""
-    found = shapes(animation)
+    found, paths = shapes(animation), node_paths(animation)
     out.write(UNITY_HEAD.format(name=_text(animation.title)))
     for shape, curve in zip(found, keys(animation, found, ERROR), strict=True):
-        names = {"attribute": _text(f"blendShape.{shape.name}"), "path": _text(shape.mesh)}
-        out.write(UNITY_CURVE.format(keys=_keys(curve), **names))
+        told, attribute = _keys(curve), _text(f"blendShape.{shape.name}")
+        out.writelines(
+            UNITY_CURVE.format(keys=told, attribute=attribute, path=_text(path))
+            for path in paths.get(shape.mesh, [shape.mesh])
+        )
     stop = _number(float(animation.timeline[-1]))
     out.write(TAIL.format(fps=_number(animation.fps), stop=stop))
 

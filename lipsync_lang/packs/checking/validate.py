@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from pydantic import ValidationError
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.files.reach import refuse_outside
+from lipsync_lang.packs import models
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
@@ -37,9 +38,6 @@ from lipsync_lang.packs.splicing import ABSENT, put
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
 from lipsync_lang.phonology.language_names import folded_language
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
 
 T = TypeVar("T")
 
@@ -167,20 +165,20 @@ class _Validation:
                 self.faults.update(check(pack, self.library))
             self.faults.update(check_paths(pack))
 
-    def _language(self, pack: "Pack[models.Language]") -> None:
+    def _language(self, pack: Pack[models.Language]) -> None:
         whole = self._try(lambda: extended(self.library, pack.path))
         if whole is not None and self.common is not None:
             self.faults.update(checks.check_language(whole, self.common.model))
             self.faults.update(check_claims(whole, self.common.model))
             self.spoken.append(whole)
 
-    def _bank(self, pack: "Pack[models.BankPack]") -> None:
+    def _bank(self, pack: Pack[models.BankPack]) -> None:
         poseset = self._poseset_of(pack)
         phonemes = self._phonemes(pack.model.language)
         if poseset is not None and phonemes is not None:
             self.faults.update(checks.check_bank(pack, poseset, phonemes, self.languages))
 
-    def _rig(self, pack: "Pack[models.RigPack]") -> None:
+    def _rig(self, pack: Pack[models.RigPack]) -> None:
         poseset = self._poseset_of(pack)
         if poseset is not None:
             sets = {found.name for found in self.library.names("poseset")}
@@ -188,7 +186,7 @@ class _Validation:
             driven = _quietly(lambda: self.library.poseset(to).model) if to in sets else None
             self.faults.update(check_rig(pack, poseset, sets, driven))
 
-    def _character(self, pack: "Pack[models.Character]") -> None:
+    def _character(self, pack: Pack[models.Character]) -> None:
         poseset = self._poseset_of(pack)
         phonemes = self._phonemes()
         if poseset is None or phonemes is None:
@@ -207,7 +205,7 @@ class _Validation:
             if path is not None:
                 self.check_file(path, "bank", path.stem)
 
-    def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
+    def _banks(self, pack: Pack[models.PoseSet]) -> list[models.BankPack] | None:
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""
         name, own = pack.model.name, yaml_files(pack.path.parent / "banks").values()
         found = [self.library.inspect(path, "bank", path.stem)[0] for path in own]
@@ -216,7 +214,7 @@ class _Validation:
             found += [bank.model for bank in joined] if joined is not None else [None]
         return None if None in found else cast("list[models.BankPack]", found)
 
-    def _poseset_of(self, pack: "Pack[Any]") -> "models.PoseSet | None":
+    def _poseset_of(self, pack: "Pack[Any]") -> models.PoseSet | None:
         """Return the pose set that a pack lies in or names; None if it is missing or faulty."""
         beside = pack.path.parent.parent / POSESET
         if pack.path.parent.name in PART_FOLDERS and beside.is_file():

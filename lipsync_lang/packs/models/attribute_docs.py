@@ -9,13 +9,12 @@ import sys
 from functools import cache
 from inspect import cleandoc, getsource
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from pydantic import BaseModel
+from pydantic import BaseModel
 
 
-def descriptions(model: "type[BaseModel]") -> dict[str, str]:
+def descriptions(model: type[BaseModel]) -> dict[str, str]:
     """Return what describes each field of a model, by the field's name in the class.
 
     A description that the field itself states goes before the docstring beneath it. A program
@@ -30,7 +29,7 @@ def descriptions(model: "type[BaseModel]") -> dict[str, str]:
     return {name: text for name, text in stated.items() if text}
 
 
-def describe(schema: dict[str, Any], model: "type[BaseModel]") -> None:
+def describe(schema: dict[str, Any], model: type[BaseModel]) -> None:
     """Add the descriptions of a model's fields to its JSON Schema."""
     texts = descriptions(model)
     for name, field in model.model_fields.items():

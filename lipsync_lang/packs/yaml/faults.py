@@ -64,17 +64,17 @@ class Fault:
             raise ValueError(f"unknown fault code {self.code!r}; add it to fault_codes.yaml first")
 
     def __str__(self) -> str:
-        hint = f"\n  hint: {_visible(self.hint)}" if self.hint else ""
+        hint = f"\n  hint: {visible(self.hint)}" if self.hint else ""
         mark = "warning: " if self.severity == "warning" else ""
-        place = f"{_visible(self.file)}:{self.line}:{self.column}"
-        return f"{place}: {self.code} {mark}{_visible(self.what)}{hint}"
+        place = f"{visible(self.file)}:{self.line}:{self.column}"
+        return f"{place}: {self.code} {mark}{visible(self.what)}{hint}"
 
     def to_dict(self) -> dict[str, str | int]:
         """Return the fault as a dict for JSON."""
         return asdict(self)
 
 
-def _visible(text: str) -> str:
+def visible(text: str) -> str:
     """Escape unprintable characters, so that a message stays on one line and is harmless."""
     if text.isprintable():
         return text

@@ -9,8 +9,8 @@ each under its name in quotes; `tier` selects one.
 import re
 from pathlib import PureWindowsPath
 
-from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
+from lipsync_lang.schedules.tiers import Tier, only
 
 UNITS_PER_SECOND = 1e7
 """Units of 100 ns per second."""
@@ -100,13 +100,4 @@ def _utterance(source: TimingFile) -> NumberedLines:
             into = parts.setdefault(PureWindowsPath(text.strip('"')).stem, [])
         elif text != ".":
             into.append((number, line))
-    names = [*parts]
-    if source.tier is not None and source.tier not in parts:
-        hint = did_you_mean(source.tier, names)
-        raise source.fault(f"has no utterance {source.tier!r}; {hint}")
-    if not names:
-        raise source.fault("has no utterance; check that the file is complete")
-    if source.tier is None and len(names) > 1:
-        several = f"has {len(names)} utterances, such as {', '.join(names[:3])}"
-        raise source.fault(f"{several}; choose one (`tier={names[0]!r}`)")
-    return parts[source.tier or names[0]]
+    return parts[only(source, [Tier(name, ()) for name in parts], "utterances").name]

@@ -8,10 +8,10 @@ the set of its shapes; those of a `.pgo` are Preston Blair's, the program's defa
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from lipsync_lang.errors import did_you_mean
 from lipsync_lang.json_object import Json
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 from lipsync_lang.schedules.rows import Start, shapes_of
+from lipsync_lang.schedules.tiers import Tier, only
 
 PRESTON_BLAIR_NOTATION = "preston-blair"
 
@@ -44,16 +44,8 @@ def read_papagayo(source: TimingFile) -> Schedule:
     """Papagayo's .pgo and .pg2: mouth shapes or sounds by frames, with words; one voice."""
     written = source.holds("voices", "fps")
     fps, notation, voices = _of_json(source) if written else _of_text(source)
-    speaking = [name for name, spoken in voices.items() if spoken]
-    if source.tier is not None:
-        if source.tier not in voices:
-            hint = did_you_mean(source.tier, voices)
-            raise source.fault(f"no voice is named {source.tier!r}; {hint}")
-        speaking = [source.tier]
-    if len(speaking) > 1:
-        names = ", ".join(map(repr, voices))
-        raise source.fault(f"has several voices: {names}; choose one (`tier={speaking[0]!r}`)")
-    words = sorted(voices[speaking[0]] if speaking else [], key=lambda word: word.first)
+    named = [Tier(name, ()) for name, spoken in voices.items() if spoken or source.tier is not None]
+    words = sorted(voices[only(source, named, "voices").name], key=lambda word: word.first)
     rows, spans = [], []
     for number, word in enumerate(words):
         following = words[number + 1].first if number + 1 < len(words) else float("inf")

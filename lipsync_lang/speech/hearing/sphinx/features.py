@@ -44,7 +44,7 @@ NOTHING_ELSE_RATIO = 1.5
 """Power relative to that noise (2 dB) below which a sound is noise and nothing else."""
 
 LEAST_BAND_GAIN = 0.25
-"""Least gain of a band: what is taken for noise may be a voice."""
+"""Minimum gain of a band; noise is attenuated no further, because it may be a voice."""
 
 GAIN_FRAMES = 2
 """Frames on each side of a frame on whose mean power its gain depends."""

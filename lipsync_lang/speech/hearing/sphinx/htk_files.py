@@ -1,4 +1,4 @@
-"""Monophones of HTK, read from text: `hmmdefs`, with what it needs of `macros`.
+"""Readers of HTK monophones: text files `hmmdefs`, and the definitions in `macros`.
 
 States are mixtures of diagonal Gaussians in one stream; `sp`, which is a pause of any length, is
 not needed. A phoneme passes through its states in order: moves past a state or back are left out.

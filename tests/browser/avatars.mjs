@@ -1,0 +1,69 @@
+// Print what other programs read in a file: node avatars.mjs NODE_MODULES vrma|live2d|spine FILE SECONDS...
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { pathToFileURL } from "node:url";
+
+const [modules, kind, file, ...seconds] = process.argv.slice(2);
+const times = seconds.map(Number);
+const require = createRequire(`${modules}/`);
+const load = (name) => import(pathToFileURL(require.resolve(name)).href);
+
+/** Weights of each expression at the times, as three-vrm-animation reads them. */
+async function vrma() {
+  globalThis.self = globalThis;
+  console.warn = () => {};     // of hips, which an animation of a face does not have
+  const { GLTFLoader } = await load("three/addons/loaders/GLTFLoader.js");
+  const { VRMAnimationLoaderPlugin } = await import(
+    pathToFileURL(`${modules}/@pixiv/three-vrm-animation/lib/three-vrm-animation.module.js`).href);
+  const loader = new GLTFLoader();
+  loader.register((parser) => new VRMAnimationLoaderPlugin(parser));
+  const bytes = readFileSync(file);
+  const whole = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
+  const [read] = (await loader.parseAsync(whole, "")).userData.vrmAnimations;
+  const rows = (tracks) => Object.fromEntries([...tracks].map(([name, track]) => {
+    const mixed = track.createInterpolant();
+    return [name, times.map((time) => mixed.evaluate(time)[0])];
+  }));
+  return { preset: rows(read.expressionTracks.preset), custom: rows(read.expressionTracks.custom) };
+}
+
+/** Values of each parameter at the times, as the framework of Live2D in pixi-live2d-display reads them. */
+async function live2d() {
+  const text = readFileSync(`${modules}/pixi-live2d-display/dist/cubism4.es.js`, "utf-8")
+    .replace(/^import .*$/gm, "");     // of pixi, which draws
+  const stubs = "class EventEmitter {} class Matrix {} class Transform {} class Point {} class ObservablePoint {}"
+    + " class Texture {} class Container {} const url = {}; const window = globalThis;";
+  globalThis.Live2DCubismCore = {};
+  const source = Buffer.from(`${stubs}\n${text}`).toString("base64");
+  const { CubismMotion } = await import(`data:text/javascript;base64,${source}`);
+  const { _motionData: data } = CubismMotion.create(JSON.parse(readFileSync(file, "utf-8")));
+  const at = (curve, time) => {
+    const own = data.segments.slice(curve.baseSegmentIndex, curve.baseSegmentIndex + curve.segmentCount);
+    const end = (one) => data.points[one.basePointIndex + (one.segmentType === 1 ? 3 : 1)];
+    const found = own.find((one) => end(one).time > time);
+    return found ? found.evaluate(data.points.slice(found.basePointIndex), time) : end(own.at(-1)).value;
+  };
+  const curves = data.curves.filter((curve) => curve.segmentCount);
+  return {
+    fps: data.fps, loop: data.loop, duration: data.duration,
+    segments: data.segments.length, points: data.points.length,
+    values: Object.fromEntries(curves.map((curve) => [curve.id, times.map((time) => at(curve, time))])),
+  };
+}
+
+/** Name of the drawing in the slot at the times, as the runtime of Spine shows it. */
+async function spine() {
+  const spine = await load("@esotericsoftware/spine-core");
+  const atlas = { newRegionAttachment: (_, name, path) => new spine.RegionAttachment(name, path) };
+  const data = new spine.SkeletonJson(atlas).readSkeletonData(readFileSync(file, "utf-8"));
+  const skeleton = new spine.Skeleton(data);
+  skeleton.setToSetupPose();
+  const [line] = data.animations;
+  const names = times.map((time) => {
+    line.apply(skeleton, 0, time, false, [], 1, spine.MixBlend.setup, spine.MixDirection.mixIn);
+    return skeleton.findSlot("mouth").getAttachment()?.name;
+  });
+  return { version: data.version, name: line.name, duration: line.duration, names };
+}
+
+console.log(JSON.stringify(await { vrma, live2d, spine }[kind]()));

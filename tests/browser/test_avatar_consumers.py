@@ -1,0 +1,79 @@
+"""VRM animations, motions of Live2D and skeletons of Spine, read by other programs."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lanes import full
+from test_consumers import HERE, WARNING, found, run
+
+import lipsync_lang as ll
+from lipsync_lang.animations.held import held
+from lipsync_lang.animations.keys import ERROR
+
+pytestmark = full
+
+SCHEDULE = ll.Schedule(
+    ("HH", "AH0", "L", "OW1", "_", "P", "AA1", "F", "UW1", "M"),
+    np.cumsum([0, 0.1, 0.08, 0.12, 0.2, 0.1, 0.05, 0.2, 0.07, 0.3, 0.02]),
+    words=(ll.Word("hello", 0, 4), ll.Word("puff", 5, 10)),
+    notation="arpabet",
+)
+
+
+def performed(character, keys=None):
+    animation = ll.resolve("english", character).perform(SCHEDULE, fps=60)
+    return replace(animation, export=replace(animation.export, key_error=keys))
+
+
+def read(package, kind, path, times):
+    node, modules = found(package)
+    return run(node, HERE / "avatars.mjs", modules, kind, path, *map(str, times))
+
+
+@pytest.mark.parametrize(("character", "kind"), [("vrm", "preset"), ("arkit", "custom")])
+def test_three_vrm_reads_the_expressions(tmp_path, character, kind):
+    animation, path = performed(character), tmp_path / "line.vrma"
+    animation.save(path)
+    shown = read("@pixiv/three-vrm-animation", "vrma", path, animation.timeline)
+    assert [name for name, own in shown.items() if own] == [kind]
+    for pose in animation.poses:
+        np.testing.assert_allclose(shown[kind][pose], animation[pose], atol=ERROR + 1e-4)
+
+
+def test_the_validator_of_gltf_has_no_fault_to_find_in_a_vrm_animation(tmp_path):
+    node, modules = found("gltf-validator")
+    path = tmp_path / "line.vrma"
+    performed("vrm").save(path)
+    issues = run(node, HERE / "validate.mjs", modules, path)
+    assert [one for one in issues["messages"] if one["severity"] <= WARNING] == []
+
+
+@pytest.mark.parametrize("keys", [None, 0.01])
+@pytest.mark.parametrize("character", ["live2d", "live2d-vowels"])
+def test_the_framework_of_live2d_reads_a_motion(tmp_path, character, keys):
+    animation, path = performed(character, keys), tmp_path / "line.motion3.json"
+    animation.save(path)
+    shown = read("pixi-live2d-display", "live2d", path, animation.timeline)
+    meta = json.loads(Path(path).read_text("utf-8"))["Meta"]
+    assert (shown["fps"], shown["loop"]) == (60, False)
+    counted = (meta["TotalSegmentCount"], meta["TotalPointCount"])
+    assert (shown["segments"], shown["points"]) == counted
+    for name, values in shown["values"].items():
+        wanted = animation[name]
+        if f"{name}-" in animation.poses:
+            wanted = wanted - animation[f"{name}-"]
+        np.testing.assert_allclose(values, wanted, atol=(keys or ERROR) + 1e-3)
+
+
+def test_the_runtime_of_spine_shows_the_drawings(tmp_path):
+    animation, path = performed("rhubarb"), tmp_path / "line.spine.json"
+    animation.save(path)
+    shapes = held(animation, "rest")
+    middles = [(shape.start + shape.end) / 2 for shape in shapes]
+    shown = read("@esotericsoftware/spine-core", "spine", path, middles)
+    assert shown["version"].startswith("4.2.")
+    assert shown["name"] == "hello puff"
+    assert shown["names"] == [shape.name for shape in shapes]
