@@ -36,7 +36,7 @@ from mesh import (
     transformed,
     tube,
     with_normals,
-    write_glb,
+    write_head,
 )
 
 if TYPE_CHECKING:
@@ -455,7 +455,7 @@ def crab() -> list[Part]:
 def main() -> None:
     """Write the model to the path on the command line, or where it belongs."""
     out = Path(sys.argv[1]) if sys.argv[1:] else OUT
-    write_glb(out, crab(), POSES, "crab", "The lipsync_lang authors, Apache-2.0")
+    write_head(out, crab(), POSES, "crab")
 
 
 if __name__ == "__main__":

@@ -988,9 +988,7 @@ def build() -> list[Part]:
 def main() -> None:
     """Write the model to the path on the command line, or where it belongs."""
     out = Path(sys.argv[1]) if sys.argv[1:] else OUT
-    mesh.write_glb(
-        out, build(), TARGETS + GESTURES + POSTURES, "head", "The lipsync_lang authors, Apache-2.0"
-    )
+    mesh.write_head(out, build(), TARGETS + GESTURES + POSTURES, "head")
 
 
 if __name__ == "__main__":

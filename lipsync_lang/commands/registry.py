@@ -53,6 +53,7 @@ COMMANDS: Extensions[AddCommand] = Extensions(
             ("characters", "packs"),
             ("bank", "bank"),
             ("models", "models"),
+            ("heads", "heads"),
             ("voices", "listing"),
             ("formats", "listing"),
             ("completion", "completion"),

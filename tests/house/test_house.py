@@ -38,7 +38,7 @@ FLOORS = (
     {"speech"},
     {"listening"},
     {"performing"},
-    {"coverage", "live", "quality", "render"},
+    {"coverage", "heads", "live", "quality", "render"},
     {"authoring"},
     {"build"},
     {"studio"},

@@ -1,0 +1,94 @@
+"""The command that makes a talking head from a face model on the user's machine."""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from lipsync_lang.commands.output import SOUND, tell_written, working
+from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import argument_path
+
+TITLE = "make a talking head from a face model"
+EXAMPLE = "heads ict ICT-FaceKit -o head.glb"
+
+
+@command("heads")
+def add_heads(add: Add) -> None:
+    """Add `heads`."""
+    add_actions(add("heads", heads, TITLE, EXAMPLE), "heads")
+
+
+@command("heads ict")
+def _add_ict(action: Add) -> None:
+    made = action(
+        "ict",
+        heads,
+        "make a head of 52 ARKit shapes from your clone of ICT-FaceKit",
+        EXAMPLE,
+        more="; its licence (MIT) goes into the file",
+    )
+    made.set_defaults(recipe="ict")
+    made.add_argument("folder", metavar="FOLDER", type=Path, help="the clone")
+    made.add_argument(
+        "--identity", metavar="N[:WEIGHT]", action="append", default=[],
+        help="add identity N of the model, by 1 or WEIGHT standard deviations; repeatable",
+    )  # fmt: skip
+    made.add_argument("--seed", metavar="N", type=int, help="draw a person by this number")
+    made.add_argument(
+        "--hair", metavar="OBJ", type=Path, help="hair, in the model's lengths and place"
+    )
+    made.add_argument(
+        "--color", metavar="PART=#RRGGBB", action="append", default=[],
+        help="paint skin, lips, irises, brows, hair or another part; repeatable",
+    )  # fmt: skip
+    made.add_argument(
+        "--size", metavar="MB", type=float, default=4.0, help="largest size of the file [4]"
+    )
+    made.add_argument(
+        "-o", "--output", metavar="GLB", type=argument_path, required=True,
+        help="write the head; - is standard output",
+    )  # fmt: skip
+
+
+def heads(options: Namespace) -> int:
+    """Make a head and write it."""
+    from lipsync_lang.files import write_all
+    from lipsync_lang.heads.face_model import FaceModel, read_recipe
+    from lipsync_lang.heads.made_head import HeadWish, make_head
+
+    wish = HeadWish(
+        _identities(options.identity),
+        options.seed,
+        options.hair,
+        _colors(options.color),
+        options.size,
+    )
+    with working("making a head"):
+        made = make_head(FaceModel(options.folder, read_recipe(options.recipe)), wish)
+    write_all({options.output: lambda out: out.write(made.content)})
+    size = len(made.content) / 1e6
+    print(f"{made.points:,} points, {len(made.shapes)} shapes, {size:.1f} MB", file=sys.stderr)
+    tell_written(options.output)
+    return SOUND
+
+
+def _identities(texts: Sequence[str]) -> dict[int, float]:
+    found = {}
+    for text in texts:
+        number, _, weight = text.partition(":")
+        try:
+            found[int(number)] = float(weight or 1)
+        except ValueError:
+            what = f"--identity {text}: write a number and a weight (--identity 3:1.5)"
+            raise LipsyncError(what) from None
+    return found
+
+
+def _colors(texts: Sequence[str]) -> dict[str, str]:
+    pairs = [text.partition("=") for text in texts]
+    for text, (_, mark, _) in zip(texts, pairs, strict=True):
+        if not mark:
+            raise LipsyncError(f"--color {text}: write a part and a color (--color skin=#d8a284)")
+    return {name: color for name, _, color in pairs}
