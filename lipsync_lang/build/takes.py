@@ -22,8 +22,9 @@ TAKES_MAGIC = b"LLTAKES\0"
 TAKES_VERSION = 1
 
 TAKES_HEADER = struct.Struct("<8sHHIIIQQQIIII")
-"""Magic, version, kind, takes, slots, poses, positions of the index, the takes and the end of the
-file, CRC-32 of the header with names and index, of the takes, of a patch's base and result."""
+"""Magic, version, kind, takes, slots, poses, and positions of the index, the takes and the end of
+the file. Then CRC-32 of the header with names and index, of the takes, and of a patch's base and
+result."""
 
 INDEX_SLOT = struct.Struct("<QII")
 """Position of a take (0 for a free slot), hash of its name, bytes."""

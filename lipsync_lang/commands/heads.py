@@ -40,7 +40,7 @@ def _add_ict(action: Add) -> None:
         "--hair", metavar="OBJ", type=Path, help="hair, in the model's lengths and place"
     )
     made.add_argument(
-        "--color", metavar="PART=#RRGGBB", action="append", default=[],
+        "--colour", metavar="PART=#RRGGBB", action="append", default=[],
         help="paint skin, lips, irises, brows, hair or another part; repeatable",
     )  # fmt: skip
     made.add_argument(
@@ -62,7 +62,7 @@ def heads(options: Namespace) -> int:
         _identities(options.identity),
         options.seed,
         options.hair,
-        _colors(options.color),
+        _colors(options.colour),
         options.size,
     )
     with working("making a head"):
@@ -90,5 +90,5 @@ def _colors(texts: Sequence[str]) -> dict[str, str]:
     pairs = [text.partition("=") for text in texts]
     for text, (_, mark, _) in zip(texts, pairs, strict=True):
         if not mark:
-            raise LipsyncError(f"--color {text}: write a part and a color (--color skin=#d8a284)")
+            raise LipsyncError(f"--colour {text}: write a part and a colour (--colour skin=#d8a284)")
     return {name: color for name, _, color in pairs}

@@ -48,7 +48,7 @@ CORNEA_SHARE = 1.06
 
 @dataclass(frozen=True)
 class HeadWish:
-    """Request for a head: its person, hair, colors and size."""
+    """Request for a head: its person, hair, colours and size."""
 
     identities: Mapping[int, float] = field(default_factory=dict)
     """Identities by number, in standard deviations."""
@@ -72,7 +72,7 @@ class MadeHead:
 
 
 def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
-    """Make a head; a LipsyncError if files are damaged, a color is none, or the size too small."""
+    """Make a head; a LipsyncError if files are damaged, a colour is wrong, or the size too small."""
     model = FaceModel(model.folder, _colored(model.recipe, wish.colors))
     recipe, neutral = model.recipe, model.neutral
     shift = model.identity(wish.identities, wish.seed)
@@ -105,7 +105,7 @@ def _colored(recipe: Json, colors: Mapping[str, str]) -> Json:
         if name not in known:
             raise LipsyncError(f"no part '{name}' to paint: {did_you_mean(name, known)}")
         if not re.fullmatch("#[0-9a-fA-F]{6}", color):
-            raise LipsyncError(f"color of {name}: '{color}' is no color; write it like #d8a284")
+            raise LipsyncError(f"colour of {name}: '{color}' is no colour; write it like #d8a284")
         if name in surfaces:
             surfaces[name] = {**surfaces[name], "color": color}
         else:

@@ -1,4 +1,4 @@
-"""Points and faces of Wavefront OBJ files; a fault is told with the line."""
+"""Points and faces of Wavefront OBJ files; a fault is named with its line."""
 
 from itertools import pairwise
 from pathlib import Path

@@ -51,7 +51,7 @@ def bigram_home(
 
 
 def styled_row(packs: PairPacks, pair: Pair, style: str) -> BigramRow:
-    """Return the row of a pair in a style; the neutral row where the style draws none."""
+    """Return the row of a pair in a style; the neutral row if the style has no other."""
     row = packs.authored(pair, style)
     if row is None or row.style != style:
         return packs.row(pair)

@@ -1,4 +1,4 @@
-"""Heads from a face model: in one command, with all shapes, small; bad folders are told."""
+"""Heads from a face model: in one command, with all shapes, small; bad folders are named."""
 
 import pytest
 from ict_clone import hair_obj, write_clone

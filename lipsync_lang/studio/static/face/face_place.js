@@ -3,7 +3,7 @@
 import { made, the } from "../shell/elements.js";
 import { actButton } from "../shell/form_fields.js";
 
-/** Seconds by which a playing video may be off before it is set anew. */
+/** Seconds by which a playing video may be off before it is set again. */
 const DRIFT = 0.08;
 const SECOND = 1000;
 

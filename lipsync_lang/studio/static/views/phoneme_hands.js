@@ -21,7 +21,7 @@ export class PhonemeHands {
     this.snap = true;
     this.dragging = false;
     this.dragTimes = [0];
-    /** Where the playhead was: it follows a drag, and goes back. */
+    /** Place of the playhead before a drag, to which it returns. */
     this.timeBefore = 0;
     /** Times of boundaries that were asked for, until the take with them is here. @type {Map<number, number>} */
     this.sought = new Map();
