@@ -90,5 +90,5 @@ def _colors(texts: Sequence[str]) -> dict[str, str]:
     pairs = [text.partition("=") for text in texts]
     for text, (_, mark, _) in zip(texts, pairs, strict=True):
         if not mark:
-            raise LipsyncError(f"--colour {text}: write a part and a colour (--colour skin=#d8a284)")
+            raise LipsyncError(f"--colour {text}: write PART=#RRGGBB, such as skin=#d8a284")
     return {name: color for name, _, color in pairs}

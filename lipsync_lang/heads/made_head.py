@@ -72,7 +72,7 @@ class MadeHead:
 
 
 def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
-    """Make a head; a LipsyncError if files are damaged, a colour is wrong, or the size too small."""
+    """Make a head; a LipsyncError if a file or a colour is wrong, or the size too small."""
     model = FaceModel(model.folder, _colored(model.recipe, wish.colors))
     recipe, neutral = model.recipe, model.neutral
     shift = model.identity(wish.identities, wish.seed)
