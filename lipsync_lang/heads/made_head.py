@@ -76,8 +76,9 @@ def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
     model = FaceModel(model.folder, _colored(model.recipe, wish.colors))
     recipe, neutral = model.recipe, model.neutral
     shift = model.identity(wish.identities, wish.seed)
-    points = neutral.points + shift
     shapes = {**model.shapes(), **_tongue_shapes(model)}
+    rest = sum(weight * shapes[name] for name, weight in recipe["rest"].items())
+    points = neutral.points + shift + rest
     surface = _surfaces(model)
     seen = surface >= 0
     on = {
