@@ -45,7 +45,8 @@ export class FacePlace {
   /** @param {File} file that is played in step with the line; it stays on this machine */
   open(file) {
     const address = URL.createObjectURL(file);
-    this.video = /** @type {HTMLVideoElement} */ (made("video", { src: address, playsinline: "", "aria-label": file.name }));
+    const attributes = { src: address, playsinline: "", "aria-label": file.name };
+    this.video = /** @type {HTMLVideoElement} */ (made("video", attributes));
     this.video.muted = true;
     this.video.addEventListener("loadeddata", () => this.studio.wake());
     this.video.addEventListener("error", () => {
@@ -88,11 +89,12 @@ export class FacePlace {
   detach() {
     if (this.window && !this.window.closed) return this.window.focus();
     const own = window.open("", "", "popup,width=640,height=640"), home = the("stage");
-    if (!own) return this.studio.tell("The browser blocked the window. Allow windows for this page, and try again.", "fault");
+    if (!own) return this.studio.tell("The browser blocked the window. Allow windows for this page.", "fault");
     this.window = own;
     own.document.title = `Face of ${this.studio.state.character}`;
     own.document.documentElement.lang = "en";
-    for (const { href } of /** @type {NodeListOf<HTMLLinkElement>} */ (document.querySelectorAll("link[rel=stylesheet]")))
+    const sheets = document.querySelectorAll("link[rel=stylesheet]");
+    for (const { href } of /** @type {NodeListOf<HTMLLinkElement>} */ (sheets))
       own.document.head.append(made("link", { rel: "stylesheet", href }));
     own.document.body.className = "detached";
     own.document.body.append(this.faces);

@@ -89,7 +89,8 @@ export function listFigures(places, figures, go) {
  * @returns {HTMLElement} with buttons that go to its findings
  */
 function figureItem(figure, go) {
-  const row = made("li", { class: figure.verdict, title: figure.name }, made("b", {}, figure.verdict), ` ${figure.told} `);
+  const verdict = made("b", {}, figure.verdict);
+  const row = made("li", { class: figure.verdict, title: figure.name }, verdict, ` ${figure.told} `);
   for (const [seconds, what] of figure.findings.slice(0, FINDINGS)) {
     const button = made("button", { type: "button" }, `${clock(seconds)}: ${what}`);
     button.addEventListener("click", () => go(seconds));

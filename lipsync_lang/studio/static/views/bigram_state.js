@@ -73,7 +73,10 @@ export function beside(curves, own, boundary, side) {
  */
 export function occurrences(take, pair) {
   const { bigrams = [], bounds = [] } = take.data.making ?? {};
-  return bigrams.flatMap((one, n) => (one.pair === pair ? [/** @type {[number, number]} */ ([bounds[n], bounds[n + 2]])] : []));
+  /** @type {[number, number][]} */
+  const found = [];
+  bigrams.forEach((one, n) => one.pair === pair && found.push([bounds[n], bounds[n + 2]]));
+  return found;
 }
 
 /**
