@@ -354,7 +354,7 @@ const stories = {
     await settle(page);
     await picture(page, "words");
     await to("#coverage", "[aria-label=Script]");
-    await page.setInputFiles("input[type=file]", { name: "script.txt", mimeType: "text/plain", buffer: Buffer.from(SCRIPT) });
+    await page.setInputFiles(".coverage input[type=file]", { name: "script.txt", mimeType: "text/plain", buffer: Buffer.from(SCRIPT) });
     await page.waitForSelector(".needs button.pair");
     await settle(page);
     await picture(page, "coverage");

@@ -47,7 +47,7 @@ const stories = {
   /** A script is dropped, a line judged; a row of the plan opens its bigram, a finding its moment. */
   async coverage() {
     const page = await show("#coverage");
-    await page.setInputFiles("input[type=file]", { name: "<b>script.txt", mimeType: "text/plain", buffer: Buffer.from("ma pa\nay ma\n") });
+    await page.setInputFiles(".coverage input[type=file]", { name: "<b>script.txt", mimeType: "text/plain", buffer: Buffer.from("ma pa\nay ma\n") });
     await page.waitForSelector(".needs button.pair");
     const plan = await page.$$eval(".needs .pair", (all) => all.map((one) => one.textContent));
     const script = await page.$eval("[aria-label=Script]", (one) => one.selectedOptions[0].textContent);
