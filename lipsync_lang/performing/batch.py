@@ -17,7 +17,6 @@ from lipsync_lang.performing.edits import corrected, overlays
 from lipsync_lang.performing.loudness import loudness_dial
 from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.performing.stress import emphasis_dial, stress_dial
-from lipsync_lang.performing.style_drafts import styled_motion
 from lipsync_lang.pipeline.kernel_plan import keep, serves
 from lipsync_lang.pipeline.perform import Performance, perform
 from lipsync_lang.pipeline.prepare import prepare
@@ -74,7 +73,7 @@ class LineDelivery(NamedTuple):
     def performance(self, performer: "Performer", sounds: "LabelSounds", fps: float) -> Performance:
         """Lay the track, and prepare its performance."""
         tables, blends, dials, laid, bends = self
-        motion = styled_motion(performer.compiled, performer.motion, blends)
+        motion = performer.styled_motion(blends)
         ids, times, source, _ = sounds
         track = lay_track(ids, times, source, tables, motion, blends)
         return perform(

@@ -17,7 +17,7 @@ from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.batch import LineDelivery, animate
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
-from lipsync_lang.performing.style_drafts import with_drafts
+from lipsync_lang.performing.style_drafts import styled_motion, with_drafts
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
@@ -445,6 +445,10 @@ class Performer:
         if heard not in self._drafted:
             self._drafted[heard] = with_drafts(self.compiled, heard)
         return self._drafted[heard]
+
+    def styled_motion(self, blends: "Sequence[Blend]") -> "Motion":
+        """Return the motion of a line with the manner of moving of its styles."""
+        return styled_motion(self.compiled, self.motion, blends)
 
     def explain(self, animation: Animation, seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time in an animation of this performer."""

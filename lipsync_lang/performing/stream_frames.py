@@ -13,7 +13,6 @@ from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.heard import HeardLabels, begun_trigrams, open_trigram
 from lipsync_lang.performing.stress import ramped_level, vowel_level
-from lipsync_lang.performing.style_drafts import styled_motion
 from lipsync_lang.pipeline.hold import MARGIN
 from lipsync_lang.pipeline.levels import Blend, Dial
 from lipsync_lang.pipeline.look_ahead import LookAhead, widened
@@ -47,7 +46,7 @@ class StreamFrames:
         emphasis: bool,
     ) -> None:
         self.performer, self.fps = performer, fps
-        self.motion = styled_motion(performer.compiled, performer.motion, blends)
+        self.motion = performer.styled_motion(blends)
         self.blends, self.dials, self.emphasis = blends, dials, emphasis
         self.tables = performer.tables(blends)
         shown = self.tables.papers if self.motion.thresholds == "paper" else self.tables

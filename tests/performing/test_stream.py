@@ -114,6 +114,13 @@ class Standing:
     def tables(self, _blends):
         return self.made
 
+    @property
+    def poses(self):
+        return range(len(self.made.priority))
+
+    def styled_motion(self, _blends):
+        return self.motion
+
 
 @full
 @given(any_lines(), motions(hold=0), RATES, st.data())

@@ -188,9 +188,9 @@ def test_contacts_are_the_parents_unless_a_shade_is_free(packs):
 
 
 def test_rules_about_a_parent_hold_for_its_shades(packs):
-    opens = "    opens: {phonemes: [aa], measure: opening, at_least: 2}\n"
+    opens = "opens: {phonemes: [aa], measure: opening, at_least: 2}"
     path = packs / "posesets/facefx/poseset.yaml"
-    path.write_text(re.sub(r"    opens: .*\n", opens, path.read_text("utf-8")), "utf-8")
+    path.write_text(re.sub(r"opens: {[^}]*}", opens, path.read_text("utf-8")), "utf-8")
     animation = performer(packs).perform(Schedule(("æ", "t"), [0, 0.2, 0.3]))
     found = check(animation).figures
     assert [one.parts for one in found if one.name == "rules opens"] == [{"kept": 0, "missed": 1}]
