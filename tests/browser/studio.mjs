@@ -178,8 +178,10 @@ const stories = {
     await saved(one);
     await drag(one, 3, 0, 50);
     await unsaved(one);
-    await one.waitForLoadState("networkidle"); // the last edit of the drag is sent
     const last = await points(one);
+    await other.evaluate(() => dispatchEvent(new Event("focus")));
+    await other.bringToFront();
+    await become(other, last); // the server has the last edit of the drag
     await other.close();
     tell("kill"); // the test kills the server, and starts it anew at the same address
     await told();
