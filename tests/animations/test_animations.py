@@ -21,6 +21,7 @@ from test_engine_files import READ_BACK as ENGINES
 from test_godot import READ_BACK as GODOT
 from test_line_page import data_of
 from test_subtitle_files import READ_BACK as SUBTITLES
+from test_take_files import READ_BACK as TAKES
 from test_usd import READ_BACK as USD
 from test_video import NEEDS
 from test_video import READ_BACK as PICTURES
@@ -206,6 +207,7 @@ READ_BACK = {
     **HELD,
     **PICTURES,
     **SUBTITLES,
+    **TAKES,
     **TIMINGS,
     **USD,
 }

@@ -20,6 +20,7 @@ from test_engine_files import READERS
 from test_godot import from_tres
 from test_line_page import data_of
 from test_subtitle_files import read
+from test_take_files import take_names
 from test_usd import from_usda
 
 import lipsync_lang as ll
@@ -184,6 +185,7 @@ NAMES = {
     "srt": cues("srt"),
     "unreal": curves,
     "usd": lambda content, animation: list(from_usda(content, animation)),
+    "player": lambda content, _: take_names(content)[0],
     "vrma": lambda content, animation: list(from_vrma(content, animation)),
     "vtt": lambda content, animation: list(map(unescape, cues("vtt")(content, animation))),
 }
