@@ -14,12 +14,15 @@ import numpy as np
 import yaml
 
 from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError, ModelError
+from lipsync_lang.errors import LipsyncError, ModelError, shortlist
 from lipsync_lang.heads.obj_files import ObjMesh, obj_comment, obj_mesh, obj_points
 from lipsync_lang.json_object import Json
 
 LIKELY = 0.7
 """Standard deviation of drawn identities, in those of the model; larger ones look less real."""
+
+NAMED_MISSING_FILES = 3
+"""Number of missing files that a message names."""
 
 
 def recipe_names() -> list[str]:
@@ -49,7 +52,7 @@ class FaceModel:
         names = [self.recipe["neutral"], *(f"{one}.obj" for one in self._files())]
         missing = [name for name in names if not (self.home / name).is_file()]
         if missing:
-            few = ", ".join(missing[:3]) + (f" and {len(missing) - 3} more" * (len(missing) > 3))  # noqa: PLR2004
+            few = shortlist(missing, NAMED_MISSING_FILES)
             raise ModelError(f"{self.home}: lacks {few}; get the model: {self.recipe['clone']}")
 
     @cached_property

@@ -229,7 +229,7 @@ def _split(body: Part, surface: Ints, model: FaceModel) -> list[Part]:
     """Split the thinned body by material."""
     recipe = model.recipe
     body = with_normals(body)
-    lips = lip_share(model.neutral.points, recipe)[body.triangles].min(axis=1) > 0.5  # noqa: PLR2004
+    lips = lip_share(model.neutral.points, recipe)[body.triangles].min(axis=1) > 0.5  # noqa: PLR2004 more lip than skin
     parts = []
     for number, (name, row) in enumerate(recipe["surfaces"].items()):
         here = surface == number

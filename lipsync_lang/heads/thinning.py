@@ -142,7 +142,7 @@ def _joined_twice(edges: Ints, gone: Ints, target: Ints, count: int) -> Bools:
     starts = np.searchsorted(both[:, 0], np.arange(count + 1))
     near = [set(both[starts[p] : starts[p + 1], 1].tolist()) for p in gone]
     other = [set(both[starts[p] : starts[p + 1], 1].tolist()) for p in target]
-    return np.array([len(a & b) == 2 for a, b in zip(near, other, strict=True)], bool)  # noqa: PLR2004
+    return np.array([len(a & b) == 2 for a, b in zip(near, other, strict=True)], bool)  # noqa: PLR2004 as at any edge
 
 
 def _upright(web: Web, gone: Ints, target: Ints) -> Bools:

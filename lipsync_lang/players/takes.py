@@ -187,7 +187,7 @@ class Player:
         return self.time - self.delay
 
     def play(self, name: str, fade: float = 0.0, at: float | None = None) -> bool:
-        """Play a line, from its movement before the sound or from a time; fade from what is shown.
+        """Play a line. It begins with its movement before the sound, or at a time, and fades in.
 
         Returns False, and goes on as before, if the archive lacks the line.
         """

@@ -30,8 +30,11 @@ STILL_SHARE = 1e-5
 MAX_MEASURED_POINTS = 30_000
 """Largest model whose mouth is looked for in a choice of pose sets: pairs of points cost memory."""
 
-TONGUE_DEPTHS = (0.12, 1.2)
-"""Distance of the tongue behind the lips, in widths of the mouth, from and to."""
+CHIN_BOX = (0.0, -0.7, 0.0), (0.15, 0.25, 0.5)
+"""Middle of the chin from that of the lips, and half its size, in widths of the mouth."""
+
+TONGUE_BOX = (0.0, 0.0, -0.66), (0.3, 0.4, 0.54)
+"""The same of the tongue, which lies behind the lips."""
 
 
 @dataclass(frozen=True)
@@ -138,12 +141,10 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
     width = float(np.ptp(line[:, 0]))
     lips = line[len(line) // 2]
     off = (rest - lips) / width
-    midway = np.abs(off[:, 0]) < 0.15  # noqa: PLR2004 of the width
-    low = midway & (np.abs(off[:, 1] + 0.7) < 0.25) & (np.abs(off[:, 2]) < 0.5)  # noqa: PLR2004
-    chin = np.flatnonzero(low)
-    front, back = TONGUE_DEPTHS
-    within = (np.abs(off[:, 0]) < 0.3) & (np.abs(off[:, 1]) < 0.4)  # noqa: PLR2004
-    tongue = np.flatnonzero(within & (-off[:, 2] > front) & (-off[:, 2] < back))
+    chin, tongue = (
+        np.flatnonzero((np.abs(off - middle) < half).all(axis=1))
+        for middle, half in (CHIN_BOX, TONGUE_BOX)
+    )
     return MouthPoints(upper, lower, chin if len(chin) else lower, tongue, width)
 
 

@@ -20,7 +20,7 @@ def test_words_are_aligned_again_and_a_language_is_begun(tmp_path):
     workshop.open("english", "crab")
     workshop.speak("Please buy five maps")
     if workshop.schedule.audio is None:
-        pytest.skip("no voice")
+        pytest.skip("needs eSpeak NG, whose voice is aligned again")
     with served(workshop) as address:
         used = run(node, HERE / "again.mjs", modules, chromium(), address)
     assert used["asked"] == []
