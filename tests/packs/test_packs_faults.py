@@ -54,7 +54,7 @@ BAD = [
     Bad("byte order mark", PARENT, None, b"\xef\xbb\xbfkind: language", (("P004", 1, 1),), "BOM"),
     Bad("nul", PARENT, "title: Parent", "title: Pa\0rent", (("P005", 5, 10),)),
     Bad("escaped control", PARENT, "title: Parent", 'title: "a\\u0007"', (("P005", 5, '"a'),)),
-    Bad("half a surrogate", PARENT, "title: Parent", 'title: "a\\uD800"', (("P005", 5, '"a'),)),
+    Bad("half a surrogate", PARENT, "title: Parent", 'title: "a\\uD800"', (("P008", 5, 'D800"'),)),
     Bad("empty", PARENT, None, "", (("P006", 1, 1),), "kind"),
     Bad("only blanks", PARENT, None, "\n  \n", (("P006", 1, 1),)),
     Bad("only a comment", PARENT, None, "# later\n", (("P006", 1, "# later"),)),
@@ -76,7 +76,7 @@ BAD = [
         (("P015", 10, "tag: qa"), ("P101", 11, "wrds: {"))),
     Bad("key in brackets", CHILD, "{x: yu}", "{[x]: yu}", (("P016", 9, "[x]: yu"),)),
     Bad("yaml 1.1", CHILD, "kind: language", "%YAML 1.1\n---\nkind: language",
-        (("P017", 2, "---"),)),
+        (("P017", 1, "%YAML"),)),
     # the form of one pack
     Bad("unknown field", POSESET, "motion:", "moton:", (("P101", 19, "moton:"),), "'motion'"),
     Bad("unknown inner field", POSESET, "region: jaw", "regin: jaw",

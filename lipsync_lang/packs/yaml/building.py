@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from lipsync_lang.packs.yaml.diagnosis import cause
-from lipsync_lang.packs.yaml.events import Event, Parser, YamlError, parsers
+from lipsync_lang.packs.yaml.events import Event, YamlError, events
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.packs.yaml.source import (
     FILE_START,
@@ -29,11 +29,11 @@ MAX_NESTING_LEVELS = 40
 TOO_DEEP = f"nests deeper than {MAX_NESTING_LEVELS} levels"
 CLOSE_BRACKET = "check for an open bracket; packs nest about eight levels deep"
 
+OTHER_YAML = "the file asks for another version of YAML; packs are YAML 1.2"
+DELETE_VERSION = "delete the line `%YAML`"
+
 MAX_INTEGER_DIGITS = 64
 """Digits of an integer; a longer one becomes a float, as `int` refuses thousands of digits."""
-
-TAG_FAULT = "P014"
-"""The fault code of a tag."""
 
 _INT = re.compile(r"[-+]?[0-9]+")
 _FLOAT_FORM = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -47,27 +47,19 @@ _SPECIAL: Final = {
     },
     **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
 }
-_NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
+_NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufffe\uffff]")
+"""Control characters, among them the line breaks that only YAML 1.1 knows."""
 
 
 def build(path: Path, content: bytes) -> YamlSource:
     """Read YAML as far as possible; see `source.scan`."""
-    faults: tuple[Fault, ...] = ()
     try:
         text = _text(path, content)
+        builder = _Builder(path)
         try:
-            asked = parsers(text)
+            return builder.build(text)
         except YamlError as error:
-            asked, faults = (), (_syntax(path, text, error),)
-        for parse in asked:
-            builder = _Builder(path)
-            try:
-                source = builder.build(text, parse)
-                if parse is asked[-1] or all(fault.code != TAG_FAULT for fault in source.faults):
-                    return source
-                # Some tags are a syntax error to one parser only; the last parser decides.
-            except YamlError as error:
-                faults = (*builder.faults, _syntax(path, text, error))
+            faults = (*builder.faults, _syntax(path, text, error))
     except _StopError as stop:
         faults = stop.faults
     return YamlSource(path, None, faults=tuple(sorted(faults)))
@@ -133,12 +125,12 @@ def _syntax(path: Path, text: str, error: YamlError) -> Fault:
     line, column = error.place or FILE_START
     lines = text.splitlines()
     rest = lines[line - 1][: column + 1] if line <= len(lines) else ""
-    if "'\\t'" in error.problem or "\t" in rest[: len(rest) - len(rest.lstrip())]:
+    if rest[column - 1 : column] == "\t" or "\t" in rest[: len(rest) - len(rest.lstrip())]:
         what, hint = "a tab is used for indentation; YAML needs spaces", "indent with spaces"
         return Fault(shown(path), line, column, "P007", what, hint)
     problem = error.problem or "not valid YAML"
-    if "undefined alias" in problem:
-        return Fault(shown(path), line, column, "P012", problem)
+    if "incompatible YAML" in problem:
+        return Fault(shown(path), line, column, "P017", OTHER_YAML, DELETE_VERSION)
     if "nesting depth" in problem:  # newer libyaml stops scanning before its first event
         return Fault(shown(path), line, column, "P010", TOO_DEEP, CLOSE_BRACKET)
     if found := cause(text, error, (line, column)):
@@ -188,13 +180,13 @@ class _Builder:
         self.last: Event = None
         self.root: tuple[Any, SourceMark] | None = None
 
-    def build(self, text: str, parse: Parser) -> YamlSource:
+    def build(self, text: str) -> YamlSource:
         """Return the source of the whole text; raise `_StopError` or `YamlError`."""
         self.chars = len(text)
         collects = gc.isenabled()
         gc.disable()  # collection would walk the growing data again and again
         try:
-            self._read(text, parse)
+            self._read(text)
         finally:
             if collects:
                 gc.enable()
@@ -206,7 +198,7 @@ class _Builder:
         data, mark = self.root
         return YamlSource(self.path, data, mark, tuple(sorted(self.faults)), text)
 
-    def _read(self, text: str, parse: Parser) -> None:
+    def _read(self, text: str) -> None:
         """Handle every event; add the place of the last event to an error without one."""
         act = {
             "ScalarEvent": self._on_scalar,
@@ -218,7 +210,7 @@ class _Builder:
             "DocumentStartEvent": self._on_document,
         }
         try:
-            for event in parse(text):
+            for event in events(text):
                 self.last = event.start_mark
                 handler = act.get(event.__class__.__name__)
                 if handler is not None:
@@ -242,9 +234,7 @@ class _Builder:
             hint = "delete the line `---`, or move what follows to a file of its own"
             raise self._stop(event.start_mark, "P009", "a second document starts here", hint)
         if event.version is not None and tuple(event.version) != (1, 2):
-            version = ".".join(map(str, event.version))
-            what = f"the file asks for YAML {version}; packs are YAML 1.2"
-            self._note(event.start_mark, "P017", what, "delete the line `%YAML`")
+            self._note(event.start_mark, "P017", OTHER_YAML, DELETE_VERSION)
 
     def _on_scalar(self, event: Event) -> None:
         mark = event.start_mark
@@ -332,7 +322,7 @@ class _Builder:
     def _tagged(self, event: Event) -> None:
         what = f"tags such as '{event.tag}' are not supported"
         hint = "delete it; quotes turn any value into text"
-        self._note(event.start_mark, TAG_FAULT, what, hint)
+        self._note(event.start_mark, "P014", what, hint)
 
     def _not_a_key(self, mark: Event) -> bool:
         """Return True where a value is expected; note a fault where a key is expected."""

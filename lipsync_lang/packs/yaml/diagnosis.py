@@ -15,6 +15,13 @@ _CURLY = re.compile("[“”„‘’‚]")
 _COLON = re.compile(r":(?=\s|$)")
 _CLOSING_BRACKETS = {"[": "]", "{": "}"}
 
+_BAD_START = re.compile(
+    "cannot start any token|comment or line break|alphabetic or numeric|indentation indic|directive"
+)
+"""Words of libyaml, and of PyYAML without it, about text that begins with a sign of YAML."""
+
+_BAD_ESCAPE = re.compile("escape c|hexadecimal|hexdecimal")
+
 
 class Cause(NamedTuple):
     """The place of a mistake from 1, the mistake, and its cure."""
@@ -30,24 +37,22 @@ def cause(  # noqa: PLR0911 one return for each cause
 ) -> Cause | None:
     """Return the likely cause of a parser's error; None if the parser's words must do."""
     lines = [_WHOLE_QUOTES.sub(lambda found: "_" * len(found[0]), one) for one in text.splitlines()]
-    line, column = min(place[0], len(lines)), place[1]
+    line, column = place if place[0] <= len(lines) else (len(lines), len(lines[-1]) + 1)
     first = min(error.started or line, line)
     shown = lines[line - 1]
-    if error.problem.startswith("U+"):
-        return None
     if found := _open_quote(lines, line):
         return found
     for number in dict.fromkeys((line, first)):
         if curly := _CURLY.search(lines[number - 1]):
             what = f"curly quotes ({curly[0]}) are no quotes in YAML"
             return Cause(number, curly.start() + 1, what, 'write straight quotes (") instead')
-    if "escape character" in error.problem:
+    if _BAD_ESCAPE.search(error.problem):
         hint = "write `\\\\` for a backslash, `/` in paths, or use single quotes"
         return Cause(line, column, "a backslash in double quotes begins an escape", hint)
-    if "cannot start any token" in error.problem or "indentation indicators" in error.problem:
-        sign = shown[:column].rstrip()[-1:]
-        sign = sign if sign in "@`%" else "|" if "|" in shown else ">"
-        return Cause(line, column, f"text may not begin with '{sign}'", "put the text into quotes")
+    signs = [at for at, sign in enumerate(shown[:column], 1) if sign in "@`%*&|>"]
+    if signs and _BAD_START.search(error.problem):
+        what = f"text may not begin with '{shown[signs[-1] - 1]}'"
+        return Cause(line, signs[-1], what, "put the text into quotes")
     if "could not find expected ':'" in error.problem:
         return _colon(lines, first)
     if "expected ',' or" in error.problem:

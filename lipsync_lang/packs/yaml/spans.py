@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
-from lipsync_lang.packs.yaml.events import Event, YamlError, parsers
+from lipsync_lang.packs.yaml.events import Event, YamlError, events
 
 _GAP = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _VALUE_EVENT = re.compile("(?:Scalar|Alias|(?:Mapping|Sequence)(?:Start|End))Event")
@@ -46,17 +46,11 @@ def spans(text: str) -> Span:
 
     Raise `YamlError` if no parser reads the text, or if it has a form that packs do not use.
     """
-    problem = YamlError(None, "no value", "", None)
-    for parse in parsers(text):
-        try:
-            events = [e for e in parse(text) if _VALUE_EVENT.fullmatch(e.__class__.__name__)]
-            if not events:
-                raise _unusual()
-            walk = _Walk(text, iter(events))
-            return walk.value(next(walk.events))
-        except YamlError as error:
-            problem = error
-    raise problem
+    found = [e for e in events(text) if _VALUE_EVENT.fullmatch(e.__class__.__name__)]
+    if not found:
+        raise _unusual()
+    walk = _Walk(text, iter(found))
+    return walk.value(next(walk.events))
 
 
 class _Walk:
