@@ -88,11 +88,11 @@ const stories = {
     await page.keyboard.press("Shift+ArrowUp");
     await page.waitForFunction((was) => document.querySelector(".curves-place .front .point:nth-child(3)").getAttribute("aria-label") !== was, before);
     await page.waitForFunction(() => document.querySelector("#undo").title.includes("of pa"));
-    await page.click("text=＋ new");
+    await page.click("text=+ new");
     await page.waitForFunction(() => location.hash.includes("line"));
     await page.click("#undo");
     await page.waitForFunction(() => document.querySelectorAll(".own li").length === 1);
-    await page.click("text=＋ new");
+    await page.click("text=+ new");
     await page.waitForFunction(() => document.querySelectorAll(".own li").length === 2);
     await page.fill("[data-field=jaw]", "0.5");
     const loaded = page.waitForResponse((answer) => answer.url().endsWith("/words"));

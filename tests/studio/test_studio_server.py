@@ -357,3 +357,14 @@ def test_a_pair_and_a_line_are_proposed_and_the_users_own_packs_come_first(tmp_p
     caller = Caller(Workshop(tmp_path, engine="none"))
     first = caller.api("project").json["first"]
     assert first == {"language": "stage", "character": "hero", "line": "maps and boats"}
+
+
+def test_a_pair_that_is_named_begins_with_a_line_in_its_language(tmp_path):
+    workshop = Workshop(tmp_path, engine="none")
+    caller = Caller(workshop)
+    told = caller.api("project").json["first"]
+    workshop.open(told["language"], "facefx")
+    assert caller.api("project").json["first"] == {**told, "character": "facefx"}
+    workshop.open("german", "facefx")
+    line = caller.api("project").json["first"]["line"]
+    assert line in {test.text for test in workshop.library().language("german").model.tests}

@@ -30,9 +30,10 @@ def project(workshop: Workshop, _: StudioRequest) -> Json:
 
 
 def _first(workshop: Workshop, library: Library) -> Json | None:
-    """Return the pair and the line to open if none is chosen; None without a tour to take them of.
+    """Return a pair and a line to begin with; None without a tour to take them of.
 
-    The user's own packs come first; a language of theirs says the longest of its examples.
+    The open pair comes first, and then the user's own packs. Another language than the tour's says
+    the longest of its examples.
     """
     told = next((name for name in _names(library, "poseset") if _tour(library, name)), None)
     if told is None:
@@ -42,12 +43,13 @@ def _first(workshop: Workshop, library: Library) -> Json | None:
         kind: next((one.name for one in library.names(kind) if workshop.own(one.path)), None)
         for kind in ("language", "character", "poseset")
     }
-    language, line = own["language"], found["line"]
-    if language is not None:
+    language = workshop.language or own["language"] or found["language"]
+    line = found["line"]
+    if language != found["language"]:
         examples = [test.text for test in library.language(language).model.tests]
         line = max(examples, key=len, default="")
-    face = own["character"] or own["poseset"] or told
-    return {"language": language or found["language"], "character": face, "line": line}
+    face = workshop.character or own["character"] or own["poseset"] or told
+    return {"language": language, "character": face, "line": line}
 
 
 def tour(workshop: Workshop, request: StudioRequest) -> Json:

@@ -142,7 +142,7 @@ export class Studio {
     if (told.length) this.tell(told.join("\n"), notes.length ? "fault" : "");
     if (this.state.language) await this.#opened(await face);
     await this.script.start();
-    if (!this.state.language) await this.#first();
+    await this.#first();
     the("tours").replaceChildren(...this.#tours());
     document.documentElement.dataset.ready = "";
     setTimeout(() => this.api.post("warm").catch(() => {}), WARM_LATER);
@@ -210,16 +210,17 @@ export class Studio {
     this.notify("face");
   }
 
-  /** Open a pair and say a line if nothing is chosen, and offer the tours. */
+  /** Open a pair if none is chosen, say a line if there is none, and offer the tours. */
   async #first() {
     const { first } = this.project;
-    if (first) await this.open(first.language, first.character);
+    const asked = this.state.language;
+    if (first && !asked) await this.open(first.language, first.character);
     if (!this.state.language) {
       const words = "Choose a language and a character above. Edits are saved in this folder only.";
       the("view").replaceChildren(made("section", { class: "empty" }, made("h2", {}, words)));
     }
     if (this.state.language && !this.take && first?.line) await this.speak(first.line);
-    this.tell("Edits are saved in this folder only.", "", true, ...this.#tours());
+    if (!asked) this.tell("Edits are saved in this folder only.", "", true, ...this.#tours());
   }
 
   /** @returns {HTMLElement[]} a button for each tour */

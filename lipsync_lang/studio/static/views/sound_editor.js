@@ -65,7 +65,7 @@ export class SoundEditor {
 
   /** @param {string} name @param {number} at @returns {HTMLElement} */
   #select(name, at) {
-    const none = this.sound?.to.length ? (name ? "— remove —" : "＋ another…") : "Choose a mouth…";
+    const none = this.sound?.to.length ? (name ? "— remove —" : "+ another…") : "Choose a mouth…";
     const options = this.common.map((one) => made("option", { value: one.name }, this.#words(one)));
     if (name && !this.common.some((one) => one.name === name)) options.push(made("option", { value: name }, name));
     const select = /** @type {HTMLSelectElement} */ (

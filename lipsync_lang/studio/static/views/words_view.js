@@ -112,7 +112,7 @@ export class WordsView {
     };
     const note = (/** @type {string} */ text) => made("p", { class: "note" }, text);
     this.list.replaceChildren(
-      head("Words", "＋ at the playhead", "Curves for the word at the playhead, wherever it is spoken (N)", () =>
+      head("Words", "+ at the playhead", "Curves for the word at the playhead, wherever it is spoken (N)", () =>
         this.#addWord(),
       ),
       ...(told.words.length
@@ -126,7 +126,7 @@ export class WordsView {
             ),
           ]
         : [note("The character's own curves for a whole word, wherever the word is spoken.")]),
-      head("Pronunciations", "＋ at the playhead", "Pronunciation of the word at the playhead", () => this.#addSaid()),
+      head("Pronunciations", "+ at the playhead", "Pronunciation of the word at the playhead", () => this.#addSaid()),
       ...(told.pronunciations.length
         ? [
             made(
@@ -140,7 +140,7 @@ export class WordsView {
             ),
           ]
         : [note("Words that this character pronounces in its own way.")]),
-      head("Lines", "＋ new", "Edits and delivery of one line", () => this.#addLine()),
+      head("Lines", "+ new", "Edits and delivery of one line", () => this.#addLine()),
       ...(told.lines.length
         ? [made("ul", {}, ...told.lines.flatMap((line) => this.#lineItems(line)))]
         : [
@@ -249,8 +249,8 @@ export class WordsView {
       );
     if (line)
       parts.push(
-        button("＋ word at the playhead", "Curves for one word of this line", () => this.#addEdit(line, false)),
-        button("＋ sound at the playhead", "Curves for one sound of this line", () => this.#addEdit(line, true)),
+        button("+ word at the playhead", "Curves for one word of this line", () => this.#addEdit(line, false)),
+        button("+ sound at the playhead", "Curves for one sound of this line", () => this.#addEdit(line, true)),
       );
     const about =
       { word: "wherever it is spoken", edit: "in this line only", line: "delivery of one line", said: "pronunciation" }[
