@@ -1,5 +1,6 @@
 """Banks of drafted styles: neutral curves, scaled and offset as the pose set states.
 
+A bigram that a bank of the style draws has the drawn curves instead; the posture is added to both.
 A bank is as large as the neutral one, so it is made for the first use of a style. Poses that only
 postures move come after the poses of speech, and are subject to the same stages. P counts the poses
 of speech, and Q those of postures.
@@ -36,10 +37,12 @@ def with_drafts(compiled: "CompiledPair", heard: Collection[str]) -> Tables:
     if not heard or any(any(drafts[name]["posture"][poses:]) for name in heard):
         tables = _with_postures(tables, compiled.posture)
     sounding = _sounding(compiled)
+    drawn = dict(zip(compiled.style_origins, tables.styles, strict=True))
     banks = []
-    for name, draft in drafts.items():
-        bank = tables.neutral
+    for name in compiled.style_names:
+        bank = drawn.get(name, tables.neutral)
         if name in heard:
+            draft = drafts[name]
             scale, offset, posture = (
                 np.array(draft[part], np.float32) for part in ("scale", "offset", "posture")
             )
@@ -48,12 +51,14 @@ def with_drafts(compiled: "CompiledPair", heard: Collection[str]) -> Tables:
             for pose in np.flatnonzero(offset):
                 # in place: the curves of a pair take some megabytes
                 curves[:, :, pose] += offset[pose] * sounding
+            own = list(map(int, compiled.style_origins.get(name, ())))
+            curves[own] = bank.curves[own]
             curves += posture[: curves.shape[2]]
             np.clip(curves, 0, 1, out=curves)
             curves.setflags(write=False)
             bank = bank._replace(curves=curves)
         banks.append(bank)
-    return replace(tables, styles=(*tables.styles, *banks))
+    return replace(tables, styles=tuple(banks))
 
 
 def styled_motion(compiled: "CompiledPair", motion: Motion, blends: Sequence[Blend]) -> Motion:

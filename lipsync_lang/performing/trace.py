@@ -165,12 +165,12 @@ def _bigram(
     names = tuple(compiled.phonemes[int(i)] for i in track.ids[first : first + count])
     styles = []
     for style, share in heard.items():
+        own = compiled.style_origins.get(style, {}).get(str(track.rows[number]))
         draft = compiled.style_drafts.get(style)
-        if draft is not None:
-            styles.append(StyleAt(style, share, "draft", "drafted", (draft["place"],)))
-        # without an origin, the style plays the neutral row
-        elif (own := compiled.style_origins[style].get(str(track.rows[number]))) is not None:
+        if own is not None:
             styles.append(StyleAt(style, share, own.layer, own.status, own.places))
+        elif draft is not None:  # without a draft, the style plays the neutral row
+            styles.append(StyleAt(style, share, "draft", "drafted", (draft["place"],)))
     drawn = origin.triple or origin.pair
     finer = drawn != names and origin.layer != "gap"
     return BigramAt(

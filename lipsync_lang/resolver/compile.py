@@ -127,7 +127,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
             {name: [e.model_dump() for e in line.edits] for name, line in who.model.lines.items()}
         ),
         contact_names=tuple(poseset.model.contacts),
-        style_drafts=_style_drafts(poseset, rows.styles),
+        style_drafts=_style_drafts(poseset),
         posture=_posture(poseset.model),
         regions=_regions(poseset.model),
         intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
@@ -275,10 +275,8 @@ def _regions(poseset: models.PoseSet) -> dict[str, list[int]]:
     return regions
 
 
-def _style_drafts(
-    poseset: Pack[models.PoseSet], drawn: Mapping[str, object]
-) -> dict[str, dict[str, Any]]:
-    """Return the drafts of the pose set's styles without a bank, pose by pose."""
+def _style_drafts(poseset: Pack[models.PoseSet]) -> dict[str, dict[str, Any]]:
+    """Return the drafts of the pose set's styles, pose by pose."""
     poses = poseset.model.poses
     every = (*poses, *poseset.model.posture_poses)
     return {
@@ -294,7 +292,6 @@ def _style_drafts(
             "place": str(poseset.where(("styles", name))),
         }
         for name, style in poseset.model.styles.items()
-        if name not in drawn
     }
 
 

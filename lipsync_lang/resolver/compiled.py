@@ -136,8 +136,9 @@ class CompiledPair:
     style_origins: dict[str, dict[str, Origin]]
     """Origins of the rows that each style changes, in the order of the tables."""
     style_drafts: dict[str, dict[str, Any]]
-    """`scale` and `offset` of each pose, and `place`, for styles of the pose set without a bank.
+    """`scale` and `offset` of each pose, and `place`, for the styles of the pose set.
 
+    They hold for the bigrams that no bank of the style draws.
     `posture` goes on with the poses of postures; `speed` and `softness` scale the motion.
     """
     posture: dict[str, Any]
@@ -174,8 +175,8 @@ class CompiledPair:
 
     @property
     def style_names(self) -> tuple[str, ...]:
-        """Styles by the number of their bank: those of the tables, then drafts."""
-        return (*self.style_origins, *self.style_drafts)
+        """Styles by the number of their bank: those of the tables, then those drafted alone."""
+        return tuple(dict.fromkeys((*self.style_origins, *self.style_drafts)))
 
     @property
     def counted(self) -> tuple[str, ...]:

@@ -551,7 +551,7 @@ class Workshop:
             "shades": compiled.shades,
             "measures": compiled.measures,
             "regions": compiled.regions,
-            "styles": list(dict.fromkeys((*compiled.style_names, *compiled.style_drafts))),
+            "styles": list(compiled.style_names),
             "lines": list(compiled.line_edits),
             "kept": [
                 line["text"]

@@ -20,12 +20,12 @@ from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.pipeline.switch import FREE, NONE, switch
 from lipsync_lang.schedules.schedule import Word
 
-ANGRY = """\
+GRIM = """\
 kind: bank
 format: 1
-name: angry
+name: grim
 poseset: facefx
-style: angry
+style: grim
 bigrams:
   l-ow: {status: approved, boundary: 0.3, curves: {W: [[0, 0], [0.2, 1], [0.8, 1], [1, 0]]}}
   ow-_: {curves: {open: [[0, 0.5], [0.5, 0.5], [1, 0]]}}
@@ -35,10 +35,10 @@ kind: character
 format: 1
 name: anna
 poseset: facefx
-styles: {angry: 0.5}
+styles: {grim: 0.5}
 lines:
-  shout: {styles: {angry: 1}, dials: {jaw: [[0, 0.5], [1, 0.5], [2, 1]]}}
-  calm: {styles: {angry: 0}}
+  shout: {styles: {grim: 1}, dials: {jaw: [[0, 0.5], [1, 0.5], [2, 1]]}}
+  calm: {styles: {grim: 0}}
   far: {dials: {jaw: [[0, 1], [7, 1]]}}
 """
 LINE = Schedule.from_intervals(
@@ -55,7 +55,7 @@ LINE = Schedule.from_intervals(
 def project(tmp_path_factory):
     folder = tmp_path_factory.mktemp("project")
     (folder / "posesets/facefx/banks").mkdir(parents=True)
-    (folder / "posesets/facefx/banks/angry.yaml").write_text(ANGRY, "utf-8")
+    (folder / "posesets/facefx/banks/grim.yaml").write_text(GRIM, "utf-8")
     (folder / "characters").mkdir()
     (folder / "characters/anna.yaml").write_text(CHARACTER, "utf-8")
     return folder
@@ -80,13 +80,13 @@ def stitched(performer, **how):
 def test_a_share_of_nothing_is_neutral_to_the_bit(bare):
     plain = ll.resolve("english", "facefx", cache=False).perform(LINE)
     assert np.array_equal(bare.perform(LINE).weights, plain.weights)
-    assert np.array_equal(bare.perform(LINE, styles={"angry": 0}).weights, plain.weights)
+    assert np.array_equal(bare.perform(LINE, styles={"grim": 0}).weights, plain.weights)
 
 
 def test_a_style_changes_its_own_bigrams_and_no_others(bare):
     times, neutral = stitched(bare)
-    _, angry = stitched(bare, styles={"angry": 1})
-    changed = np.abs(angry - neutral).max(axis=0) > 1e-9
+    _, grim = stitched(bare, styles={"grim": 1})
+    changed = np.abs(grim - neutral).max(axis=0) > 1e-9
     assert changed.any()
     assert (times[changed] > 0.35).all()
     assert (times[changed] < 0.8).all()  # the line never comes to `ow-_`
@@ -95,15 +95,15 @@ def test_a_style_changes_its_own_bigrams_and_no_others(bare):
 def test_half_a_style_is_half_way_before_all_else(bare):
     bare = bare.with_motion({"stitch": "crossfade"})  # which is linear, as a maximum is not
     _, neutral = stitched(bare)
-    _, angry = stitched(bare, styles={"angry": 1})
-    _, half = stitched(bare, styles={"angry": 0.5})
-    assert np.abs(half - (neutral + angry) / 2).max() < 1e-6
+    _, grim = stitched(bare, styles={"grim": 1})
+    _, half = stitched(bare, styles={"grim": 0.5})
+    assert np.abs(half - (neutral + grim) / 2).max() < 1e-6
 
 
 def test_each_bank_is_warped_by_its_own_boundary(bare):
-    """The first sound ends at 0.3 of the angry curve, where W is high already."""
-    times, angry = stitched(bare, styles={"angry": 1})
-    w = angry[bare.poses.index("W")]
+    """The first sound ends at 0.3 of the grim curve, where W is high already."""
+    times, grim = stitched(bare, styles={"grim": 1})
+    w = grim[bare.poses.index("W")]
     at = np.abs(times - 0.45).argmin()
     curve = bare.compiled.tables.styles[0].curves
     row = next(n for n, o in enumerate(bare.compiled.origins) if o.pair == ("l", "ow"))
@@ -113,7 +113,7 @@ def test_each_bank_is_warped_by_its_own_boundary(bare):
 def test_of_a_layer_the_style_comes_first_and_of_styles_each_has_its_own(tmp_path):
     banks = tmp_path / "posesets/facefx/banks"
     banks.mkdir(parents=True)
-    for style, weight in (("neutral", 0.2), ("angry", 0.6), ("calm", 0.1)):
+    for style, weight in (("neutral", 0.2), ("grim", 0.6), ("calm", 0.1)):
         (banks / f"{style}.yaml").write_text(
             f"kind: bank\nformat: 1\nname: {style}\nposeset: facefx\nstyle: {style}\n"
             "interpolation: linear\nbigrams:\n"
@@ -124,9 +124,9 @@ def test_of_a_layer_the_style_comes_first_and_of_styles_each_has_its_own(tmp_pat
         wide = performer.poses.index("wide")
         row = next(n for n, o in enumerate(performer.compiled.origins) if o.pair == ("l", "ow"))
         tables = performer.compiled.tables
-        assert tuple(performer.compiled.style_origins) == ("angry", "calm")
+        assert tuple(performer.compiled.style_origins) == ("calm", "grim")
         found = [bank.curves[row, 64, wide] for bank in (tables.neutral, *tables.styles)]
-        assert found == pytest.approx([0.2, 0.6, 0.1])
+        assert found == pytest.approx([0.2, 0.1, 0.6])
 
 
 def test_a_contact_is_waived_only_if_all_that_is_heard_waives_it(tmp_path):
@@ -153,10 +153,10 @@ def test_a_contact_is_waived_only_if_all_that_is_heard_waives_it(tmp_path):
 def test_shares_over_time_pass_from_one_to_the_other(bare):
     bare = bare.with_motion({"stitch": "crossfade"})
     times, neutral = stitched(bare)
-    _, angry = stitched(bare, styles={"angry": 1})
-    _, moving = stitched(bare, styles={"angry": [(0.4, 0), (0.8, 1)]})
+    _, grim = stitched(bare, styles={"grim": 1})
+    _, moving = stitched(bare, styles={"grim": [(0.4, 0), (0.8, 1)]})
     share = np.interp(times, [0.4, 0.8], [0, 1])
-    assert np.abs(moving - (neutral * (1 - share) + angry * share)).max() < 1e-6
+    assert np.abs(moving - (neutral * (1 - share) + grim * share)).max() < 1e-6
 
 
 @given(st.lists(st.lists(st.floats(0, 1), min_size=1, max_size=4), min_size=1, max_size=3))
@@ -174,13 +174,13 @@ def test_lines_say_how_they_are_spoken_and_calls_have_the_last_word(bare, anna):
     def same(one, other):
         return np.array_equal(one.weights, other.weights)
 
-    assert same(anna.perform(LINE), bare.perform(LINE, styles={"angry": 0.5}))
+    assert same(anna.perform(LINE), bare.perform(LINE, styles={"grim": 0.5}))
     assert same(anna.perform(LINE, line="calm"), bare.perform(LINE))
     shout = bare.perform(
-        LINE, styles={"angry": 1}, dials={"jaw": [(0.1, 0.5), (0.8, 0.5), (1.3, 1)]}
+        LINE, styles={"grim": 1}, dials={"jaw": [(0.1, 0.5), (0.8, 0.5), (1.3, 1)]}
     )
     assert same(anna.perform(LINE, line="shout"), shout)
-    assert same(anna.perform(LINE, line="shout", styles={"angry": 0}, dials={"jaw": 1}),
+    assert same(anna.perform(LINE, line="shout", styles={"grim": 0}, dials={"jaw": 1}),
                 bare.perform(LINE))  # fmt: skip
 
 
@@ -225,9 +225,9 @@ def test_a_dial_at_its_usual_level_changes_nothing(line, fps, motion):
 @pytest.mark.parametrize(
     ("how", "told"),
     [
-        ({"styles": {"angri": 1}}, "unknown style 'angri'; did you mean 'angry'"),
-        ({"styles": {"angry": 1.5}}, "style angry: 1.5 is not a level; give a number from 0 to 1"),
-        ({"styles": {"angry": float("nan")}}, "style angry: nan is not a level"),
+        ({"styles": {"grimm": 1}}, "unknown style 'grimm'; did you mean 'grim'"),
+        ({"styles": {"grim": 1.5}}, "style grim: 1.5 is not a level; give a number from 0 to 1"),
+        ({"styles": {"grim": float("nan")}}, "style grim: nan is not a level"),
         ({"dials": {"jawz": 1}}, "unknown region 'jawz'; did you mean 'jaw'"),
         ({"dials": {"jaw": -1}}, "dial jaw: -1 is not a level; give a number from 0 to 2"),
         ({"dials": {"jaw": [(1, 1), (0, 1)]}}, "dial jaw: its points are not in order of time"),
@@ -253,21 +253,21 @@ def test_the_command_line_delivers(project, cli, tmp_path):
     out = tmp_path / "line.csv"
     assert cli(*asked, "-o", out).code == 0
     usual = out.read_text("utf-8")
-    ended = cli(*asked, "-o", out, "--style", "angry:0@0,1@0.5", "--dial", "jaw:0.5")
+    ended = cli(*asked, "-o", out, "--style", "grim:0@0,1@0.5", "--dial", "jaw:0.5")
     assert ended.code == 0
     assert out.read_text("utf-8") != usual
-    ended = cli(*asked, "--style", "angry")
+    ended = cli(*asked, "--style", "grim")
     assert ended.code == 2
-    assert "--style angry: write NAME:NUMBER (--style angry:0.5)" in ended.err
-    ended = cli("explain", *asked[1:], "--at", "0.5", "--dial", "jaw:0.5", "--style", "angry:1")
+    assert "--style grim: write NAME:NUMBER (--style grim:0.5)" in ended.err
+    ended = cli("explain", *asked[1:], "--at", "0.5", "--dial", "jaw:0.5", "--style", "grim:1")
     assert "dial      " in ended.out
-    assert "style angry" in ended.out
-    assert "angry.yaml:7:3" in ended.out
+    assert "style grim" in ended.out
+    assert "grim.yaml:7:3" in ended.out
 
 
 def test_resolving_counts_what_a_style_has(bare, anna, project):
-    assert bare.report.styles == anna.report.styles == {"angry": {"approved": 1, "edited": 1}}
-    assert "style angry: 1 approved, 1 edited; the rest is neutral" in str(bare.report)
+    assert bare.report.styles == anna.report.styles == {"grim": {"approved": 1, "edited": 1}}
+    assert "style grim: 1 approved, 1 edited; the rest is neutral" in str(bare.report)
     kept = [ll.resolve("english", "anna", paths=[project]) for _ in range(2)]
     assert [str(k.report) for k in kept] == [str(anna.report)] * 2
     assert kept[1].compiled.style_origins == anna.compiled.style_origins
@@ -278,12 +278,12 @@ def test_a_style_or_region_that_is_not_there_is_found(project, tmp_path):
     (tmp_path / "characters").mkdir()
     file = tmp_path / "characters/bob.yaml"
     file.write_text(
-        "kind: character\nformat: 1\nname: bob\nposeset: facefx\nstyles: {angri: 1}\n"
+        "kind: character\nformat: 1\nname: bob\nposeset: facefx\nstyles: {grimm: 1}\n"
         "lines: {one: {dials: {jawz: 1}}}\n", "utf-8",
     )  # fmt: skip
     found = validate(Library([tmp_path, project], project=None), [file])
     assert [(f.code, f.line, f.hint) for f in found] == [
-        ("W320", 5, "did you mean 'angry'?"),
+        ("W320", 5, "did you mean 'grim'?"),
         ("P230", 6, "did you mean 'jaw'?"),
     ]
 

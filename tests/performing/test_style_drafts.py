@@ -167,14 +167,28 @@ bigrams:
 """
 
 
-def test_a_bank_of_the_style_replaces_the_draft(tmp_path):
+def test_a_drawn_bigram_of_a_style_leaves_its_other_bigrams_and_its_posture(tmp_path):
     folder = tmp_path / "posesets/facefx/banks"
     folder.mkdir(parents=True)
     (folder / "sad.yaml").write_text(BANK, "utf-8")
     performer = ll.resolve("english", "facefx", paths=tmp_path, cache=False)
-    assert "sad" not in performer.compiled.style_drafts
-    assert tuple(performer.compiled.style_origins) == ("sad",)
-    assert "happy" in performer.compiled.style_drafts
+    compiled = performer.compiled
+    assert tuple(compiled.style_origins) == ("sad",)
+    assert compiled.style_names[0] == "sad"
+
+    def curves(one):
+        tables = one.performance(SAID, 60, styles={"sad": 1}).tables
+        return tables.styles[one.compiled.style_names.index("sad")].curves
+
+    drafted, drawn = curves(ll.resolve("english", "facefx", cache=False)), curves(performer)
+    changed = np.flatnonzero(np.abs(drawn - drafted).max(axis=(1, 2)) > 0)
+    assert set(changed) == {*map(int, compiled.style_origins["sad"])}
+    assert ("bmp", "aa") in [compiled.origins[row].pair for row in changed]
+    posture = np.array(compiled.style_drafts["sad"]["posture"], np.float32)
+    assert posture.any()
+    pose = int(posture.argmax())
+    assert drawn[changed[0], :, pose] == pytest.approx(posture[pose])
+
     both = spoken(performer, styles={"sad": 0.5, "happy": 0.5})
     assert np.abs(both - spoken(performer)).max() > 0.05
 

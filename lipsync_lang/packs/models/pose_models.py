@@ -199,7 +199,10 @@ class Intensity(Strict):
 
 
 class StyleDraft(Strict):
-    """A style drafted from the neutral bigrams, used until a bank of that style is drawn."""
+    """A style drafted from the neutral bigrams, for those that no bank of the style draws.
+
+    Its posture, speed and softness hold for drawn bigrams too.
+    """
 
     regions: dict[Text, Annotated[float, Field(ge=0, le=2)]] = Field(default={})
     """Scale for the poses of each region."""

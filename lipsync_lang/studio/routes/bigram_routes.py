@@ -2,8 +2,11 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.coverage.facts import authored
@@ -90,6 +93,9 @@ def bigram(workshop: Workshop, request: StudioRequest) -> Json:
     pair = _pair(packs, request.name)
     style = known_style(workshop.performer.compiled, request.query.get("style", ""))
     row = styled_row(packs, pair, style)
+    draft = workshop.performer.compiled.style_drafts.get(style)
+    if draft is not None and row.style != style:
+        row = replace(row, curves=_drafted(row.curves, draft))
     key = stated(packs, row)
     own: Any = None  # fields as in the file; a bigram that copies another has none
     if key == request.name and row.place is not None:
@@ -138,7 +144,6 @@ def _home(workshop: Workshop, packs: PairPacks, pair: Pair, style: str) -> Json:
         "stated": here,
         "file": workshop.shown(path),
         "bank_kind": kinds.get(path, "bspline"),
-        "replaces_draft": style in workshop.performer.compiled.style_drafts,
         "locked": "",
     }
 
@@ -173,6 +178,21 @@ def _curves(packs: PairPacks, curves: Mapping[int, Floats]) -> Json:
             [round(t, CURVE_DIGITS), round(v, CURVE_DIGITS)] for t, v in points.tolist()
         ]
         for pose, points in sorted(curves.items())
+    }
+
+
+def _drafted(curves: Mapping[int, Floats], draft: Mapping[str, Any]) -> dict[int, Floats]:
+    """Return neutral curves as the draft of a style plays them, without its posture."""
+    flat = np.array([[0.0, 0.0], [1.0, 0.0]])
+    shifted = {pose: curves.get(pose, flat) for pose in np.flatnonzero(draft["offset"]).tolist()}
+    return {
+        pose: np.column_stack(
+            (
+                points[:, 0],
+                np.clip(points[:, 1] * draft["scale"][pose] + draft["offset"][pose], 0, 1),
+            )
+        )
+        for pose, points in {**curves, **shifted}.items()
     }
 
 

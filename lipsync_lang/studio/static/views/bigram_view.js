@@ -274,13 +274,12 @@ export class BigramView {
     ];
     const drawn = told.drawn_as ? `, drawn as ${told.drawn_as}` : "";
     const from = told.place ? `${told.layer}: ${told.place}${drawn}` : told.layer,
-      fitted = now.status === "fitted" ? ", fitted to captures" : "",
-      replaced = told.replaces_draft ? ", which replaces the drafted style" : "";
+      fitted = now.status === "fitted" ? ", fitted to captures" : "";
     this.origin.textContent = told.locked
       ? `${from}${fitted}; ${told.locked}`
       : told.stated
         ? `${told.place}${fitted}`
-        : `${from}${fitted}; edits go into ${told.file}${replaced}`;
+        : `${from}${fitted}; edits go into ${told.file}`;
     const ghosts = [...told.ghosts, ...["before", "after"].flatMap((side) => {
       const one = told[side];
       return one
