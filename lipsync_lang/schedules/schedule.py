@@ -3,7 +3,7 @@
 Times are seconds. Phoneme i lasts from ``times[i]`` to ``times[i + 1]``.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from math import isfinite, nan
@@ -256,13 +256,12 @@ class Schedule:
 def words_from_spans(
     schedule: Schedule,
     spans: list[tuple[str, float, float]],
-    emphasis: Sequence[float] = (),
-    confidence: Sequence[float | None] = (),
+    facts: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Word, ...]:
     """Give each timed word the phonemes whose middle lies in it; drop words without phonemes.
 
-    `spans` are the text, start and end of each word; `emphasis` and `confidence` are of each word,
-    or empty.
+    `spans` are the text, start and end of each word; `facts` are further fields of each word, or
+    empty.
     """
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     words: list[Word] = []
@@ -275,9 +274,7 @@ def words_from_spans(
         if words:
             first = max(first, words[-1].stop)
         if text.strip() and first < stop:
-            level = emphasis[number] if emphasis else 0.0
-            sure = confidence[number] if confidence else None
-            words.append(Word(text, first, stop, level, sure))
+            words.append(Word(text, first, stop, **(facts[number] if facts else {})))
     return tuple(words)
 
 

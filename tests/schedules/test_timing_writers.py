@@ -77,9 +77,11 @@ def test_boundaries_within_a_millisecond_stay_apart_in_elan(tmp_path):
     assert found.times == pytest.approx([0, 0.1, 0.101, 0.3, 0.301, 0.7])
 
 
-def test_json_keeps_stress_emphasis_and_notation(tmp_path):
-    found = again("json", LINE, tmp_path)
-    assert (found.notation, found.stress, found.words) == (LINE.notation, LINE.stress, LINE.words)
+def test_json_keeps_stress_notation_and_the_fields_of_words(tmp_path):
+    first, *others = LINE.words
+    line = replace(LINE, words=(replace(first, relabelled=True), *others))
+    found = again("json", line, tmp_path)
+    assert (found.notation, found.stress, found.words) == (line.notation, line.stress, line.words)
 
 
 def test_a_textgrid_is_as_long_as_its_sound(tmp_path):

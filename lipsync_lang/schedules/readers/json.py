@@ -42,10 +42,17 @@ def read_json(source: TimingFile) -> Schedule:
     if not isinstance(words, list):
         raise source.fault(f"words must be a list; the form is {TIMINGS_FORM}")
     spans = _spans(source, words, "word", "text")
-    stated = [word.get("emphasis", 0) for word in words]
-    emphasis = [float(one) if isinstance(one, bool) else one for one in stated]
-    sure = [_probability(word.get("confidence")) for word in words]
-    return replace(schedule, words=words_from_spans(schedule, spans, emphasis, sure))
+    return replace(schedule, words=words_from_spans(schedule, spans, list(map(_facts, words))))
+
+
+def _facts(word: dict[str, Any]) -> dict[str, Any]:
+    """Return the emphasis, confidence and mark of a word; `Schedule` refuses other emphasis."""
+    level = word.get("emphasis", 0)
+    return {
+        "emphasis": float(level) if isinstance(level, bool) else level,
+        "confidence": _probability(word.get("confidence")),
+        "relabelled": word.get("relabelled") is True,
+    }
 
 
 def _spans(

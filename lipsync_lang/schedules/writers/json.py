@@ -32,6 +32,7 @@ def json_text(schedule: Schedule) -> str:
         {"text": word.text, "start": times[word.first], "end": times[word.stop]}
         | ({"emphasis": word.emphasis} if word.emphasis else {})
         | ({} if sure is None else {"confidence": round(sure, CONFIDENCE_DIGITS)})
+        | ({"relabelled": True} if word.relabelled else {})
         for word, sure in ((word, word.confidence) for word in schedule.words)
     ]
     stated = {"notation": schedule.notation, "language": schedule.language}
