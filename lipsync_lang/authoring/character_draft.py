@@ -21,11 +21,19 @@ from lipsync_lang.authoring.rig import drafted, rig_lines
 from lipsync_lang.errors import LipsyncError, ModelError, PackError, did_you_mean
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import PoseSet
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.rigs.model import Model, read_model, some
+from lipsync_lang.rigs.read_outs import apertures
 from lipsync_lang.rigs.recognise import Match, recognise
 
 MAX_ALTERNATIVES = 3
+
+UNSEEN_SCALE = 0.05
+"""Largest difference from 1 of a dial that nobody sees."""
+
+LEAST_SCALE, MOST_SCALE = 0.6, 1.6
+"""Range of dials for a face's own shapes: farther from 1, the shape is another one."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +55,8 @@ class CharacterDraft(PackDraft):
     others: tuple[Match, ...]
     rig: str | None
     """Name of the drafted or known rig."""
+    dials: Mapping[str, float]
+    """Levels of regions by which the mouth opens as far as the pose set expects."""
     model: Model
     summaries: Mapping[Path, str]
     """Summary of each output file."""
@@ -61,6 +71,11 @@ class CharacterDraft(PackDraft):
             *(f"  or {other}: {_asking(other)}" for other in self.others),
             *(f"wrote {path}: {self.summaries[path]}" for path in self.outputs),
             *(f"doubtful: {doubt}" for doubt in match.found.doubts),
+            *(
+                f"measured: the mouth opens {'farther' if level < 1 else 'less'} than "
+                f"{match.poseset} expects, so the level of region {region} is {level:g}"
+                for region, level in self.dials.items()
+            ),
         ]
         for shape, channels in match.found.shared.items():
             lines.append(f"approximate: {' and '.join(channels)} share one shape, {shape}")
@@ -79,6 +94,7 @@ class CharacterDraft(PackDraft):
         return {
             "character": self.path.stem,
             "rig": self.rig,
+            "dials": dict(self.dials),
             "wrote": [str(path) for path in self.outputs],
             "match": self.match.to_dict(),
             "others": [one.to_dict() for one in self.others],
@@ -97,7 +113,9 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
     match = _chosen(library, wanted, model, matches)
     stated, copies = place_model(wanted.model, path)
     rig = match.rig if match.complete else wanted.name
-    outputs: dict[Path, bytes | Path] = {path: pack_bytes(_lines(wanted, match, rig, stated))}
+    dials = {} if match.rig else _fitted(model, match, library.poseset(match.poseset).model)
+    text = pack_bytes(_lines(wanted, match, rig, stated, dials))
+    outputs: dict[Path, bytes | Path] = {path: text}
     summaries = {path: f"the poses of {match.poseset}" + (f", rig {rig}" if rig else "")}
     if not match.complete:
         rig_path = _new_rig_path(library, match, wanted.name, folder)
@@ -114,7 +132,21 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
         best.setdefault(other.poseset, other)
     others = [m for m in best.values() if m.poseset != match.poseset and m.enough]
     shown_others = tuple(others[:MAX_ALTERNATIVES])
-    return CharacterDraft(path, {**outputs, **copies}, match, shown_others, rig, model, summaries)
+    files = {**outputs, **copies}
+    return CharacterDraft(path, files, match, shown_others, rig, dials, model, summaries)
+
+
+def _fitted(model: Model, match: Match, poseset: PoseSet) -> dict[str, float]:
+    """Return the level of each region at which the model's mouth opens as far as the pose set's."""
+    gaps, found = apertures(model), {}
+    for pose, widths in poseset.opens.items():
+        own = sum(gaps.get(shape, 0.0) for shape in match.found.places.get(pose, ()))
+        region = poseset.poses[pose].region
+        if region and own > 0:
+            level = round(min(max(widths / own, LEAST_SCALE), MOST_SCALE), 2)
+            if abs(level - 1) > UNSEEN_SCALE:
+                found[region] = level
+    return found
 
 
 def _chosen(
@@ -175,7 +207,9 @@ def _new_rig_path(library: Library, match: Match, name: str, folder: Path) -> Pa
     return path
 
 
-def _lines(wanted: CharacterWish, match: Match, rig: str | None, model: str) -> Iterator[str]:
+def _lines(
+    wanted: CharacterWish, match: Match, rig: str | None, model: str, dials: Mapping[str, float]
+) -> Iterator[str]:
     title = wanted.heading
     yield f"# {title}: the poses of {match.poseset} on {wanted.model.name}. See it speak:"
     yield f"#   {_running(wanted.name, wanted.model)}"
@@ -184,4 +218,8 @@ def _lines(wanted: CharacterWish, match: Match, rig: str | None, model: str) -> 
     yield ""
     yield "# Optional settings of this character; it can also have bigrams, words and lines"
     yield "# motion: {speed_limit: 8}      # weight per second"
-    yield "# dials: {REGION: 0.8}          # scale of a region's movement"
+    if dials:
+        levels = ", ".join(f"{scalar(region)}: {level:g}" for region, level in dials.items())
+        yield f"dials: {{{levels}}}          # measured: the mouth opens as {match.poseset} expects"
+    else:
+        yield "# dials: {REGION: 0.8}          # scale of a region's movement"

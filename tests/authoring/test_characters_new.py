@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import face_models
 import pytest
 from lanes import full
 from packs_tree import plant
@@ -14,6 +15,7 @@ from lipsync_lang.packs.models.rig_channels import channels_of
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.rigs.model import read_model
 from lipsync_lang.rigs.recognise import find, recognise
+from lipsync_lang.schedules import read_schedule
 
 SETS = {name: LIBRARY.poseset(name).model for name in POSESETS}
 RIGS = [(name, rig) for name in SETS for rig in LIBRARY.rigs(name)]
@@ -62,6 +64,27 @@ def moved(model):
 
 
 # What fits is taken
+
+
+PARTED_WIDTH = 0.8
+"""Distance between the outermost points of the small head whose lips come apart."""
+
+
+@pytest.mark.parametrize(("widths", "level"), [(0.55, None), (0.7, 0.79), (0.4, 1.38), (0.1, 1.6)])
+def test_a_mouth_opens_as_far_as_the_pose_set_expects(cli, folder, monkeypatch, widths, level):
+    monkeypatch.setitem(face_models.OPENINGS, "jawOpen", widths * PARTED_WIDTH)
+    face_models.face(folder / "head.glb", *face_models.ARKIT)
+    told, character = new(cli, "hero", "--model", folder / "head.glb")
+    found = character.dials.get("jaw")
+    assert (found and found[0][1]) == level
+    assert ("measured: the mouth opens" in told) == (level is not None)
+    Path("line.json").write_text(json.dumps(LINE), "utf-8")
+    hero, usual = (
+        resolve("english", name).perform(read_schedule(Path("line.json")))["jawOpen"].max()
+        for name in ("hero", "arkit")
+    )
+    if widths > 0.3:  # a mouth that hardly opens is not forced
+        assert hero * widths == pytest.approx(usual * 0.55, rel=0.06)
 
 
 @pytest.mark.parametrize("name", SETS)

@@ -309,6 +309,8 @@ class PoseSet(PackModel):
     """Measures for quality reports: sums of gain times pose."""
     checks: Checks = Checks()
     """Limits for the quality of finished animations."""
+    opens: dict[PoseName, Annotated[float, Field(gt=0)]] = Field(default={})
+    """How far poses open the mouth of the faces that the targets suit, in widths of the mouth."""
     model: Text | None = None
     """A model file that shows the poses."""
 
