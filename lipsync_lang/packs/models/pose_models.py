@@ -310,7 +310,7 @@ class PoseSet(PackModel):
     checks: Checks = Checks()
     """Limits for the quality of finished animations."""
     opens: dict[PoseName, Annotated[float, Field(gt=0)]] = Field(default={})
-    """How far poses open the mouth of the faces that the targets suit, in widths of the mouth."""
+    """The opening of the mouth by poses on faces that the targets suit, in widths of the mouth."""
     model: Text | None = None
     """A model file that shows the poses."""
 
