@@ -60,6 +60,9 @@ BEFORE_SECONDS = 2.0
 ASKING_SECONDS, ASKING_SEMITONES = 0.35, 2.5
 """End of a phrase in which the voice rises by so much, if it asks."""
 
+ASKED_SECONDS = 0.25
+"""Silence after a question. The voice rises before the shorter pause of a comma, too."""
+
 BY_HAND = "by hand"
 """Trigger of a gesture that a person placed."""
 
@@ -311,7 +314,10 @@ def _rising(audio: "Audio", phrases: list[tuple[float, float]]) -> list[LineFact
     from lipsync_lang.gestures.pitch import pitches
 
     found = []
-    for begin, end in phrases:
+    nexts = (*(begin for begin, _ in phrases[1:]), inf)
+    for (begin, end), then in zip(phrases, nexts, strict=False):
+        if then - end < ASKED_SECONDS:
+            continue
         since = max(begin, end - ASKING_SECONDS)
         heard = pitches(audio.samples, audio.rate, np.linspace(since, end, 10))
         heard = heard[heard > 0]

@@ -323,14 +323,32 @@ def test_words_of_the_language_deny_agree_and_ask(performer):
     assert british.gesture_set.words == performer.gesture_set.words
 
 
+def rising(seconds, at, end):
+    """Return a tone of 100 Hz that reaches another pitch shortly before a time."""
+    rate = 16_000
+    times = np.arange(int(rate * seconds)) / rate
+    tone = np.interp(times, [0, at - 0.5, at - 0.15], [100, 100, end])
+    return Audio((6000 * np.sin(2 * np.pi * np.cumsum(tone) / rate)).astype(np.int16), rate)
+
+
 @pytest.mark.parametrize(("end", "asks"), [(150.0, True), (80.0, False)])
 def test_a_voice_that_rises_at_the_end_asks(performer, end, asks):
-    schedule, rate = said(WORDS[:4]), 16000
-    times = np.arange(int(rate * schedule.end)) / rate
-    tone = np.interp(times, [0, schedule.end - 0.7, schedule.end - 0.36], [100, 100, end])
-    sound = (6000 * np.sin(2 * np.pi * np.cumsum(tone) / rate)).astype(np.int16)
-    found = triggers(performer, replace(schedule, audio=Audio(sound, rate)))
+    schedule = said(WORDS[:4])
+    audio = rising(schedule.end, schedule.end, end)
+    found = triggers(performer, replace(schedule, audio=audio))
     assert ("rise" in {trigger for _, trigger, _ in found}) == asks
+
+
+@pytest.mark.parametrize(("pause", "asks"), [("comma", False), ("full stop", True)])
+def test_a_voice_that_rises_before_a_comma_does_not_ask(performer, pause, asks):
+    seconds = {"comma": 0.15, "full stop": 0.3}[pause]
+    labels = ("M", "AA1", "M", "AH0", "_", "M", "AA1")
+    ends = np.cumsum([0, 0.2, 0.4, 0.1, 0.4, seconds, 0.2, 0.4])
+    words = (ll.Word("mama", 0, 4), ll.Word("ma", 5, 7))
+    schedule = ll.Schedule(labels, ends, words=words, notation="arpabet")
+    audio = rising(schedule.end, ends[4], 150.0)
+    found = triggers(performer, replace(schedule, audio=audio))
+    assert any(trigger == "rise" and fact < ends[4] for _, trigger, fact in found) == asks
 
 
 @pytest.fixture
