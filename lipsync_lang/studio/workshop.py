@@ -108,6 +108,7 @@ class Workshop:
         """Cached target files for edits of bigrams."""
         self._now: tuple[int, Performer] | None = None
         self._saved: Performer | None = None
+        self.others: dict[str, tuple[str, int, Performer]] = {}  # see `beside.other_performer`
 
     def library(self) -> Library:
         """Return the packs with the unsaved edits; packs without edits are not read again.
@@ -168,7 +169,7 @@ class Workshop:
         revision = self.desk.revision
         if self._now is None or self._now[0] != revision:
             if self.desk.contents or self._pair is not None or self.project != Path.cwd():
-                performer = self._performer(self.pair().compiled)
+                performer = self.performer_for(self.pair().compiled)
             else:  # the cache of the command line has it, perhaps
                 found = resolve(
                     self.language, self.character, paths=self.paths, gaps="rest", unknown="rest",
@@ -177,7 +178,7 @@ class Workshop:
                 performer = replace(found, cleaning=self.cleaning)
             # The open line's settings are in seconds here, and may be in the middle of a change.
             self._stated = performer.compiled.line_deliveries
-            self._now = revision, _without_lines(performer)
+            self._now = revision, without_lines(performer)
         return self._now[1]
 
     def pair(self) -> OpenPair:
@@ -201,6 +202,7 @@ class Workshop:
         """Forget all packs that were read, since the disk may have changed."""
         self.homes.clear()
         self._library = self._now = self._saved = self._pair = None
+        self.others = {}
 
     @property
     def saved(self) -> Performer:
@@ -210,7 +212,7 @@ class Workshop:
         if self._saved is None:
             library = Library(self.paths, self.project, earlier=self._earlier())
             compiled = compile_pair(library, self.language, self.character)
-            self._saved = _without_lines(self._performer(compiled))
+            self._saved = without_lines(self.performer_for(compiled))
         return self._saved
 
     def save(self, keep: Choices | None = None) -> list[Path]:
@@ -222,7 +224,8 @@ class Workshop:
             self.look_again()  # the disk had changed as well
         return written
 
-    def _performer(self, compiled: CompiledPair) -> Performer:
+    def performer_for(self, compiled: CompiledPair) -> Performer:
+        """Return the performer of a compiled pair with the settings of the studio."""
         motion = motion_with(compiled.motion, self.motion)
         return Performer(compiled, motion, "rest", self.paths, cleaning=self.cleaning)
 
@@ -592,6 +595,6 @@ def _brief(value: Any) -> Any:
     return value | {name: level[0][1] for name, level in single.items()}
 
 
-def _without_lines(performer: Performer) -> Performer:
+def without_lines(performer: Performer) -> Performer:
     """Return a performer that leaves the delivery of lines to its caller."""
     return replace(performer, compiled=replace(performer.compiled, line_deliveries={}))

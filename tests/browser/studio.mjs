@@ -548,6 +548,27 @@ const stories = {
     return { follows: await moments.jsonValue(), apart };
   },
 
+  /** A second character, which says the same line as it is delivered. */
+  async second() {
+    const page = await show(), head = page.locator("canvas[aria-label='Face of facefx']");
+    await speak(page, "Bob bumps my blue boat.");
+    const look = async () => (await head.screenshot()).toString("base64");
+    const other = (before) => async () => (await look()) !== before;
+    const until = async (does) => { while (!await does()) await page.evaluate(() => new Promise(requestAnimationFrame)); };
+    await page.selectOption("#beside-face select", "facefx");
+    await head.waitFor();
+    const rest = await look();
+    await page.click("#fit");
+    for (let n = 0; n < 20; n++) await page.click("#on");
+    await until(other(rest));
+    const said = await look();
+    await page.fill("input[aria-label='jaw, as a number']:visible", "0");
+    await page.keyboard.press("Tab");
+    await until(other(said));
+    await page.selectOption("#beside-face select", "");
+    return { left: await page.$$eval("#faces canvas", (all) => all.length) };
+  },
+
   /** Every view, light and dark, on small and large screens: nothing overflows. */
   async views() {
     const overflow = [];

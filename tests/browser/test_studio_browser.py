@@ -229,6 +229,10 @@ def test_a_face_has_its_own_window_and_a_video_in_step(studio):
     assert (seen["follows"], seen["apart"]) == (True, 0)
 
 
+def test_a_second_character_says_the_line_as_it_is_delivered(studio):
+    assert telling(studio, "second")["left"] == 1
+
+
 def test_axe_finds_nothing_in_any_view(studio):
     found("axe-core")
     assert telling(studio, "axe")["found"] == []

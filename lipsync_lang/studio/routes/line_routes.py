@@ -19,6 +19,7 @@ from lipsync_lang.schedules.timed_words import TimedWords
 from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
+from lipsync_lang.studio.beside import other_performer, performed_beside
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.routes.requests import (
     MAX_PATH_DIGITS,
@@ -214,10 +215,25 @@ def face(workshop: Workshop, _: StudioRequest) -> PackedResponse:
     """Return the model of the character, for `gl_face.js`, and a take of rest."""
     if not workshop.language:
         return PackedResponse({"face": None}, ArrayPack())
-    performer = workshop.performer
-    rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
-    pack = ArrayPack()
-    animation = performer.perform(rest)
+    performer, pack = workshop.performer, ArrayPack()
+    return _faced(performer, _rest(performer), pack)
+
+
+def beside(workshop: Workshop, request: StudioRequest) -> PackedResponse:
+    """Return the take of the line on another character, and its model if `face` asks for it."""
+    character, pack = request.text("character"), ArrayPack()
+    performer = other_performer(workshop, character)
+    animation = performed_beside(workshop, character) or _rest(performer)
+    if request.body.get("face"):
+        return _faced(performer, animation, pack)
+    return PackedResponse({"take": _take(animation, performer, pack, "")}, pack)
+
+
+def _rest(performer: Performer) -> Animation:
+    return performer.perform(Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1])))
+
+
+def _faced(performer: Performer, animation: Animation, pack: ArrayPack) -> PackedResponse:
     shown = face_data(performer.rigged(animation), pack)
     return PackedResponse({"face": shown, "take": _take(animation, performer, pack, "")}, pack)
 

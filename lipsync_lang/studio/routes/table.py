@@ -32,6 +32,7 @@ ROUTES: dict[str, Route] = {
     "POST sound": line_routes.sound,
     "POST take": line_routes.take,
     "GET face": line_routes.face,
+    "POST beside": line_routes.beside,
     "GET figures": line_routes.figures,
     "GET script": line_routes.script_lines,
     "POST script": line_routes.open_script_line,

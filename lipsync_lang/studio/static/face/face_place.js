@@ -1,18 +1,31 @@
-/** The place of the face: a window of its own, and a video of reference beside it. */
+/** The place of the face: a window of its own, and another character or a video of reference beside it. */
 
+import { Portrait, turnByDrag } from "./portrait.js";
+import { Take } from "../line/take.js";
 import { made, the } from "../shell/elements.js";
-import { actButton } from "../shell/form_fields.js";
+import { actButton, fillOptions } from "../shell/form_fields.js";
 
 /** Seconds by which a playing video may be off before it is set again. */
 const DRIFT = 0.08;
 const SECOND = 1000;
+/** Milliseconds after which a face is shaded; its first picture does not wait. */
+const SHADE_LATER = 300;
 
-/** The face with the video beside it. */
+/** The face with what is beside it. */
 export class FacePlace {
   /** @param {import("../shell/studio.js").Studio} studio */
   constructor(studio) {
     this.studio = studio;
     this.faces = the("faces");
+    /** The faces of the character, and of the one beside it. @type {Portrait[]} */
+    this.portraits = [];
+    this.second = /** @type {HTMLSelectElement} */ (
+      made("select", { "aria-label": "Character beside the face", title: "Another character that says the same line" })
+    );
+    this.second.addEventListener("change", () => this.#beside());
+    /** The take of the character beside the face is older than the line. */
+    this.stale = false;
+    this.renewing = false;
     /** @type {HTMLVideoElement | null} */
     this.video = null;
     /** @type {Window | null} */
@@ -33,13 +46,69 @@ export class FacePlace {
     this.offset.addEventListener("input", () => studio.wake());
     the("beside-face").append(
       actButton("Own window", "Own window of the face", () => this.detach()),
-      this.button, this.offset, this.file,
+      this.second, this.button, this.offset, this.file,
     );
   }
 
-  /** @param {HTMLElement} figure of a new face */
-  show(figure) {
-    this.faces.replaceChildren(figure, ...(this.video ? [this.video] : []));
+  /** @param {string[]} characters to choose from */
+  offer(characters) {
+    fillOptions(this.second, [["", "Nobody beside"], ...characters.map((one) => [one, `Beside: ${one}`])]);
+  }
+
+  /** @param {Portrait} portrait of the open character @param {string} character */
+  show(portrait, character) {
+    this.portraits = [this.#named(portrait, character), ...this.portraits.slice(1)];
+    this.#place();
+  }
+
+  /** @param {Portrait} portrait @param {string} character */
+  #named(portrait, character) {
+    portrait.canvas.setAttribute("aria-label", `Face of ${character}`);
+    turnByDrag(portrait.canvas, () => [portrait], () => this.studio.wake());
+    return portrait;
+  }
+
+  #place() {
+    this.faces.replaceChildren(...this.portraits.map((one) => one.figure), ...(this.video ? [this.video] : []));
+  }
+
+  async #beside() {
+    this.portraits = this.portraits.slice(0, 1);
+    this.#place();
+    await this.renew();
+    this.studio.wake();
+  }
+
+  /** Perform the line on the character beside; while one request is in flight, the newest change waits. */
+  async renew() {
+    this.stale = true;
+    if (this.renewing) return;
+    this.renewing = true;
+    let done = false;
+    await this.studio.attempt(async () => {
+      while (this.stale && this.second.value) {
+        this.stale = false;
+        const character = this.second.value, fresh = this.portraits.length < 2;
+        const { face, take } = await this.studio.api.sent("beside", { character, face: fresh });
+        if (character !== this.second.value) this.stale = true;
+        else if (fresh) this.#arrive(this.#named(new Portrait({ faces: [face] }, new Take(take)), character));
+        else this.portraits[1].take = new Take(take);
+        this.studio.wake();
+      }
+      done = true;
+    });
+    this.renewing = false;
+    if (!done && this.second.value) {
+      this.second.value = "";
+      this.#beside();
+    }
+  }
+
+  /** @param {Portrait} portrait of the character beside */
+  #arrive(portrait) {
+    this.portraits[1] = portrait;
+    this.#place();
+    setTimeout(() => { portrait.shade(); this.studio.wake(); }, SHADE_LATER);
   }
 
   /** @param {File} file that is played in step with the line; it stays on this machine */
@@ -73,8 +142,9 @@ export class FacePlace {
     this.button.setAttribute("aria-label", this.button.title);
   }
 
-  /** Keep the video in step. @param {number} seconds of the line */
+  /** Keep what is beside the face in step. @param {number} seconds of the line */
   follow(seconds) {
+    this.portraits[1]?.draw(seconds);
     const { video } = this, { playing, rate } = this.studio.player;
     if (!video?.duration) return;
     const wanted = seconds - Number(this.offset.value) / SECOND;

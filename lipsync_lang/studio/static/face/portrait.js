@@ -6,6 +6,8 @@ import { createFace } from "./gl_face.js";
 
 /** Pixels of a canvas for a pixel of the page, at most. */
 const FINEST = 2;
+/** Degrees of the view for a pixel of a drag. */
+const TURN = 0.5;
 
 /** A face or a mouth on a canvas, with its take. */
 export class Portrait {
@@ -68,6 +70,21 @@ export class Portrait {
         this.close,
       );
   }
+}
+
+/**
+ * Let drags on a canvas turn faces.
+ * @param {HTMLCanvasElement} canvas
+ * @param {() => Portrait[]} portraits
+ * @param {() => void} wake
+ */
+export function turnByDrag(canvas, portraits, wake) {
+  canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+  canvas.addEventListener("pointermove", (event) => {
+    if (!canvas.hasPointerCapture(event.pointerId)) return;
+    for (const one of portraits()) one.turn(event.movementX * TURN, event.movementY * TURN);
+    wake();
+  });
 }
 
 /** @param {import("../line/take.js").Take} take @returns {string} */

@@ -3,7 +3,7 @@
 import { made, the } from "../shell/elements.js";
 import { Overview } from "../timeline/overview.js";
 import { Player } from "./player.js";
-import { Portrait, label } from "../face/portrait.js";
+import { Portrait, label, turnByDrag } from "../face/portrait.js";
 import { clock } from "../timeline/scales.js";
 import { Take } from "./take.js";
 import { TakeValues } from "./take_values.js";
@@ -349,12 +349,7 @@ class Page {
 
   /** @param {HTMLCanvasElement} canvas */
   #turning(canvas) {
-    canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
-    canvas.addEventListener("pointermove", (event) => {
-      if (!canvas.hasPointerCapture(event.pointerId)) return;
-      this.portraits.forEach((one) => one.turn(event.movementX * TURN, event.movementY * TURN));
-      this.wake();
-    });
+    turnByDrag(canvas, () => this.portraits, () => this.wake());
     canvas.addEventListener("dblclick", () => {
       this.portraits.forEach((one) => one.setClose(one.close));
       this.wake();

@@ -86,9 +86,11 @@ export class PlayerBar {
 
   /** @param {string} way front, half, side or close */
   viewFrom(way) {
-    this.studio.portrait?.setClose(way === "close");
     const yaw = { half: 40, side: 90 }[way] ?? 0;
-    if (yaw) this.studio.portrait?.turn(yaw, 0);
+    for (const one of this.studio.facePlace.portraits) {
+      one.setClose(way === "close");
+      if (yaw) one.turn(yaw, 0);
+    }
     for (const one of document.querySelectorAll("#angles [data-view]"))
       one.setAttribute("aria-pressed", String(one.getAttribute("data-view") === way));
     this.studio.wake();

@@ -62,8 +62,6 @@ const STOPPED =
   "Your edits are kept.";
 const MOVED =
   "Another program has the address of this page. Open the address that the studio printed. Your edits are kept.";
-/** Degrees of the view for a pixel of a drag. */
-const TURN = 0.5;
 /** The studio as a whole; views get it. */
 export class Studio {
   constructor() {
@@ -137,6 +135,7 @@ export class Studio {
     this.state = this.project.state;
     fillNames(the("of-language"), this.project.languages, this.state.language);
     fillNames(the("of-character"), this.project.characters, this.state.character);
+    this.facePlace.offer(this.project.characters);
     const { restored, notes = [] } = this.state;
     const told = [...(restored ? [`Restored ${restored} unsaved edits of the last session`] : []), ...notes];
     if (told.length) this.tell(told.join("\n"), notes.length ? "fault" : "");
@@ -192,15 +191,8 @@ export class Studio {
     this.posed = null;
     const rest = new Take(model.take);
     this.portrait = new Portrait({ faces: [model.face] }, this.take ?? rest);
-    const { canvas, data, trouble } = this.portrait;
-    canvas.setAttribute("aria-label", `Face of ${this.state.character}`);
-    canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
-    canvas.addEventListener("pointermove", (event) => {
-      if (!canvas.hasPointerCapture(event.pointerId)) return;
-      this.portrait?.turn(event.movementX * TURN, event.movementY * TURN);
-      this.wake();
-    });
-    this.facePlace.show(this.portrait.figure);
+    const { data, trouble } = this.portrait;
+    this.facePlace.show(this.portrait, this.state.character);
     the("tongue").setAttribute("aria-pressed", "false");
     const notes = [...data.unshown, ...(trouble ? [trouble] : [])];
     the("notes").hidden = !notes.length;
@@ -333,6 +325,7 @@ export class Studio {
     this.part = told.part;
     [this.take, this.other] = [new Take(told.takes[0]), told.takes[1] ? new Take(told.takes[1]) : null];
     if (this.portrait) this.portrait.take = this.take;
+    this.facePlace.renew();
   }
 
   /** Show the strip beside every view but that of the whole timeline. */
