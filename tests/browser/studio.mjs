@@ -123,7 +123,7 @@ const stories = {
     await page.keyboard.press("/");
     await page.keyboard.type("My map");
     await page.keyboard.press("Enter");
-    await page.waitForFunction(() => document.querySelector("#clock").textContent !== "", null, { timeout: 120000 });
+    await page.waitForFunction(() => !document.body.classList.contains("busy"), null, { timeout: 120000 });
     await page.keyboard.press("Escape");
     const clock = await text(page, "#clock");
     for (let n = 0; n < 3; n++) await page.keyboard.press(".");
@@ -546,6 +546,26 @@ const stories = {
     await own.close();
     await page.waitForSelector("#stage #faces canvas");
     return { follows: await moments.jsonValue(), apart };
+  },
+
+  /** The splitter beside the face, by keys and by drags. */
+  async splitter() {
+    const page = await show(), splitter = page.locator("#splitter");
+    const width = () => page.$eval("#stage", (one) => one.offsetWidth);
+    const usual = await width(), widths = [];
+    await splitter.focus();
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowLeft", "End", "Home"]) {
+      await page.keyboard.press(key);
+      widths.push(await width());
+    }
+    const stated = await splitter.getAttribute("aria-valuenow"), box = await splitter.boundingBox();
+    await page.mouse.move(box.x + 2, box.y + 200);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 202, box.y + 200);
+    await page.mouse.up();
+    const dragged = await width() - widths.at(-1);
+    await splitter.dblclick();
+    return { usual, widths, stated, dragged, again: await width() };
   },
 
   /** A second character, which says the same line as it is delivered. */

@@ -56,6 +56,8 @@ const stories = {
     const sentence = await page.textContent(".sentence p");
     await page.fill("#text", "ma pa may");
     await page.press("#text", "Enter");
+    await page.waitForFunction(() => !document.body.classList.contains("busy"));
+    await page.waitForLoadState("networkidle");
     await page.waitForSelector(".quality li button");
     const at = parseFloat(await page.textContent(".quality li button"));
     await page.click(".quality li button");

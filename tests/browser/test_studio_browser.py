@@ -229,6 +229,15 @@ def test_a_face_has_its_own_window_and_a_video_in_step(studio):
     assert (seen["follows"], seen["apart"]) == (True, 0)
 
 
+def test_the_splitter_moves_by_keys_and_by_drags(studio):
+    seen = telling(studio, "splitter")
+    one, two, back, most, least = seen["widths"]
+    assert least < seen["usual"] < one == back < two < most
+    assert seen["stated"] == "11"
+    assert abs(seen["dragged"] - 200) < 5
+    assert seen["again"] == seen["usual"]
+
+
 def test_a_second_character_says_the_line_as_it_is_delivered(studio):
     assert telling(studio, "second")["left"] == 1
 

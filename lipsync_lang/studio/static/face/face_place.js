@@ -8,6 +8,8 @@ import { actButton, fillOptions } from "../shell/form_fields.js";
 /** Seconds by which a playing video may be off before it is set again. */
 const DRIFT = 0.08;
 const SECOND = 1000;
+/** Width of the face as a share of the window's: the least, the most, and a step of an arrow key. */
+const [LEAST_SHARE, MOST_SHARE, STEP] = [0.11, 0.6, 0.02];
 /** Milliseconds after which a face is shaded; its first picture does not wait. */
 const SHADE_LATER = 300;
 
@@ -48,6 +50,39 @@ export class FacePlace {
       actButton("Own window", "Own window of the face", () => this.detach()),
       this.second, this.button, this.offset, this.file,
     );
+    this.#split();
+  }
+
+  /** Let the splitter change the width of the face: by drags, arrow keys, Home and End; a double click forgets it. */
+  #split() {
+    const splitter = the("splitter"), stage = the("stage");
+    const steps = { ArrowLeft: -STEP, ArrowRight: STEP, Home: -1, End: 1 };
+    const set = (/** @type {number} */ share) => {
+      stage.style.width = `${100 * Math.min(MOST_SHARE, Math.max(LEAST_SHARE, share))}vw`;
+      tell();
+    };
+    const share = () => stage.offsetWidth / innerWidth;
+    const tell = () => {
+      const values = { now: share(), min: LEAST_SHARE, max: MOST_SHARE };
+      for (const [name, value] of Object.entries(values))
+        splitter.setAttribute(`aria-value${name}`, String(Math.round(100 * value)));
+      splitter.setAttribute("aria-valuetext", `${Math.round(100 * share())} % of the window`);
+      this.studio.wake();
+    };
+    splitter.addEventListener("pointerdown", (event) => splitter.setPointerCapture(event.pointerId));
+    splitter.addEventListener("pointermove", (event) => {
+      if (splitter.hasPointerCapture(event.pointerId)) set((event.clientX - stage.offsetLeft) / innerWidth);
+    });
+    splitter.addEventListener("keydown", (event) => {
+      const step = steps[/** @type {keyof typeof steps} */ (event.key)];
+      if (!step) return;
+      event.preventDefault();
+      event.stopPropagation();
+      set(share() + step);
+    });
+    splitter.addEventListener("dblclick", () => { stage.style.width = ""; tell(); });
+    addEventListener("resize", tell);
+    tell();
   }
 
   /** @param {string[]} characters to choose from */

@@ -13,9 +13,6 @@ import { unpack } from "./unpack.js";
 
 /** Milliseconds after which a face is shaded: the first picture does not wait for it. */
 const SHADE_LATER = 50;
-/** Degrees of the view for a pixel of a drag. */
-const TURN = 0.5;
-
 const KEYS = {
   "Space": "Play or pause",
   "← →": "Go back or forward by a frame, with Shift by ten",
