@@ -62,6 +62,6 @@ def studio(options: Namespace) -> int:
         return app(workshop, token, hosts)
 
     end = "close it with Ctrl-C; unsaved edits are kept"
-    kept = journal.with_suffix(".address") if desk.journaled else None
+    kept = journal.with_suffix(".address") if desk.journal else None
     serve(options, "the studio", end, open_app, kept, ws="none")
     return SOUND

@@ -1,166 +1,138 @@
 """Unsaved edits of pack files: undone, kept in a journal, merged with the disk, and saved.
 
-A desk identifies files by absolute path, and reads a file at its first edit. Each edit sets,
-inserts or deletes a value at a location; every text in between is a valid pack. Texts share the
-parts that an edit does not change, so the number of undo steps is unlimited.
+A desk has the saved text of each file, and two lists: steps, each of some changes, and the texts
+before the first and after each. Texts share the parts that an edit does not change, so the number
+of steps is unlimited. A change is JSON, and a line of the journal, from which the studio restores
+the edits after a crash. A save notes there that it begins, so that the next start completes it.
 """
 
+import json
 import os
-from collections import deque
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 from weakref import finalize
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
+from lipsync_lang.files import atomic, read_input
 from lipsync_lang.files.locking import claim
-from lipsync_lang.files.temporary import sweep
+from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.json_object import Json
-from lipsync_lang.packs.splicing import SplicedText, get
+from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
 from lipsync_lang.packs.yaml.faults import shown
-from lipsync_lang.packs.yaml.source import Loc
-from lipsync_lang.studio.edit_journal import (
-    JournalError,
-    JournalKeeper,
-    digest,
-    edit_of,
-    line_of,
-    put_aside,
-    read_journal,
-    save_line,
-)
+from lipsync_lang.packs.yaml.source import Loc, read_bytes
 from lipsync_lang.studio.editable_files import refuse, shipped_folders, write_together
 from lipsync_lang.studio.merging import (
     Choices,
     EditConflict,
-    MergeConflict,
     SaveConflict,
     differences,
+    merged,
     overlap,
-    told,
-)
-from lipsync_lang.studio.sheets import (
-    EditedFile,
-    PackEdit,
-    Plan,
-    Step,
-    TextParts,
-    by_file,
-    in_parts,
-    on_disk,
-    planned,
-    rebase,
 )
 
-RESTORED = "restored edits"
-"""Title of a step that a journal stores as a whole text."""
+PackEdit = tuple[Path, Loc, Any]
+"""File, location and new value: `ABSENT` deletes an entry, and () is the text of a new file."""
 
-PlannedSave = tuple[EditedFile, bytes | None, Plan]
-"""A file to save, its content on the disk, and what to write."""
+Texts = dict[Path, SplicedText]
+"""Texts of files; one without parts is of a file that does not exist."""
 
-MAX_TOUCHED = 10_000
-"""Maximum number of edits in memory for conflicts between tabs."""
+JOURNAL_HEADER = {"journal": "lipsync-lang studio", "format": 1}
+"""First line of a journal."""
+
+RESTORED = {"change": "restored edits", "merge": "", "tab": ""}
+"""Title of a step that a journal states as a whole text."""
+
+MAX_JOURNAL_BYTES = 64 * 2**20
+"""Maximum size of a journal."""
+
+MAX_JOURNALED = 250
+"""Number of steps in a journal; the next start of the studio takes 10 ms for each."""
 
 
 class Desk:
-    r"""Files with unsaved edits.
+    r"""Files with unsaved edits, by their absolute paths.
 
-    Parameters
-    ----------
-    journal : file of unsaved edits; None keeps them only in memory
-    shipped : folders whose files are never edited; None is those of installed distributions
+    `journal` is the file that keeps the edits; None keeps them only in memory. Files in the folders
+    `shipped` are never edited; None stands for those of installed distributions. `revision` grows
+    by each change, `restored` is the number of steps found in the journal, and `notes` are messages
+    to the user about it. `journal` is None as well while another studio of the project has it.
 
-    Attributes
-    ----------
-    revision : grows by each change
-    restored : number of edits found in the journal
-    notes : messages to the user about the journal
-
-    Example
-    -------
     >>> desk = Desk(None)
     >>> bank = Path("/nowhere/b.yaml")
     >>> text = "kind: bank\nformat: 1\nname: b\nposeset: f\nbigrams: {}\n"
-    >>> desk.change("Make a bank", [(bank, ("style",), "sad")], create={bank: text})
+    >>> desk.change("Make a bank", [(bank, (), text), (bank, ("style",), "sad")])
     >>> desk.undo_title, desk.unsaved()[0][1:]
     ('Make a bank', (('kind',), 'added'))
     """
 
     def __init__(self, journal: Path | None, *, shipped: Iterable[Path] | None = None) -> None:
-        self.revision = 0
-        self.restored = 0
+        self.revision = self.restored = 0
         self.notes: list[str] = []
-        self._sheets: dict[Path, EditedFile] = {}
-        self._done: list[Step] = []
-        self._undone: list[Step] = []
-        self._touched: deque[tuple[int, str, Path, Loc]] = deque(maxlen=MAX_TOUCHED)
+        self.journal: Path | None = None
         self._shipped = shipped_folders() if shipped is None else tuple(shipped)
-        self._journal: JournalKeeper | None = None
-        self._replaying = False
-        self._begun: dict[str, str] = {}
-        """The save in the journal: its files, with the digests of what they held before."""
+        self._saved: Texts = {}
+        self._steps: list[list[Json]] = []
+        self._states: list[Texts] = [{}]
+        self._at = self._old = 0
+        """Numbers of the present state, and of the first one in the journal."""
+        self._touched: dict[tuple[Path, Loc], tuple[int, str]] = {}
+        """Revision and tab of the last change of each location."""
         held = None if journal is None else claim(journal.with_name(f"{journal.name}.lock"))
-        if held is not None:
+        if journal is not None and held is not None:
             finalize(self, os.close, held)
-        if journal is not None and held is None:
+            self._restore(journal)
+        elif journal is not None:
             self.notes.append(
                 "another studio of this project is running and keeps the unsaved edits; save here "
                 "before you close this studio, or its edits are lost"
             )
-        elif journal is not None:
-            lines = self._restore(journal)
-            self._journal = JournalKeeper(journal, lines, {*self._sheets})
-            for folder in {journal.parent, *(path.resolve().parent for path in self._sheets)}:
-                sweep(folder, again=True)  # what a killed studio left
-            if self._begun:
-                self._complete(self._begun)
-
-    # What there is
-
-    @property
-    def journaled(self) -> bool:
-        """True if this desk keeps the journal; another studio of the project may have it."""
-        return self._journal is not None
 
     @property
     def undo_title(self) -> str | None:
         """Title of the step that `undo` reverts."""
-        return self._done[-1].title if self._done else None
+        return self._steps[self._at - 1][-1]["change"] if self._at else None
 
     @property
     def redo_title(self) -> str | None:
         """Title of the step that `redo` repeats."""
-        return self._undone[-1].title if self._undone else None
+        return next((step[-1]["change"] for step in self._steps[self._at :]), None)
+
+    @property
+    def _texts(self) -> Texts:
+        return self._states[self._at]
 
     @property
     def contents(self) -> Mapping[Path, bytes]:
         """Text of every file with unsaved edits, for `Library(unsaved=...)`."""
-        return {path: sheet.text.content for path, sheet in self._sheets.items() if sheet.edited}
-
-    def content(self, path: Path) -> bytes | None:
-        """Return the text of a file with its edits; None if the file has no edits."""
-        sheet = self._sheets.get(path)
-        return sheet.text.content if sheet is not None and sheet.text.parts else None
+        texts = ((path, text.content) for path, text in self._texts.items())
+        return {path: text for path, text in texts if text != self._saved[path].content}
 
     def text(self, path: Path) -> SplicedText | None:
-        """Return the parts of a file with its edits; None if the file has no edits."""
-        sheet = self._sheets.get(path)
-        return sheet.text if sheet is not None and sheet.text.parts else None
+        """Return the present text of a file; None if it was not read, or does not exist."""
+        text = self._texts.get(path)
+        return text if text is not None and text.parts else None
 
     def unsaved(self) -> list[tuple[Path, Loc, str]]:
         """List every entry that differs from the disk: file, location, and kind of change."""
         return [
-            (path, loc, told(get(sheet.saved.data, loc), value))
-            for path, sheet in self._sheets.items()
-            if sheet.edited
-            for loc, value in differences(sheet.saved.data, sheet.text.data)
+            (path, loc, "added" if saved.at(loc) is ABSENT else told)
+            for path, saved in self._saved.items()
+            for loc, value in differences(saved.data, self._texts[path].data)
+            for told in ["deleted" if value is ABSENT else "changed"]
         ]
 
-    # Edits
+    # Steps
 
     def read(self, path: Path) -> None:
-        """Load a file before its first edit, to make that edit faster."""
-        self._sheets.setdefault(path, self._sheet(path))
+        """Read a file before its first edit, and again as long as it has no edits."""
+        if path not in self._saved:
+            refuse(path, self._shipped, self._saved)
+        elif path in self.contents or _on_disk(path) == self._saved[path].content:
+            return
+        text = _parsed(path, _on_disk(path))
+        self._take(path, text, text)
 
     def change(  # noqa: PLR0913 the fields of an edit
         self,
@@ -170,343 +142,210 @@ class Desk:
         seen: int | None = None,
         tab: str = "",
         merge: str = "",
-        create: Mapping[Path, str] | None = None,
-        check: Callable[[Mapping[Path, SplicedText]], None] | None = None,
+        check: Callable[[Texts], object] = bool,
     ) -> None:
         """Set, insert or delete values, either all or none.
 
-        Parameters
-        ----------
-        title : name of the change for undo
-        seen : revision that the tab has shown; None accepts any
-        tab : the tab that asks
-        merge : successive changes of one tab with the same key are undone as one
-        create : text of files that do not exist yet
-        check : receives the changed files before the edit; its error refuses the edits
+        `title` names the change for undo. `tab` asks for it, and has shown the revision `seen`;
+        None accepts any. Successive changes of one tab with the same key `merge` are undone as one.
+        `check` receives the changed texts before the edit; its error refuses the edits.
 
-        Raises
-        ------
-        EditConflict
-            Another tab changed a location after `seen`.
-        PackFaults
-            A pack would be faulty; nothing changes.
-        LipsyncError
-            A file cannot be read, or must not be edited.
+        Raises EditConflict if another tab changed a location after `seen`, PackFaults if a pack
+        would be faulty, and LipsyncError for a file that cannot be read or must not be edited.
         """
-        create = create or {}
-        locs = [(path, tuple(loc)) for path, loc, _ in edits]
-        self._refuse_conflicts(locs, seen, tab)
-        sheets = {path: self._sheet(path) for path in [*create, *(path for path, _ in locs)]}
-        texts = _edited(sheets, edits, create)
-        self._sheets |= sheets
-        before = {path: sheets[path].text.parts for path in texts}
-        after = {path: text.parts for path, text in texts.items()}
-        if all(before[path] is after[path] for path in after):
-            return
-        if check is not None:
-            check(texts)
-        self._put(texts)
-        step = self._add(Step(title, merge, tab, locs, before, after))
-        self._touch(locs, tab)
-        self._write(
-            step,
-            {
-                "change": title,
-                "merge": merge,
-                "tab": tab,
-                "edits": [line_of(edit) for edit in edits],
-                "create": {str(path): text for path, text in create.items()},
-            },
-        )
+        for (file, at), (revision, by) in self._touched.items() if seen is not None else ():
+            late = revision > (seen or 0) and by != tab
+            if late and any(path == file and overlap(loc, at) for path, loc, _ in edits):
+                raise EditConflict(
+                    f"another tab has changed {at[:2][-1]} of {shown(file)}; look, and edit again"
+                )
+        stated: list[Json] = []
+        for path, loc, value in edits:
+            self.read(path)
+            if loc or self.text(path) is None:  # else somebody has made the file
+                edit = {"file": str(path), "at": [*loc], "value": plain(value)}
+                stated.append({key: one for key, one in edit.items() if one is not ABSENT})
+        self._do({"change": title, "merge": merge, "tab": tab, "edits": stated}, check)
 
     def undo(self, *, tab: str = "") -> str:
-        """Undo the latest step, and return its title.
-
-        Raises
-        ------
-        LipsyncError
-            There is nothing to undo.
-        """
-        if not self._done:
-            raise LipsyncError("there is nothing to undo")
-        step = self._done.pop()
-        self._undone.append(step)
-        return self._back_to(step, step.before, {"undo": step.title}, tab)
+        """Undo the latest step, and return its title; raise LipsyncError if there is none."""
+        return self._do({"undo": self.undo_title, "tab": tab})
 
     def redo(self, *, tab: str = "") -> str:
-        """Redo the step that was undone last, and return its title.
+        """Redo the step undone last, and return its title; raise LipsyncError if there is none."""
+        return self._do({"redo": self.redo_title, "tab": tab})
 
-        Raises
-        ------
-        LipsyncError
-            There is nothing to redo.
-        """
-        if not self._undone:
-            raise LipsyncError("there is nothing to redo")
-        step = self._undone.pop()
-        self._done.append(step)
-        return self._back_to(step, step.after, {"redo": step.title}, tab)
-
-    def _back_to(self, step: Step, parts: Mapping[Path, TextParts], line: Json, tab: str) -> str:
-        self._put({path: SplicedText(path, some) for path, some in parts.items()})
-        self._touch(step.locs, tab)
-        self._write(step, line)
-        return step.title
-
-    def _add(self, step: Step) -> Step:
-        """Add a step, or join it to the latest; return the latest."""
-        last = self._done[-1] if self._done and not self._undone else None
-        self._undone.clear()
-        alike = last is not None and (last.merge, last.tab) == (step.merge, step.tab)
-        if last is None or not step.merge or not alike or not last.journaled:
-            self._done.append(step)
-            return step
-        last.before = {**step.before, **last.before}
-        last.after |= step.after
-        last.locs = list(dict.fromkeys([*last.locs, *step.locs]))
-        return last
-
-    def _put(self, texts: Mapping[Path, SplicedText]) -> None:
-        for path, text in texts.items():
-            sheet = self._sheets[path]
-            sheet.text = sheet.saved if text.parts is sheet.saved.parts else text
-
-    def _touch(self, locs: Iterable[tuple[Path, Loc]], tab: str) -> None:
+    def _do(self, line: Json, check: Callable[[Texts], object] = bool) -> str:
+        """Do an operation, of now or of the journal, and return the title of its step."""
+        texts, at = self._texts, self._at - ("undo" in line)
+        if "undo" in line or "redo" in line:
+            if not 0 <= at < len(self._steps):
+                raise LipsyncError(f"there is nothing to {next(iter(line))}")
+            self._at = at + ("redo" in line)
+        else:
+            new, step = _edited(texts, line), [{**RESTORED, **line}]
+            if new == texts:
+                return ""
+            check({path: text for path, text in new.items() if text is not texts[path]})
+            last = self._steps[-1][-1] if self._old < at == len(self._steps) else RESTORED
+            if line.get("merge") and all(line[key] == last[key] for key in ("merge", "tab")):
+                # A move of a drag takes the place of the move before, if it sets the same.
+                moves = [*_edits(last), *_edits(line)]
+                again = all(loc and value is not ABSENT for _, loc, value in moves)
+                again &= _places([last]) == _places([line])
+                at -= 1
+                step = [*self._steps[at][: -1 if again else None], *step]
+            self._steps[at:], self._states[at + 1 :] = [step], [new]
+            self._at, self._old = at + 1, max(min(self._old, at), at + 1 - MAX_JOURNALED)
         self.revision += 1
-        self._touched.extend((self.revision, tab, path, loc) for path, loc in locs)
+        mark = self.revision, line.get("tab", "")
+        self._touched |= dict.fromkeys(_places(self._steps[at]), mark)
+        self._keep()
+        return str(self._steps[at][-1]["change"])
 
-    def _refuse_conflicts(
-        self, locs: Sequence[tuple[Path, Loc]], seen: int | None, tab: str
-    ) -> None:
-        """Raise `EditConflict` if another tab changed a location after the revision seen."""
-        for revision, other, path, loc in self._touched if seen is not None else ():
-            if revision <= (seen or 0) or other == tab:
-                continue
-            for own_path, own in locs:
-                if path == own_path and overlap(loc, own):
-                    where = "-".join(map(str, loc[1:2] or loc))
-                    raise EditConflict(
-                        f"another tab has changed {where} of {shown(path)}; "
-                        "check the change, and edit again"
-                    )
-
-    def _sheet(self, path: Path) -> EditedFile:
-        """Return a file, which is read first if it has no edits yet."""
-        sheet = self._sheets.get(path)
-        if sheet is not None and sheet.edited:
-            return sheet
-        if sheet is None and not self._replaying:
-            self._refuse(path)
-        if self._replaying:
-            if sheet is None:
-                raise JournalError("is damaged: an edit precedes the text of its file")
-            return sheet
-        disk = on_disk(path)
-        if sheet is not None and sheet.base == disk:
-            return sheet
-        saved = in_parts(path, disk)
-        if sheet is not None:
-            self._rebase(sheet, saved, saved)
-        return EditedFile(path, disk, saved, saved)
-
-    def _refuse(self, path: Path) -> None:
-        refuse(path, self._shipped, self._sheets)
+    def _take(self, path: Path, saved: SplicedText, text: SplicedText) -> None:
+        """Go on from a text of the disk, with its changes in all texts that undo and redo reach."""
+        old = self._saved.get(path, saved)
+        self._saved[path] = saved
+        for texts in self._states:
+            texts.setdefault(path, text)
+        if old is not saved:
+            self._old = len(self._steps)
+            self.revision += 1
+            taken = [(path, loc) for loc, _ in differences(old.data, saved.data)]
+            self._touched |= dict.fromkeys(taken, (self.revision, ""))
+            made = {old: saved, self._texts[path]: text}
+            for texts in self._states:
+                before, old = old, texts[path]
+                if old not in made:
+                    made[old] = made[before]
+                    with suppress(PackError):  # else the step changes nothing
+                        made[old], _ = merged(before, old, made[before], {})
+                texts[path] = made[old]
 
     # Saving
 
-    def save(self, files: Iterable[Path] | None = None, keep: Choices | None = None) -> list[Path]:
-        """Write the edits of some files, or of all, and return the files written.
+    def save(self, keep: Choices | None = None) -> list[Path]:
+        """Write all edits, and return the files written.
 
-        A file that changed on the disk keeps those changes; the edits are applied to it.
+        A file that changed on the disk keeps those changes; the edits are applied to it. `keep` has
+        the side of each conflict that an earlier call raised, by file and location.
 
-        Parameters
-        ----------
-        keep : the side to keep of each conflict that an earlier call raised, by file and location
-
-        Raises
-        ------
-        SaveConflict
-            An entry was edited here and changed on the disk; nothing is written.
-        PackFaults
-            A file is faulty on the disk, or would be with the edits; nothing is written.
-        OutputError
-            A file cannot be written; no file changes.
+        Raises SaveConflict if an entry was edited here and changed on the disk, PackFaults for a
+        file that is faulty there, or would be with the edits, and OutputError for one that cannot
+        be written; no file changes.
         """
-        wanted = self.contents if files is None else set(files)
-        sheets = [sheet for path, sheet in self._sheets.items() if path in wanted and sheet.edited]
-        conflicts: list[MergeConflict] = []
-        plans = []
-        for sheet in sheets:
-            self._refuse(sheet.path)
-            disk = on_disk(sheet.path)
-            plan = planned(sheet, disk, keep or {})
-            conflicts += plan.conflicts
-            plans.append((sheet, disk, plan))
+        theirs, texts, conflicts = {}, {}, []
+        for path in self.contents:
+            refuse(path, self._shipped, self._saved)
+            choices = {loc: side for (file, loc), side in (keep or {}).items() if file == path}
+            theirs[path], disk = self._saved[path], _on_disk(path)
+            if disk != theirs[path].content and choices.get(()) != "mine":
+                theirs[path] = _parsed(path, disk)
+            texts[path], more = merged(self._saved[path], self._texts[path], theirs[path], choices)
+            conflicts += more
         if conflicts:
             raise SaveConflict(conflicts)
-        written = {
-            sheet.path: plan.text.content
-            for sheet, disk, plan in plans
-            if plan.text.parts and plan.text.content != disk
-        }
+        for path, text in texts.items():
+            self._take(path, theirs[path], text)
+        due = {path: t.content or None for path, t in texts.items() if t.content != _on_disk(path)}
         try:
-            write_together(written, lambda: self._begin(plans, written))
-        except OutputError:
-            self._settle(plans)
-            with suppress(OutputError):
-                self._compact()
-            raise
-        self._settle(plans)
-        self._compact()
-        return list(written)
-
-    def _begin(self, plans: Sequence[PlannedSave], written: Collection[Path]) -> None:
-        """Note a save in the journal: from now on it is completed, whatever happens."""
-        if self._journal is None:
-            return
-        saving = []
-        for sheet, _, plan in plans:
-            if sheet.path in written:
-                base = plan.theirs.content if plan.theirs.parts else None
-                saving.append(EditedFile(sheet.path, base, plan.theirs, plan.text))
-        named = {sheet.path for sheet, _, _ in plans}
-        others = [one for path, one in self._sheets.items() if one.edited and path not in named]
-        before = {sheet.path: disk for sheet, disk, _ in plans if sheet.path in written}
-        self._journal.rewrite([*saving, *others], save_line(before))
-
-    def _complete(self, begun: Mapping[str, str]) -> None:
-        """Complete the save in the journal; a file that has changed since then stays unsaved."""
-        sheets = [self._sheets[Path(path)] for path in begun]
-        due = [sheet for sheet in sheets if digest(on_disk(sheet.path)) == begun[str(sheet.path)]]
-        try:
-            for sheet in due:
-                self._refuse(sheet.path)
-            write_together({sheet.path: sheet.text.content for sheet in due}, lambda: None)
-        except OutputError as error:
-            self.notes.append(f"a save was cut off, and cannot be completed: {error}")
-        saved = [sheet for sheet in sheets if on_disk(sheet.path) == sheet.text.content]
-        for sheet in saved:
-            self._sheets[sheet.path] = EditedFile(
-                sheet.path, sheet.text.content, sheet.text, sheet.text
-            )
-        self.restored -= len(saved)
-        self.notes += [
-            f"{shown(sheet.path)}: its save was cut off, and is complete" for sheet in saved
-        ]
-        self._compact()
-
-    def _settle(self, plans: Iterable[PlannedSave]) -> None:
-        """Count as saved what the disk holds now."""
-        for sheet, disk, plan in plans:
-            text = plan.text
-            base = text.content if text.parts else None
-            if on_disk(sheet.path) == base:
-                if disk != sheet.base:
-                    self._rebase(sheet, plan.theirs, text, plan.dropped)
-                self._sheets[sheet.path] = EditedFile(sheet.path, base, text, text)
-
-    def _rebase(
-        self, sheet: EditedFile, theirs: SplicedText, now: SplicedText, dropped: Sequence[Loc] = ()
-    ) -> None:
-        """Merge changes on the disk into every text that undo and redo reach."""
-        taken = differences(sheet.saved.data, theirs.data)
-        if self._journal is not None:
-            self._journal.stale = True
-        self._touch([(sheet.path, loc) for loc, _ in taken], "")
-        try:
-            rebase([*self._done, *reversed(self._undone)], sheet, theirs, now, dropped)
-        except PackError:  # an older text does not take the change
-            self._done.clear()
-            self._undone.clear()
-            where = shown(sheet.path)
-            self.notes.append(f"{where} changed on the disk; earlier steps cannot be undone")
+            write_together(due, lambda: self._keep({"save": [*map(str, due)]}))
+        finally:
+            self._saved |= {path: t for path, t in texts.items() if t.content == _on_disk(path)}
+            self._old = len(self._steps)
+            self._keep()
+        return [*due]
 
     # The journal
 
-    def _write(self, step: Step, line: Json) -> None:
-        """Keep an edit in the journal."""
-        if self._journal is None:
+    def _keep(self, *more: Json) -> None:
+        """Write the journal: the texts of files at a state, and the changes after it."""
+        if self.journal is None:
             return
-        if self._journal.full or not step.journaled:
-            self._compact()
-        else:
-            self._journal.add(line, self._sheets.values())
-
-    def _compact(self) -> None:
-        """Write the journal again: the files with unsaved edits, without steps."""
-        if self._journal is None:
-            return
-        self._journal.rewrite(sheet for sheet in self._sheets.values() if sheet.edited)
-        for step in [*self._done, *self._undone]:
-            step.journaled = False
-
-    def _restore(self, journal: Path) -> int:
-        """Restore the edits of a journal, and count its lines; a damaged journal is renamed."""
+        start, *later = self._states[min(self._at, self._old) :]
+        steps = self._steps[self._old :] if self._old <= self._at else []
         lines: list[Json] = []
+        for path, saved in self._saved.items():
+            if any(texts[path] is not saved for texts in (start, *later[: len(steps)])):
+                lines.append({"base": str(path), "text": saved.content.decode()})
+            if start[path].content != saved.content:
+                lines.append({"put": str(path), "text": start[path].content.decode()})
+        lines += [line for step in steps for line in step]
+        lines += [{"undo": ""}] * (len(self._steps) - self._at if steps else 0)
+        with atomic(self.journal, durable=bool(more)) as stream:
+            for line in (JOURNAL_HEADER, *lines, *more):
+                row = json.dumps(line, ensure_ascii=False, separators=(",", ":"))
+                stream.write(row.encode() + b"\n")
+
+    def _restore(self, journal: Path) -> None:
+        """Restore the edits of a journal, and save them if a save was cut off."""
+        begun = False
         try:
-            lines = read_journal(journal)
-            self._replaying = True
-            for line in lines:
-                self._replay(line)
-        except (LipsyncError, KeyError, TypeError, ValueError) as error:
-            self._sheets.clear()
-            self._done.clear()
-            self._undone.clear()
-            self._touched.clear()
-            lines = []
-            why = str(error) if isinstance(error, LipsyncError) else "is damaged"
+            mend = "its edits cannot be restored"
+            content = read_input(journal, MAX_JOURNAL_BYTES, mend=mend) if journal.exists() else b""
+            lines = [{**json.loads(row)} for row in content.split(b"\n")[:-1]]  # the rest is torn
+            if content and lines[:1] != [JOURNAL_HEADER]:
+                raise LipsyncError("is not a journal of the studio")  # noqa: TRY301 told below
+            for line in lines[1:]:
+                if "base" in line:
+                    text = _parsed(Path(line["base"]), bytes(line["text"] or "", "utf-8"))
+                    self._take(text.path, text, text)
+                elif "save" in line:
+                    begun = True
+                else:
+                    self._do(line)
+        except (LipsyncError, LookupError, RecursionError, TypeError, ValueError) as error:
+            self._saved, self._touched, self._steps, self._states, self._at = {}, {}, [], [{}], 0
+            why = error if isinstance(error, LipsyncError) else "is damaged, or of a newer version"
+            aside = journal.with_name(f"{journal.name}.damaged-{os.urandom(4).hex()}")
+            self.notes.append(f"{journal}: {why}; no edits are restored, and it is kept as {aside}")
             try:
-                where = f"it is kept as {put_aside(journal)}"
+                replace_file(journal, aside)
             except OSError as failed:
                 raise OutputError(f"{journal}: {why}, and cannot be renamed: {failed}") from None
-            self.notes.append(f"{journal}: {why}; no edits are restored, and {where}")
-        finally:
-            self._replaying = False
-        self.restored = len(self._done)
-        return len(lines)
-
-    def _replay(self, line: Json) -> None:
-        """Repeat one line of a journal."""
-        if "base" in line:
-            path, text = Path(line["base"]), line["text"]
-            base = None if text is None else text.encode()
-            saved = in_parts(path, base)
-            self._sheets[path] = EditedFile(path, base, saved, saved)
-        elif "put" in line:
-            sheet = self._sheets[Path(line["put"])]
-            after = SplicedText.read(sheet.path, line["text"].encode()).checked()
-            locs = [(sheet.path, loc) for loc, _ in differences(sheet.saved.data, after.data)]
-            sides = {sheet.path: sheet.text.parts}, {sheet.path: after.parts}
-            self._put({sheet.path: after})
-            self._add(Step(RESTORED, "", "", locs, *sides, journaled=True))
-            self._touch(locs, "")
-        elif "change" in line:
-            edits = [edit_of(one) for one in line["edits"]]
-            create = {Path(path): text for path, text in line["create"].items()}
-            more = {"tab": line["tab"], "merge": line["merge"], "create": create}
-            self.change(line["change"], edits, **more)
-        elif "save" in line:
-            self._begun = {
-                str(self._sheets[Path(one)].path): was for one, was in line["save"].items()
-            }
-        elif "undo" in line:
-            self.undo()
-        elif "redo" in line:
-            self.redo()
-        else:
-            raise JournalError("has lines from a newer version")
+            begun, self._old = False, 0
+        self.journal = journal
+        try:
+            for path in self.save() if begun else ():
+                self.notes.append(f"{shown(path)}: its save was cut off, and is complete")
+        except LipsyncError as error:
+            self.notes.append(f"a save was cut off, and cannot be completed: {error}")
+            self._keep()
+        self.restored = self._at if self.contents else 0
 
 
-def _edited(
-    sheets: Mapping[Path, EditedFile], edits: Sequence[PackEdit], create: Mapping[Path, str]
-) -> dict[Path, SplicedText]:
-    """Return the texts of files after edits."""
-    texts = {path: sheet.text for path, sheet in sheets.items()}
-    for path, initial in create.items():
-        if not texts[path].parts:
-            texts[path] = SplicedText.read(path, initial.encode()).checked()
-    for path, changes in by_file(edits).items():
-        if not texts[path].parts:
+def _edits(line: Json) -> list[PackEdit]:
+    """Return the edits of a change; an older version stated new files beside them."""
+    new = {line["put"]: line["text"]} if "put" in line else line.get("create", {})
+    rows = [{"file": path, "at": (), "value": text} for path, text in dict(new).items()]
+    rows += [] if "put" in line else line["edits"]
+    return [(Path(row["file"]), tuple(row["at"]), row.get("value", ABSENT)) for row in rows]
+
+
+def _edited(texts: Texts, line: Json) -> Texts:
+    """Return texts after a change."""
+    after, edits = dict(texts), _edits(line)
+    for path, loc, value in edits:
+        if not loc:
+            after[path] = _parsed(path, bytes(value, "utf-8")).checked()
+    for path in dict.fromkeys(path for path, loc, _ in edits if loc):
+        if not after[path].parts:
             raise PackError(f"{shown(path)}: no such file; open the pair again")
-        texts[path] = texts[path].changed(changes)
-    return texts
+        changes = [(loc, value) for file, loc, value in edits if loc and file == path]
+        after[path] = after[path].changed(changes)
+    return after
+
+
+def _places(step: Sequence[Json]) -> set[tuple[Path, Loc]]:
+    return {(path, loc) for change in step for path, loc, _ in _edits(change) if loc}
+
+
+def _on_disk(path: Path) -> bytes:
+    """Return the content of a file; nothing for a missing one."""
+    return read_bytes(path) if path.exists() else b""
+
+
+def _parsed(path: Path, content: bytes) -> SplicedText:
+    """Return a text in parts; a missing file has none."""
+    return SplicedText.read(path, content) if content else SplicedText(path, ())

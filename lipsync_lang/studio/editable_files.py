@@ -47,8 +47,13 @@ def shipped_folders() -> tuple[Path, ...]:
     )
 
 
-def write_together(contents: Mapping[Path, bytes], ready: Callable[[], object]) -> None:
-    """Write all files or none, and create missing folders; for `ready` see `write_all`."""
+def write_together(
+    contents: Mapping[Path, bytes | None], ready: Callable[[], object] = bool
+) -> None:
+    """Write all files or none, and create missing folders; None deletes a file.
+
+    For `ready` see `write_all`.
+    """
 
     def writer(content: bytes) -> Any:
         return lambda stream: stream.write(content)
@@ -58,5 +63,10 @@ def write_together(contents: Mapping[Path, bytes], ready: Callable[[], object]) 
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise cannot_write(path.parent, error) from None
-    outputs = {path: writer(content) for path, content in contents.items()}
+    outputs = {path: writer(content) for path, content in contents.items() if content is not None}
     write_all(outputs, durable=True, ready=ready)
+    for path in contents.keys() - outputs.keys():
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise cannot_write(path, error) from None

@@ -97,7 +97,7 @@ def write_files(workshop: Workshop, files: Mapping[str, bytes], *, over: bool) -
     there = [name for name, path in targets.items() if path.exists()]
     if there and not over:
         raise OutputError(f"{there[0]}: exists; choose another folder, or replace files")
-    write_together({targets[name]: content for name, content in files.items()}, lambda: None)
+    write_together({targets[name]: content for name, content in files.items()})
     return list(targets)
 
 

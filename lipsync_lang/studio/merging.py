@@ -1,41 +1,30 @@
-"""Merge edits of a pack with changes of its file on the disk, entry by entry.
+"""Merge two changes of a pack, entry by entry.
 
 An entry is a field of the pack, or a key of a field that is a mapping: one bigram, one target.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal, NamedTuple
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.packs.splicing import ABSENT, Change, SplicedText, get
+from lipsync_lang.packs.splicing import ABSENT, Change, SplicedText
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import Data, Loc
 
 MergeSide = Literal["mine", "theirs"]
 
 Choices = Mapping[tuple[Path, Loc], MergeSide]
-"""Side to keep for an entry that edits and the disk both changed; () is the whole file."""
-
-WHOLE_FILE: Loc = ()
-"""Location of a conflict about a whole file, which was deleted or is faulty."""
+"""Side to keep for an entry that changed on both; () is a file that was deleted or is faulty."""
 
 
-@dataclass(frozen=True)
-class MergeConflict:
-    """An entry that changed both here and on the disk; `ABSENT` for a missing value."""
+class MergeConflict(NamedTuple):
+    """An entry that changed on both sides, to two values; `ABSENT` for none."""
 
     path: Path
     loc: Loc
-    base: Data
-    """Value before both changes."""
     mine: Data
     theirs: Data
-
-    def __str__(self) -> str:
-        what = "-".join(map(str, self.loc[-1:])) or "the whole file"
-        return f"{shown(self.path)}: {what}"
 
 
 class EditConflict(LipsyncError):  # noqa: N818 named as the answer that a page gets
@@ -43,79 +32,66 @@ class EditConflict(LipsyncError):  # noqa: N818 named as the answer that a page 
 
 
 class SaveConflict(LipsyncError):  # noqa: N818 as above
-    """Entries changed both here and on the disk.
-
-    Parameters
-    ----------
-    conflicts : every entry that changed on both sides
-    """
+    """Entries changed both here and on the disk."""
 
     def __init__(self, conflicts: Sequence[MergeConflict]) -> None:
         self.conflicts = tuple(conflicts)
-        listed = "\n".join(f"  {conflict}" for conflict in conflicts)
+        listed = (
+            f"  {shown(path)}: {(loc or ('the whole file',))[-1]}\n" for path, loc, *_ in conflicts
+        )
         super().__init__(
-            f"these entries changed on the disk as well as here, so nothing was saved:\n{listed}\n"
-            "choose the side to keep for each: mine or theirs"
+            "these entries changed on the disk as well as here, so nothing was saved:\n"
+            f"{''.join(listed)}choose the side to keep for each: mine or theirs"
         )
 
 
-def differences(before: Data, after: Data) -> list[Change]:
-    """Return the entries that differ, with their new values.
+def differences(before: Data, after: Data, depth: int = 2) -> list[Change]:
+    """Return the entries that differ, with their new values; an entry has `depth` keys at most.
 
-    Example
-    -------
     >>> differences({"style": "sad"}, {"style": "sad", "bigrams": {"l-ow": 1}})
     [(('bigrams', 'l-ow'), 1)]
     """
-    return list(_differences(before or {}, after or {}))
-
-
-def _differences(before: Mapping[str, Data], after: Mapping[str, Data]) -> Iterator[Change]:
-    for key in {**before, **after}:
-        old, new = before.get(key, ABSENT), after.get(key, ABSENT)
-        if old == new:
-            continue
-        inner = [{} if one in (ABSENT, None) else one for one in (old, new)]
-        if new is ABSENT or not all(isinstance(one, dict) for one in inner) or not any(inner):
-            yield (key,), new
-            continue
-        for name in {**inner[0], **inner[1]}:
-            one, other = (some.get(name, ABSENT) for some in inner)
-            if one != other:
-                yield (key, name), other
+    one, two = (data if isinstance(data, dict) else {} for data in (before, after))
+    found: list[Change] = []
+    for key in {**one, **two}:
+        old, new = one.get(key, ABSENT), two.get(key, ABSENT)
+        inner = [{} if value in (ABSENT, None) else value for value in (old, new)]
+        mappings = any(inner) and all(isinstance(value, dict) for value in inner)
+        if old != new and depth > 1 and mappings and new is not ABSENT:
+            found += [
+                ((key, *loc), value) for loc, value in differences(inner[0], inner[1], depth - 1)
+            ]
+        elif old != new:
+            found.append(((key,), new))
+    return found
 
 
 def merged(
-    path: Path, base: Data, mine: SplicedText, theirs: SplicedText, choices: Choices
-) -> tuple[SplicedText, SplicedText, list[MergeConflict], list[Loc]]:
-    """Apply edits to the changed text of a file.
+    base: SplicedText, mine: SplicedText, theirs: SplicedText, choices: Mapping[Loc, MergeSide]
+) -> tuple[SplicedText, list[MergeConflict]]:
+    """Apply the changes from `base` to `mine` to the text of `theirs`.
 
-    Returns
-    -------
-    The text with both changes, the text of the disk, the open conflicts, and the locations whose
-    edits are dropped
+    `choices` has the side of an entry that both changed; a conflict without one is returned, and
+    keeps theirs. Raises PackError if the text does not take the changes.
     """
-    own, other = differences(base, mine.data), differences(base, theirs.data)
+    whole = choices.get(())
+    if theirs is base or whole is not None:
+        return (theirs if whole == "theirs" else mine), []
+    if not mine.parts or not theirs.parts:
+        values = (one.data if one.parts else ABSENT for one in (mine, theirs))
+        return theirs, [MergeConflict(mine.path, (), *values)]
+    other = differences(base.data, theirs.data)
     conflicts: list[MergeConflict] = []
-    kept, dropped = [], []
-    for loc, value in own:
-        meant = [one for one, _ in other if overlap(loc, one)]
-        side = choices.get((path, loc))
-        if not meant or side == "mine" or get(theirs.data, loc) == value:
+    kept: list[Change] = []
+    for loc, value in differences(base.data, mine.data):
+        meant = any(overlap(loc, one) for one, _ in other)
+        if not meant or choices.get(loc) == "mine" or theirs.at(loc) == value:
             kept.append((loc, value))
-        elif side == "theirs":
-            dropped.append(loc)
-        else:
-            found = (get(data, loc) for data in (base or {}, mine.data, theirs.data))
-            conflicts.append(MergeConflict(path, loc, *found))
-    return theirs if conflicts else theirs.changed(kept), theirs, conflicts, dropped
+        elif loc not in choices:
+            conflicts.append(MergeConflict(mine.path, loc, mine.at(loc), theirs.at(loc)))
+    return theirs.changed(kept), conflicts
 
 
 def overlap(one: Loc, other: Loc) -> bool:
     """Return True if two locations are equal, or one is within the other."""
     return all(a == b for a, b in zip(one, other, strict=False))
-
-
-def told(before: Any, after: Any) -> str:
-    """Name the kind of change of an entry."""
-    return "added" if before is ABSENT else "deleted" if after is ABSENT else "changed"

@@ -32,11 +32,10 @@ from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.bigram_home import bigram_home, known_style
-from lipsync_lang.studio.desk import Desk
+from lipsync_lang.studio.desk import Desk, PackEdit
 from lipsync_lang.studio.edited_pair import EditedPair
 from lipsync_lang.studio.merging import Choices
 from lipsync_lang.studio.project_lines import ProjectLines
-from lipsync_lang.studio.sheets import PackEdit
 from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
 
 if TYPE_CHECKING:
@@ -217,10 +216,10 @@ class Workshop:
 
     def save(self, keep: Choices | None = None) -> list[Path]:
         """Save every edit, and return the files written; see `Desk.save`."""
-        before = self.desk.contents
-        written = self.desk.save(keep=keep)
+        revision = self.desk.revision
+        written = self.desk.save(keep)
         self._saved = None
-        if any(self.desk.content(path) != content for path, content in before.items()):
+        if self.desk.revision != revision:
             self.look_again()  # the disk had changed as well
         return written
 
@@ -245,7 +244,7 @@ class Workshop:
             pair = None if self._pair is None else self._pair.changed(contents, texts)
             rehearsed.append(pair or self._open(contents))
 
-        self.desk.change(title, edits, check=rehearse if self.language else None, **more)
+        self.desk.change(title, edits, check=rehearse if self.language else bool, **more)
         for pair in rehearsed:
             self._pair = EditedPair.of(pair, self.desk)
 
@@ -415,9 +414,10 @@ class Workshop:
             edits = [
                 (path, (*at, key), one) for key, one in now.items() if old.get(key, ABSENT) != one
             ]
-        create = {} if text is None else {path: text}
+        if text is not None:
+            edits.insert(0, (path, (), text))
         title = f"{title} ({self.name})"  # undo can revert it while another line is open
-        self.edit(title, edits, tab=tab, merge=merge and f"{self.name} {merge}", create=create)
+        self.edit(title, edits, tab=tab, merge=merge and f"{self.name} {merge}")
         self.follow()
 
     def _statement(self, language: str) -> dict[str, Any]:

@@ -93,7 +93,8 @@ def test_other_edits_compile_the_pair_anew(workshop, opened):
 def test_a_bank_that_comes_and_goes_is_compiled(workshop, opened):
     new = workshop.project / "posesets/face/banks/new.yaml"
     text = "kind: bank\nformat: 1\nname: new\nposeset: face\nbigrams: {}\n"
-    edit(workshop, new, ["bigrams", "a-p"], {"curves": {"open": OPEN}}, create={new: text})
+    edits = [(new, (), text), (new, ("bigrams", "a-p"), {"curves": {"open": OPEN}})]
+    workshop.edit("Draw", edits)
     assert_current(workshop)
     assert workshop.performer.compiled.report.layers["shared"] == {"edited": 1, "approved": 1}
     workshop.desk.undo()

@@ -20,14 +20,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from lipsync_lang.packs.yaml.source import Loc
-    from lipsync_lang.studio.sheets import PackEdit
+    from lipsync_lang.studio.desk import PackEdit
 
 
 def edit(workshop: Workshop, request: StudioRequest) -> Json:
     """Change values of packs."""
     body = request.body
     edits: list[PackEdit] = []
-    create: dict[Path, str] = {}
     for one in listed(body.get("edits"), "edits"):
         if not isinstance(one, dict):
             raise LipsyncError("an edit must be an object with `file`, `at` and `value`")
@@ -39,16 +38,16 @@ def edit(workshop: Workshop, request: StudioRequest) -> Json:
             path, text = workshop.bank_for(str(loc[1]) if len(loc) > 1 else "", style)
         else:
             path, text = workshop.editable(str(one.get("file")))
-        edits.append((path, loc, one.get("value", ABSENT)))
         if text is not None:
-            create[path] = text
+            edits.append((path, (), text))
+        edits.append((path, loc, one.get("value", ABSENT)))
     seen, merge = body.get("seen"), body.get("merge")
     if not edits:
         raise LipsyncError("the request has no edits")
     workshop.edit(
         request.text("title")[:MAX_TITLE_CHARS], edits,
         seen=seen if isinstance(seen, int) else None, tab=tab_of(request),
-        merge=merge if isinstance(merge, str) else "", create=create,
+        merge=merge if isinstance(merge, str) else "",
     )  # fmt: skip
     return workshop.state()
 
