@@ -85,7 +85,8 @@ MOUTHS = {
     "frown": Mouth(frown=1),
 }
 TONGUES = ("tongueTip", "tongueBack", "tongueOut")
-POSES = (*MOUTHS, *TONGUES)
+GESTURES = ("lids", "stalksUp", "stalksLeft", "stalksRight", "clawLeft", "clawRight", "clawsOpen")
+POSES = (*MOUTHS, *TONGUES, *GESTURES)
 
 
 # --- the sheet
@@ -358,11 +359,15 @@ SPOTS = (  # ring and column of the upper shell, radius
 
 
 def eyes() -> list[Part]:
-    """Eyes on stalks, with heavy lids: a calm fellow."""
+    """Eyes on stalks, with heavy lids: a calm fellow.
+
+    A target moves points on straight lines, so that lids which turn round the ball would cut
+    through it half-way. They grow as they turn, and the ball is drawn in.
+    """
     path = np.array([[0.36, 0.6, 0.36], [0.36, 0.82, 0.4], [0.37, 0.98, 0.42], [0.38, 1.1, 0.44]])
     spread = catmull_rom(path, 5)
     stalk = Part("stalks", *tube(spread, np.linspace(0.13, 0.1, 5), 12), color=SHELL, roughness=0.4)
-    centre, radius = np.array([0.38, 1.24, 0.46]), 0.34
+    centre, radius = EYE, 0.34
     ball = Part("eyes", *ellipsoid(centre, [radius] * 3, 12, 18), color=WHITE, roughness=0.15)
     look = rotation([0, 1, 0], -0.1) @ rotation([1, 0, 0], 0.06)
     parts = [stalk, ball]
@@ -376,8 +381,39 @@ def eyes() -> list[Part]:
     glint = _cap(centre, radius * 1.035, shine, 0.11)
     lid = _cap(centre, radius * 1.045, rotation([0, 0, 1], -0.12) @ rotation([1, 0, 0], -1.9), 1.6)
     parts.append(Part("glints", *glint, color=GLINT, roughness=0.1))
-    parts.append(Part("lids", *lid, color=SHELL, roughness=0.4))
-    return [part for one in parts for part in (one, mirrored(one, one.name))]
+    for part in parts[1:]:
+        part.targets["lids"] = (centre - part.positions) * 0.18 - DIP
+    stalk.targets["lids"] = -_bend(stalk) * DIP
+    low = _cap(centre, radius * 1.03, rotation([1, 0, 0], 2.1), 1.0)
+    shut_lid = rotation([1, 0, 0], 0.9) @ rotation([0, 0, 1], 0.12)
+    for shape, turn in ((lid, shut_lid), (low, rotation([1, 0, 0], -0.6))):
+        part = Part("lids", *shape, color=SHELL, roughness=0.4)
+        shut = (part.positions - centre) @ turn.T * 1.08 + centre
+        part.targets["lids"] = shut - part.positions - DIP
+        parts.append(part)
+    return [_on_a_stalk(part) for one in parts for part in (one, mirrored(one, one.name))]
+
+
+EYE = np.array([0.38, 1.24, 0.46])
+DIP = np.array([0, 0.08, 0])
+"""How far a blink lowers the stalk."""
+
+
+def _bend(part: Part) -> Points:
+    """The share (V, 1) of points that goes with the eye: less towards the foot of a stalk."""
+    foot = part.name == "stalks"
+    return smoothstep(0.6, 1.1, part.positions[:, 1:2]) if foot else np.ones((1, 1))
+
+
+def _on_a_stalk(part: Part) -> Part:
+    """Let an eye, or its stalk, rise and turn."""
+    centre = EYE * [np.sign(part.positions[:, 0].mean()), 1, 1]
+    share = _bend(part)
+    part.targets["stalksUp"] = share * np.array([0, 0.2, 0.03]) + np.zeros_like(part.positions)
+    for name, way in (("stalksLeft", 1), ("stalksRight", -1)):
+        turned = (part.positions - centre) @ rotation([0, 1, 0], 0.55 * way).T + centre
+        part.targets[name] = share * (turned - part.positions + [0.14 * way, -0.02, 0])
+    return part
 
 
 def _cap(centre: Points, radius: float, turn: Points, reach: float) -> Shape:
@@ -399,9 +435,11 @@ def _cap(centre: Points, radius: float, turn: Points, reach: float) -> Shape:
 
 
 def claws() -> list[Part]:
-    """A big claw and a smaller one, as fiddler crabs have them."""
+    """A big claw and a smaller one, as fiddler crabs have them: each rises, and both open."""
     parts = []
-    for side, size in ((1, 1.0), (-1, 1.3)):
+    shoulder, wrist = np.array([0.95, -0.3, 0.3]), np.array([1.62, -0.36, 0.52])
+    raised, outwards = rotation([0, 0, 1], 0.4), rotation([0, 0, 1], -0.8)
+    for side, size, name in ((1, 1.0, "clawLeft"), (-1, 1.3, "clawRight")):
         arm = catmull_rom([[0.95, -0.3, 0.3], [1.32, -0.5, 0.42], [1.62, -0.36, 0.52]], 9)
         thick = catmull_rom([[0.13], [0.15], [0.12]], 9)[:, 0]
         limb = Part("arms", *tube(arm, thick, 12, side=(0, 0, 1)), color=RIM, roughness=0.4)
@@ -409,6 +447,12 @@ def claws() -> list[Part]:
             transformed(part, scale=size, turn=rotation([0, 0, 1], -0.12), move=[1.66, -0.18, 0.55])
             for part in _claw()
         ]
+        for part in (limb, *claw):
+            turned = part.positions
+            if part is not limb:  # the claw leans away from the shell
+                turned = (turned - wrist) @ outwards.T + wrist
+            turned = (turned - shoulder) @ raised.T + shoulder
+            part.targets[name] = turned - part.positions
         parts += [limb, *claw] if side > 0 else [mirrored(p, p.name) for p in (limb, *claw)]
     return parts
 
@@ -416,13 +460,17 @@ def claws() -> list[Part]:
 def _claw() -> list[Part]:
     palm = ellipsoid([0, 0.02, 0], (0.25, 0.27, 0.18), 9, 14)
     parts = [Part("claws", *palm, color=SHELL, roughness=0.35)]
-    for path, first in (
-        ([[0.12, 0.1, 0], [0.25, 0.34, 0], [0.2, 0.56, 0], [0.02, 0.7, 0.02]], 0.16),
-        ([[-0.14, 0.12, 0], [-0.24, 0.3, 0], [-0.22, 0.46, 0], [-0.1, 0.58, 0.02]], 0.12),
+    for path, first, opening in (
+        ([[0.12, 0.1, 0], [0.25, 0.34, 0], [0.2, 0.56, 0], [0.02, 0.7, 0.02]], 0.16, -0.3),
+        ([[-0.14, 0.12, 0], [-0.24, 0.3, 0], [-0.22, 0.46, 0], [-0.1, 0.58, 0.02]], 0.12, 0.5),
     ):
         along = np.linspace(0, 1, 10)
         shape = tube(catmull_rom(path, 10), first * (1 - along) ** 0.6 + 0.01, 10, side=(0, 0, 1))
-        parts.append(Part("claws", *shape, color=SHELL, roughness=0.35))
+        finger = Part("claws", *shape, color=SHELL, roughness=0.35)
+        from_root = finger.positions - path[0]
+        open_ = from_root @ rotation([0, 0, 1], opening).T
+        finger.targets["clawsOpen"] = open_ - from_root
+        parts.append(finger)
     return parts
 
 

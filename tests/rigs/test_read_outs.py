@@ -4,9 +4,10 @@ import pytest
 from places import ROOT
 from small_models import glb
 
+import lipsync_lang as ll
 from lipsync_lang.errors import ModelError
 from lipsync_lang.rigs.model import read_model
-from lipsync_lang.rigs.read_outs import read_outs
+from lipsync_lang.rigs.read_outs import read_outs, still_shapes
 
 
 def measured(name):
@@ -25,6 +26,16 @@ def test_each_pose_of_the_head_moves_what_its_title_says():
     assert found["tRoof"].tongue_up > 0.3
     assert max(found[pose].tongue_out for pose in ("open", "PBM", "FV", "wide")) == 0
     assert set(found["blink"].to_dict().values()) == {0.0}
+
+
+@pytest.mark.parametrize("name", ["facefx", "crab"])
+def test_shapes_of_gestures_move_and_leave_the_mouth_alone(name):
+    own = ll.resolve("english", name)
+    found = measured(name)
+    assert not still_shapes(read_model(own.model))
+    for channel in own.gesture_channels:
+        if channel.node is None:
+            assert max(map(abs, found[channel.name].to_dict().values())) < 0.01
 
 
 def test_a_mouth_of_any_form_is_found():
