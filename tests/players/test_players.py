@@ -179,6 +179,14 @@ def test_javascript_plays_alike(archive, steps, truth):
 
 
 @full
+def test_javascript_makes_no_objects_while_it_plays(archive):
+    node = shutil.which("node") or pytest.skip("no node")
+    module = str(PLAYERS / "takes.mjs")
+    command = (node, "--expose-gc", str(HERE / "frames.mjs"), module, str(archive), "en/line-1")
+    assert float(ran(*command)) < 16  # bytes a frame: less than one object
+
+
+@full
 def test_godot_plays_alike(archive, steps, truth, tmp_path):
     program = shutil.which("godot3-server") or pytest.skip("no godot3-server")
     for path in (archive, steps[0], PLAYERS / "takes.gd", HERE / "player.gd"):
