@@ -9,6 +9,7 @@ from places import ROOT, TESTS
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.players.takes import Archive, Player
 
 PLAYERS = ROOT / "lipsync_lang" / "players"
 HERE = TESTS / "players"
@@ -58,3 +59,20 @@ def block(path, language):
     page = (ROOT / "docs/how-to/play-takes.md").read_text("utf-8")
     path.write_text(page.partition(f"```{language}\n")[2].partition("```")[0], "utf-8")
     return path
+
+
+def shows(text, archive, name):
+    """Compare what a component showed in each frame: "open", "jaw", and whether the sound plays."""
+    frames = np.array([line.split() for line in text.splitlines()], float)
+    with Archive(archive) as opened:
+        player = Player(opened)
+        player.play(name)
+        columns = [opened.poses.index("open"), opened.poses.index("jaw")]
+        for *shapes, sounds in frames:
+            player.advance(1 / 60)
+            far = np.subtract(shapes, [player.weights[one] for one in columns])
+            assert np.abs(far).max() < 1e-4
+            assert sounds == (player.sound_time >= 0)
+        assert player.time > player.end - 1e-3
+    assert len(frames) > 30
+    assert frames[:, 0].max() > 0.1

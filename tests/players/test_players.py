@@ -1,12 +1,13 @@
 """Players of archives: they play alike, seeks included, and damaged archives are refused."""
 
 import os
+import re
 import shutil
 
 import numpy as np
 import pytest
 from lanes import full
-from played_lines import HERE, PLAYERS, POSES, RANGES, alike, ran, speech, take
+from played_lines import HERE, PLAYERS, POSES, RANGES, alike, ran, shows, speech, take
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
@@ -49,11 +50,19 @@ def test_c_plays_alike(compiled, archive, steps, truth):
 
 
 @full
-def test_the_header_compiles_as_cpp(tmp_path):
+def test_the_component_for_unreal_shows_the_weights_and_starts_the_sound(archive, tmp_path):
     compiler = shutil.which("g++") or pytest.skip("no C++ compiler")
-    source = tmp_path / "unit.cpp"
-    source.write_text('#include "takes.h"\nint main() { takes_player p; (void)p; }\n')
-    ran(compiler, "-Wall", "-Wextra", "-Werror", f"-I{PLAYERS}", "-fsyntax-only", str(source))
+    sources = [PLAYERS / "TakesComponent.h", PLAYERS / "TakesComponent.cpp"]
+    code = sources[0].read_text("utf-8") + sources[1].read_text("utf-8")
+    for included in re.findall(r'#include "(.+)"', code):
+        if not (PLAYERS / included).exists():
+            (tmp_path / included).parent.mkdir(exist_ok=True)
+            (tmp_path / included).write_text('#include "unreal.h"\n')
+    flags = ("-std=c++20", "-Wall", "-Wextra", "-Werror", *SANITIZED)
+    folders = (f"-I{PLAYERS}", f"-I{tmp_path}", f"-I{HERE}")
+    made = tmp_path / "unreal"
+    ran(compiler, *flags, *folders, *map(str, [sources[1], HERE / "unreal.cpp"]), "-o", str(made))
+    shows(ran(str(made), str(archive), "en/line-1"), archive, "en/line-1")
 
 
 @full

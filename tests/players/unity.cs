@@ -1,5 +1,6 @@
 // Stand-ins for the types of Unity that TakesFace.cs uses, and a scene of one face that runs it:
-// unity ARCHIVE TAKE. Prints the first shape and whether the sound plays, once in each frame.
+// unity ARCHIVE TAKE. Prints, once in each frame, two shapes and
+// whether the sound plays.
 using System;
 using System.Globalization;
 using System.IO;
@@ -86,8 +87,8 @@ static class Scene
         {
             Send(face, "LateUpdate");
             Console.WriteLine(string.Format(
-                CultureInfo.InvariantCulture, "{0:F6} {1:F6} {2:F6} {3}", face.Player.Time,
-                head.Shown[0], head.Shown[1], sound.isPlaying ? 1 : 0));
+                CultureInfo.InvariantCulture, "{0:F6} {1:F6} {2}", head.Shown[0] / 100,
+                head.Shown[1] / 100, sound.isPlaying ? 1 : 0));
         }
         while (face.Player.Playing);
         face.Skip(0);
