@@ -8,8 +8,8 @@
  *   takes_advance(&anna, 1.0 / 60);     once in each frame; then use anna.weights
  *
  * Times are seconds on the timeline of a line, whose sound starts at player.delay. The archive is
- * read with bounds: damaged files give an error and never a crash. Archives with more poses than
- * TAKES_POSES are refused; define it before the header.
+ * read with bounds: damaged files give an error and never a crash; a curve holds where its keys
+ * run out. Archives with more poses than TAKES_POSES are refused; define it before the header.
  */
 #ifndef LIPSYNC_LANG_TAKES_H
 #define LIPSYNC_LANG_TAKES_H
@@ -46,6 +46,7 @@ typedef struct {
 
 typedef struct {
     const takes_archive *archive;
+    const uint8_t *stop; /* end of the take */
     double time, start, delay, end, rate, fade, left;
     uint32_t frames;
     int tracks, playing;
@@ -144,7 +145,7 @@ static inline int takes_is_whole(const takes_archive *a)
     return takes_crc(0, a->data + a->takes, a->size - a->takes) == a->body_crc;
 }
 
-/* Returns 1 if all keys of a take are within it and end on its last frame. */
+/* Returns 1 if the head of a take and its tracks are sound. Its keys are checked as they play. */
 static inline int takes_is_sound(const takes_archive *a, uint64_t body, uint64_t end)
 {
     const uint8_t *p = a->data + body;
@@ -159,29 +160,16 @@ static inline int takes_is_sound(const takes_archive *a, uint64_t body, uint64_t
     if (size < TAKES_HEAD + (uint64_t)tracks * TAKES_TRACK) return 0;
     for (number = 0; number < tracks; number++) {
         const uint8_t *track = p + TAKES_HEAD + (size_t)number * TAKES_TRACK;
-        uint64_t at = takes_u32(track + 4), frame = 0;
-        uint32_t key, count = takes_u16(track + 2);
         float low = takes_f32(track + 8), span = takes_f32(track + 12);
-        if (takes_u16(track) >= a->poses || !count) return 0;
+        if (takes_u16(track) >= a->poses || !takes_u16(track + 2)) return 0;
+        if (takes_u32(track + 4) + 2ull > size) return 0;
         if (!(low > -1e9f && low < 1e9f && span > -1e9f && span < 1e9f)) return 0;
-        for (key = 0; key < count; key++, at += 2) {
-            uint32_t step;
-            if (at + 2 > size) return 0;
-            step = takes_u16(p + at) >> 10;
-            if (!key) continue;
-            if (!step) {
-                at += 2;
-                if (at + 2 > size || !(step = takes_u16(p + at))) return 0;
-            }
-            frame += step;
-        }
-        if (frame != frames - 1u) return 0;
     }
     return 1;
 }
 
-/* Returns the position of a take such as "english/intro_001", or 0 if there is no sound one. */
-static inline uint64_t takes_find(const takes_archive *a, const char *name)
+/* Returns the position of a take such as "english/intro_001", and its end; 0: no sound one. */
+static inline uint64_t takes_find(const takes_archive *a, const char *name, uint64_t *end)
 {
     uint32_t hash = 0x811c9dc5u, probe;
     size_t length = strlen(name), n;
@@ -195,7 +183,8 @@ static inline uint64_t takes_find(const takes_archive *a, const char *name)
         if (size < 4 + length || takes_u16(a->data + at) != length) continue;
         if (memcmp(a->data + at + 4, name, length)) continue;
         n = (size_t)(4 + length + (4 - length % 4) % 4);
-        return takes_is_sound(a, at + n, at + size) ? at + n : 0;
+        *end = at + size;
+        return takes_is_sound(a, at + n, *end) ? at + n : 0;
     }
     return 0;
 }
@@ -214,11 +203,16 @@ static inline void takes_rewind(takes_cursor *c)
     c->begin = c->end = c->low + (float)(takes_u16(c->keys) & TAKES_STEPS) * c->scale;
 }
 
-static inline void takes_next(takes_cursor *c)
+static inline void takes_next(takes_cursor *c, const uint8_t *stop)
 {
-    uint32_t word = takes_u16(c->at), step = word >> 10;
+    ptrdiff_t size = stop - c->at;
+    uint32_t word, step;
+    if (size < 2 || (!((word = takes_u16(c->at)) >> 10) && size < 4)) {
+        c->left = 0;
+        return;
+    }
     c->at += 2;
-    if (!step) step = takes_u16(c->at), c->at += 2;
+    if (!(step = word >> 10)) step = takes_u16(c->at), c->at += 2;
     c->left--;
     c->first = c->last, c->begin = c->end;
     c->last += step;
@@ -236,7 +230,7 @@ static inline void takes_show(takes_player *w)
         takes_cursor *c = &w->cursors[number];
         float share = 1;
         if (frame < c->first) takes_rewind(c);
-        while (frame > c->last && c->left) takes_next(c);
+        while (frame > c->last && c->left) takes_next(c, w->stop);
         if (c->last > c->first) share = (float)((frame - c->first) / (c->last - c->first));
         w->weights[c->pose] = c->begin + (c->end - c->begin) * share;
     }
@@ -250,7 +244,7 @@ static inline void takes_show(takes_player *w)
 
 static inline void takes_hold(takes_player *w, double fade)
 {
-    memcpy(w->from, w->weights, sizeof w->from);
+    memcpy(w->from, w->weights, w->archive->poses * sizeof(float));
     w->fade = w->left = fade > 0 ? fade : 0;
 }
 
@@ -258,11 +252,12 @@ static inline void takes_hold(takes_player *w, double fade)
  * goes on as before, if the archive lacks the line. takes_seek starts elsewhere. */
 static inline int takes_play(takes_player *w, const char *name, double fade)
 {
-    uint64_t body = takes_find(w->archive, name);
+    uint64_t end, body = takes_find(w->archive, name, &end);
     const uint8_t *p = w->archive->data + body;
     int number;
     if (!body) return 0;
     takes_hold(w, fade);
+    w->stop = w->archive->data + end;
     w->rate = takes_f32(p), w->start = takes_f32(p + 4), w->delay = takes_f32(p + 8);
     w->frames = takes_u32(p + 12), w->tracks = takes_u16(p + 16);
     w->end = w->start + (w->frames - 1.0) / w->rate;

@@ -4,12 +4,12 @@
  *
  *   const archive = new Archive(await (await fetch("crab.takes")).arrayBuffer());
  *   const player = new Player(archive);
- *   player.play("english/intro_001", { fade: 0.1 });
+ *   player.play("english/intro_001", 0.1);
  *   player.advance(seconds);       // once in each frame
  *   player.apply(mesh);            // three.js: morph targets of the poses' names
  *
- * Times are seconds on the timeline of a line, whose sound starts at `player.delay`. Playing makes
- * no objects.
+ * Times are seconds on the timeline of a line, whose sound starts at `player.delay`. After
+ * `play`, playing makes no objects. A damaged curve holds where its keys run out.
  */
 
 const MAGIC = "LLTAKES\0";
@@ -20,6 +20,8 @@ const HEAD = 20;
 const TRACK = 16;
 const STEPS = 1023;
 const CRC_AT = 48;
+const DECODER = new TextDecoder();
+const ENCODER = new TextEncoder();
 
 const CRC_PARTS = Uint32Array.from({ length: 256 }, (_, number) => {
   let value = number;
@@ -74,12 +76,14 @@ export class Archive {
     if (crc !== this.view.getUint32(CRC_AT, true)) {
       throw new TakesError("the checksum of its index is wrong");
     }
+    /** End of the take that `find` found last. */
+    this.stop = 0;
     /** Names of the poses, in the order of `Player.weights`. @type {string[]} */
     this.poses = [];
     for (let at = HEADER; this.poses.length < poses; ) {
       const length = at + 2 <= this.index ? this.view.getUint16(at, true) : size;
       if (at + 2 + length > this.index) throw new TakesError("its names of poses are damaged");
-      this.poses.push(new TextDecoder().decode(this.bytes.subarray(at + 2, at + 2 + length)));
+      this.poses.push(DECODER.decode(this.bytes.subarray(at + 2, at + 2 + length)));
       at += 2 + length;
     }
   }
@@ -100,7 +104,7 @@ export class Archive {
    * @param {string} name
    */
   find(name) {
-    const text = new TextEncoder().encode(name);
+    const text = ENCODER.encode(name);
     let hash = 0x811c9dc5;
     for (const byte of text) hash = Math.imul(hash ^ byte, 0x01000193) >>> 0;
     for (let probe = 0; probe < this.slots; probe++) {
@@ -112,13 +116,14 @@ export class Archive {
       if (end < at + 4 + text.length || this.view.getUint16(at, true) !== text.length) continue;
       if (!text.every((byte, number) => byte === this.bytes[at + 4 + number])) continue;
       const body = at + 4 + Math.ceil(text.length / 4) * 4;
+      this.stop = end;
       return this.isSound(body, end) ? body : 0;
     }
     return 0;
   }
 
   /**
-   * Returns true if all keys of a take are within it and end on its last frame.
+   * Returns true if the head of a take and its tracks are sound; keys are checked as they play.
    * @param {number} body
    * @param {number} end
    */
@@ -133,23 +138,9 @@ export class Archive {
     if (!frames || tracks > this.poses.length || body + HEAD + tracks * TRACK > end) return false;
     for (let number = 0; number < tracks; number++) {
       const track = body + HEAD + number * TRACK;
-      const count = view.getUint16(track + 2, true);
-      let at = body + view.getUint32(track + 4, true);
-      let frame = 0;
-      if (view.getUint16(track, true) >= this.poses.length || !count) return false;
-      for (let key = 0; key < count; key++, at += 2) {
-        if (at + 2 > end) return false;
-        if (!key) continue;
-        let step = view.getUint16(at, true) >> 10;
-        if (!step) {
-          at += 2;
-          if (at + 2 > end) return false;
-          step = view.getUint16(at, true);
-          if (!step) return false;
-        }
-        frame += step;
-      }
-      if (frame !== frames - 1) return false;
+      const [pose, count] = [view.getUint16(track, true), view.getUint16(track + 2, true)];
+      if (pose >= this.poses.length || !count) return false;
+      if (body + view.getUint32(track + 4, true) + 2 > end) return false;
     }
     return true;
   }
@@ -166,7 +157,7 @@ export class Player {
     this.time = this.start = this.delay = this.end = this.rate = this.frames = 0;
     this.playing = false;
     this.from = new Float32Array(poses);
-    this.fade = this.left = this.tracks = 0;
+    this.fade = this.left = this.tracks = this.stop = 0;
     // Cursors: a column for each number of a span between two keys.
     this.pose = new Uint16Array(poses);
     this.keys = new Float64Array(poses);
@@ -190,13 +181,15 @@ export class Player {
    * Plays a line, from its movement before the sound or from a time; fades from what is shown.
    * Returns false, and goes on as before, if the archive lacks the line.
    * @param {string} name
-   * @param {{fade?: number, at?: number}} [how]
+   * @param {number} [fade]
+   * @param {number} [at]
    */
-  play(name, { fade = 0, at } = {}) {
+  play(name, fade = 0, at) {
     const body = this.archive.find(name);
     if (!body) return false;
     const view = this.archive.view;
     this.hold(fade);
+    this.stop = this.archive.stop;
     this.rate = view.getFloat32(body, true);
     this.start = view.getFloat32(body + 4, true);
     this.delay = view.getFloat32(body + 8, true);
@@ -225,7 +218,7 @@ export class Player {
    */
   switch(name, fade = 0) {
     const share = (this.time - this.start) / Math.max(this.end - this.start, 1e-6);
-    if (!this.play(name, { fade })) return false;
+    if (!this.play(name, fade)) return false;
     this.time = this.start + share * (this.end - this.start);
     this.show();
     return true;
@@ -263,7 +256,8 @@ export class Player {
    */
   blend(own, mode, region, out) {
     for (let pose = 0; pose < this.weights.length; pose++) {
-      const [mine, speech] = [own[pose], this.weights[pose]];
+      const mine = own[pose];
+      const speech = this.weights[pose];
       if (mode === "max") out[pose] = Math.max(mine, speech);
       else if (mode === "add") out[pose] = Math.min(mine + speech, 1);
       else out[pose] = mine + (speech - mine) * region[pose];
@@ -302,13 +296,18 @@ export class Player {
   /** @param {number} n */
   next(n) {
     const view = this.archive.view;
-    const word = view.getUint16(this.at[n], true);
+    let at = this.at[n];
+    const word = at + 2 <= this.stop ? view.getUint16(at, true) : 0;
     let step = word >> 10;
-    this.at[n] += 2;
     if (!step) {
-      step = view.getUint16(this.at[n], true);
-      this.at[n] += 2;
+      at += 2;
+      if (at + 2 > this.stop) {
+        this.keysLeft[n] = 0;
+        return;
+      }
+      step = view.getUint16(at, true);
     }
+    this.at[n] = at + 2;
     this.keysLeft[n]--;
     this.first[n] = this.last[n];
     this.begin[n] = this.finish[n];

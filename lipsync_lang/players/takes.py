@@ -105,8 +105,8 @@ class Archive:
         with memoryview(self.data) as view, view[takes:] as part:
             return bool(crc32(part) == body)
 
-    def find(self, name: str) -> int:
-        """Return the position of a take such as `english/intro_001`, or 0 if there is none."""
+    def find(self, name: str) -> tuple[int, int]:
+        """Return the bytes of a take such as `english/intro_001`: first and end; 0, 0: none."""
         text, value = name.encode(), 0x811C9DC5
         for byte in text:
             value = (value ^ byte) * 0x01000193 & 0xFFFFFFFF
@@ -114,45 +114,31 @@ class Archive:
             slot = (value + probe) & (self.slots - 1)
             at, found, size = INDEX_SLOT.unpack_from(self.data, self.index + slot * INDEX_SLOT.size)
             if not at:
-                return 0
+                break
             if found == value and at + size <= len(self.data) and size >= 4 + len(text):
                 length = TEXT_LENGTH.unpack_from(self.data, at)[0]
                 if length == len(text) and self.data[at + 4 : at + 4 + length] == text:
                     body = at + 4 + length + -length % 4
-                    return body if self._is_sound(body, at + size) else 0
-        return 0
+                    return (body, at + size) if self._is_sound(body, at + size) else (0, 0)
+        return 0, 0
 
     def _is_sound(self, body: int, end: int) -> bool:
-        """Return True if all keys of a take are within it and end on its last frame."""
+        """Return True if the head of a take and its tracks are sound; keys are checked in play."""
         if body + TAKE_HEAD.size > end:
             return False
         rate, start, delay, frames, tracks, _ = TAKE_HEAD.unpack_from(self.data, body)
         first = body + TAKE_HEAD.size
         timed = 0 < rate < MOST_SECONDS and abs(start) < MOST_SECONDS and abs(delay) < MOST_SECONDS
-        if not timed or tracks > len(self.poses) or first + tracks * TAKE_TRACK.size > end:
+        last = first + tracks * TAKE_TRACK.size
+        if not timed or not frames or tracks > len(self.poses) or last > end:
             return False
-        places = range(first, first + tracks * TAKE_TRACK.size, TAKE_TRACK.size)
-        return frames > 0 and all(
-            self._last_frame(body, place, end) == frames - 1 for place in places
-        )
-
-    def _last_frame(self, body: int, track: int, end: int) -> int:
-        """Return the frame of a track's last key; -1 if the track is damaged."""
-        pose, count, place, low, span = TAKE_TRACK.unpack_from(self.data, track)
-        at, frame = body + place, 0
-        if pose >= len(self.poses) or not (abs(low) < MOST_WEIGHT and abs(span) < MOST_WEIGHT):
-            return -1
-        for key in range(count):
-            if at + 2 > end:
-                return -1
-            step = TEXT_LENGTH.unpack_from(self.data, at)[0] >> 10
-            if key and not step and (at := at + 2) + 2 <= end:
-                step = TEXT_LENGTH.unpack_from(self.data, at)[0]
-            if key and not step:
-                return -1
-            at += 2
-            frame += step if key else 0
-        return frame if count else -1
+        for track in range(first, last, TAKE_TRACK.size):
+            pose, count, keys, low, span = TAKE_TRACK.unpack_from(self.data, track)
+            if pose >= len(self.poses) or not count or body + keys + 2 > end:
+                return False
+            if not (abs(low) < MOST_WEIGHT and abs(span) < MOST_WEIGHT):
+                return False
+        return True
 
 
 class _Cursor:
@@ -179,7 +165,7 @@ class Player:
         self._from = [0.0] * len(archive.poses)
         self._fade = self._left = 0.0
         self._cursors = [_Cursor() for _ in archive.poses]
-        self._tracks = 0
+        self._tracks = self._stop = 0
 
     @property
     def sound_time(self) -> float:
@@ -191,14 +177,13 @@ class Player:
 
         Returns False, and goes on as before, if the archive lacks the line.
         """
-        body = self.archive.find(name)
+        body, stop = self.archive.find(name)
         if not body:
             return False
         data = self.archive.data
         rate, start, delay, frames, tracks, _ = TAKE_HEAD.unpack_from(data, body)
-        if tracks > len(self._cursors):
-            return False
         self._hold(fade)
+        self._stop = stop
         self.rate, self.start, self.delay, self.frames = rate, start, delay, frames
         self._tracks, self.end, self.playing = tracks, start + (frames - 1) / rate, True
         for number in range(tracks):
@@ -264,13 +249,17 @@ class Player:
         one.begin = one.end = one.low + (word & TAKE_STEPS) * one.scale
 
     def _next(self, one: _Cursor) -> None:
-        data = self.archive.data
-        word = TEXT_LENGTH.unpack_from(data, one.at)[0]
+        """Go to the next key; a damaged curve holds where its keys run out."""
+        data, at = self.archive.data, one.at
+        word = TEXT_LENGTH.unpack_from(data, at)[0] if at + 2 <= self._stop else 0
         step = word >> 10
-        one.at += 2
         if not step:
-            step = TEXT_LENGTH.unpack_from(data, one.at)[0]
-            one.at += 2
+            at += 2
+            if at + 2 > self._stop:
+                one.left = 0
+                return
+            step = TEXT_LENGTH.unpack_from(data, at)[0]
+        one.at = at + 2
         one.left -= 1
         one.first, one.begin = one.last, one.end
         one.last += step

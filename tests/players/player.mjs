@@ -20,7 +20,7 @@ const out = archive.poses.map(() => 0);
 const said = [];
 for (const line of readFileSync(steps, "utf8").trim().split("\n")) {
   const [verb, what, value] = line.split(" ");
-  if (verb === "play") player.play(what, { fade: Number(value) });
+  if (verb === "play") player.play(what, Number(value));
   else if (verb === "switch") player.switch(what, Number(value));
   else if (verb === "blend") player.blend(own, what, region, out);
   else player[verb](Number(what));
