@@ -113,7 +113,7 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
             [row._replace(start=row.start / rate, end=row.end / rate) for row in given]
             for given in (phones, spans)
         )
-    whole = _without_gaps(source, phones)
+    whole = _without_gaps(source, _shared(_named(source, phones)))
     for row in spans:
         _check_order(source, row)
     lines: list[int] = []
@@ -155,23 +155,28 @@ def guessed_rate(
     return rate, (told,)
 
 
-def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow]:
+def _named(source: TimingFile, rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
+    """Yield rows with one label of silence; silence without length is left out."""
+    for row in rows:
+        check_span(source, row)
+        label = row.label.strip() or SILENCE
+        if label.casefold() in source.silences:
+            label = SILENCE
+        if row.end - row.start >= SNAP_SECONDS or label != SILENCE:
+            yield row._replace(label=label)
+
+
+def _without_gaps(source: TimingFile, rows: Iterable[LabelRow]) -> list[LabelRow]:
     """Fill gaps with silence and close those due to rounding; raise an error for overlaps."""
     filled: list[LabelRow] = []
     end = 0.0
     for stated in rows:
-        row, label = stated, stated.label.strip() or SILENCE
-        if label.casefold() in source.silences:
-            label = SILENCE
-        check_span(source, row)
-        if row.end - row.start < SNAP_SECONDS and label == SILENCE:
-            continue
+        row = stated
         middle = (row.start + end) / 2
         rounded = SNAP_SECONDS < abs(row.start - end) <= ROUNDING_SECONDS
         if filled and rounded and filled[-1].start < middle:
             filled[-1] = filled[-1]._replace(end=middle)
-            row = row._replace(start=middle)
-            end = middle
+            row, end = row._replace(start=middle), middle
         if row.start < end - SNAP_SECONDS:
             raise overlap(source, row, filled[-1])
         if row.end <= max(row.start, end):
@@ -179,9 +184,26 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
         if row.start > end + SNAP_SECONDS:
             _append(filled, LabelRow(SILENCE, end, row.start, None))
             end = row.start
-        _append(filled, LabelRow(label, end, row.end, row.line))
+        _append(filled, LabelRow(row.label, end, row.end, row.line))
         end = row.end
     return filled
+
+
+def _shared(rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
+    """Yield rows; those without length have equal shares of the time of a neighbour."""
+    ahead: list[list[LabelRow]] = []  # sounds without length, and the one after them
+    for row in rows:
+        waiting = ahead and ahead[-1][-1].end == ahead[-1][0].start == row.start
+        ahead += [[*ahead.pop(), row] if waiting else [row]]
+    groups: list[list[LabelRow]] = []
+    for group in ahead:
+        late = groups and group[-1].end == group[0].start == groups[-1][-1].end
+        groups += [groups.pop() + group if late else group]
+    for group in groups:
+        start, stop = group[0].start, group[-1].end
+        bounds = [start + (stop - start) * at / len(group) for at in range(len(group))]
+        spans = zip(group, bounds, [*bounds[1:], stop], strict=True)
+        yield from (row._replace(start=start, end=stop) for row, start, stop in spans)
 
 
 def check_span(source: TimingFile, row: LabelRow) -> None:

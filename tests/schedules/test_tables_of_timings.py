@@ -194,7 +194,6 @@ def test_a_label_without_text_is_silence():
 @pytest.mark.parametrize(
     ("line", "told"),
     [
-        ("0.300000\t0.300000\tB", ":4: 'B', 0.3 to 0.3 s, has no length"),
         ("0.200000\t0.400000\tB", ":4: 'B', 0.2 to 0.4 s, starts before 'AY' ends"),
         ("0.3 0.4 B", ":4: '0.3 0.4 B' is not a label; write START, END and TEXT"),
     ],

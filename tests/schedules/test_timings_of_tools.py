@@ -34,6 +34,20 @@ def test_sounds_without_length_share_the_time_of_a_neighbour(tmp_path):
     assert_allclose(found.times, [0, 0.05, 0.1, 0.2, 0.2667, 0.3333, 0.4], atol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.csv", "label,start,end\nm,0,0.2\na,0.2,0.2\n_,0.2,0.2\np,0.2,0.4\na,0.4,0.4\n"),
+        ("a.txt", "0.0\t0.2\tm\n0.2\t0.2\ta\n0.2\t0.4\tp\n0.4\t0.4\ta\n"),
+        ("a.lab", "0 2000000 m\n2000000 2000000 a\n2000000 4000000 p\n4000000 4000000 a\n"),
+    ],
+)
+def test_sounds_without_length_share_it_in_every_format(tmp_path, name, text):
+    found = read(tmp_path, name, text)
+    assert found.labels == ("m", "a", "p", "a")
+    assert_allclose(found.times, [0, 0.2, 0.2667, 0.3333, 0.4], atol=1e-3)
+
+
 def test_the_phrases_of_voicevox_are_read_without_their_query(tmp_path):
     found = read(tmp_path, "phrases.json", json.dumps(PHRASES))
     assert found.labels == ("m", "a")

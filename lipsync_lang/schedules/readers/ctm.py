@@ -1,13 +1,11 @@
 """CTM of phones or words: ``file channel start duration label [confidence]`` in every line.
 
 Lines that begin with two semicolons are comments. Kaldi appends the place in the word to a phone
-(``_B``, ``_I``, ``_E`` or ``_S``), which is removed from the label. It gives sounds at the end of
-its alignment no length: they share the time of the sound after them, or before them.
+(``_B``, ``_I``, ``_E`` or ``_S``), which is removed from the label.
 """
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
@@ -46,21 +44,4 @@ def read_ctm(source: TimingFile) -> Timings:
         words = words_of_rows(source, rows)
         rated = (replace(word, confidence=sure.get(word.line)) for word in words.words)
         return replace(words, words=tuple(rated))
-    return schedule_of(source, list(_shared(rows)))
-
-
-def _shared(rows: Sequence[LabelRow]) -> Iterator[LabelRow]:
-    """Yield rows; those without length have equal shares of the time of a neighbour."""
-    ahead: list[list[LabelRow]] = []  # sounds without length, and the one after them
-    for row in rows:
-        waiting = ahead and ahead[-1][-1].end == ahead[-1][0].start == row.start
-        ahead += [[*ahead.pop(), row] if waiting else [row]]
-    groups: list[list[LabelRow]] = []
-    for group in ahead:
-        late = groups and group[-1].end == group[0].start == groups[-1][-1].end
-        groups += [groups.pop() + group if late else group]
-    for group in groups:
-        start, stop = group[0].start, group[-1].end
-        bounds = [start + (stop - start) * at / len(group) for at in range(len(group))]
-        spans = zip(group, bounds, [*bounds[1:], stop], strict=True)
-        yield from (row._replace(start=start, end=stop) for row, start, stop in spans)
+    return schedule_of(source, rows)

@@ -23,17 +23,22 @@ from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.speech.hearing.sphinx.forced import (
     WINDOW_FRAMES,
     HeardPhoneme,
-    gain_of_any_order,
+    centred,
     lay,
 )
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
     Saying,
     confidence,
-    confidence_of_order,
     doubts,
     line_confidence,
+    listed,
     prepared,
     timed_labels,
+)
+from lipsync_lang.speech.hearing.sphinx.text_errors import (
+    MIN_WORDS,
+    TextErrors,
+    UnwrittenSpeech,
 )
 from lipsync_lang.speech.results import batches, raised, tried
 from lipsync_lang.speech.sound import SPEECH_RATE
@@ -55,7 +60,8 @@ MAX_HEARD_SAMPLES = 15 * SPEECH_RATE
 MAX_SHOWN_TEXT = 60
 """Maximum characters of a text in a message."""
 
-OTHER_ORDER = "the words fit better in another order; write them in the order of the recording"
+MOVED_CONFIDENCE = 0.25
+"""Greatest confidence of a line with a word that fits better elsewhere."""
 
 MIN_AGREEMENT = 0.12
 """Share of phonemes borne out by the sound that chance alone reaches."""
@@ -110,10 +116,17 @@ class PocketsphinxAligner(BatchAligner):
             raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
         agreeing, sure = confidence(models, heard), line_confidence(heard)
         told: list[str] = []
-        if sure >= DOUBTFUL and len(features) <= WINDOW_FRAMES:
-            gain = gain_of_any_order(models.model, features, ways, heard)
-            sure = confidence_of_order(sure, gain)
-            told += [OTHER_ORDER] if sure < DOUBTFUL else []
+        unwritten: list[UnwrittenSpeech] = []
+        if sure >= DOUBTFUL and len(features) <= WINDOW_FRAMES and len(ways) >= MIN_WORDS:
+            texts = [saying.text for saying in sayings]
+            errors = TextErrors(models.model, centred(features, heard), ways, heard)
+            moved, unwritten = errors.moved_word(), errors.unwritten()
+            if moved is not None:
+                sure = min(sure, MOVED_CONFIDENCE)
+                told.append(moved.told(texts))
+            if unwritten:
+                places = listed([one.told(texts) for one in unwritten])
+                told.append(f"a word may be said that the text does not have: {places}")
         if (
             reader.own
             and models.language_model
@@ -129,7 +142,8 @@ class PocketsphinxAligner(BatchAligner):
                 "check the text, the language and the loudness of the voice, or try another "
                 "aligner (`aligner`)"
             )
-        found = timed_labels(models, heard, sayings, audio.seconds)
+        beside = {number for one in unwritten for number in (one.before - 1, one.before)}
+        found = timed_labels(models, heard, sayings, audio.seconds, beside)
         manner = speaker.manner
         notation = manner.audio.notation if reader.own else manner.notation
         return Schedule(

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints, Singles
+from lipsync_lang.arrays import Floats, Singles
 from lipsync_lang.speech.hearing.progress import tell
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import (
     OUTSIDE,
@@ -57,9 +57,6 @@ MIN_OTHER_SHARE = 0.1
 FASTEST_FRAMES = 4
 """Frames per phoneme of the fastest speech over a whole window."""
 
-MIN_ORDERED_WORDS = 3
-"""Least words whose order is doubted."""
-
 MEAN_MARGIN_FRAMES = 30
 """Frames before and after words whose cepstra are in that mean."""
 
@@ -93,8 +90,8 @@ class Node(NamedTuple):
 
 
 @dataclass
-class _Graph:
-    """Graph of permitted phoneme sequences."""
+class Graph:
+    """Graph of permitted phoneme sequences: nodes with their contexts and predecessors."""
 
     model: AcousticModel
     nodes: list[Node] = field(default_factory=list)
@@ -166,68 +163,27 @@ def lay(
     heard = _lay(model, features, words, anchored=anchored)
     if heard is None:
         return None
+    own = centred(features, heard)
+    return heard if own is features else _lay(model, own, words, anchored=anchored)
+
+
+def centred(features: Floats, heard: Sequence[HeardPhoneme]) -> Floats:
+    """Return features less the mean of the voice's own frames, where music or noise is beside it.
+
+    They are the same object where there is little other sound.
+    """
     foreign = sum(one.stop - one.first for one in heard if one.phone == OUTSIDE)
-    if foreign < MIN_OTHER_SHARE * len(features):
-        return heard
-    # the mean of cepstra is that of the voice, whatever music or noise is beside it
     own = np.zeros(len(features), bool)
     for one in heard:
         if OUTSIDE not in (one.word, one.phone):
             own[max(one.first - MEAN_MARGIN_FRAMES, 0) : one.stop + MEAN_MARGIN_FRAMES] = True
     for one in heard:
         own[one.first : one.stop] &= one.phone != OUTSIDE
-    if not own.any():
-        return heard
+    if foreign < MIN_OTHER_SHARE * len(features) or not own.any():
+        return features
     moved = features.copy()
     moved[:, 0] -= features[own, 0].mean(axis=0)
-    return _lay(model, moved, words, anchored=anchored)
-
-
-def gain_of_any_order(
-    model: AcousticModel,
-    features: Floats,
-    words: Sequence[Pronunciations],
-    heard: Sequence[HeardPhoneme],
-) -> float:
-    """Return how much better words fit that may come in any order, and any number of times.
-
-    Sound beside the words counts only where a word is heard that their own order has no place for:
-    another voice beside a line is like some of its words, too.
-
-    Returns
-    -------
-    Log likelihood per frame of the words; 0 if the words are longer than the sound, or too few
-    """
-    said = sum(one.stop - one.first for one in heard if OUTSIDE not in (one.word, one.phone))
-    if not said or len(words) < MIN_ORDERED_WORDS:
-        return 0.0
-    graph, silence = _Graph(model), model.silence
-    pauses = graph.pause([SOUND_START])
-    firsts: list[int] = []
-    ends: list[int] = []
-    for number, way in ((n, way) for n, ways in enumerate(words) for way in ways):
-        firsts.append(len(graph.nodes))
-        ends += graph.word(number, [way], silence, silence, [SOUND_START, *pauses])
-    for node in (*firsts, *pauses):
-        graph.before[node] += ends
-    sound = Listening(model, features)
-    loop, scores = _Loop.of(sound), sound.scores(model.phones(graph.contexts))
-    way_found = _likeliest(model, scores, loop, graph.nodes, graph.before, [*ends, *pauses])
-    if way_found is None:
-        return 0.0
-    free = _again(sound, loop, [(graph.nodes[run.phone], run) for run in way_found])
-    (word, fit), (other, better) = _by_frame(heard), _by_frame(free)
-    spoken = {h.word for h in heard if h.phone != OUTSIDE and h.stop - h.first > STATES}
-    left_out = ~np.isin(other, [OUTSIDE, *spoken])
-    counted = (word != OUTSIDE) | left_out
-    return float((better - fit)[counted].sum()) / said
-
-
-def _by_frame(heard: Sequence[HeardPhoneme]) -> tuple[Ints, Floats]:
-    """Return the word of each frame, and the fit."""
-    lengths = [one.stop - one.first for one in heard]
-    words, fits = [one.word for one in heard], [one.fit for one in heard]
-    return np.repeat(words, lengths), np.repeat(fits, lengths)
+    return moved
 
 
 def _lay(
@@ -285,7 +241,7 @@ def _window(
     if last and stop < len(words):
         return None
     sound = Listening(model, features)
-    graph = _Graph(model)
+    graph = Graph(model)
     before: list[int] = [SOUND_START]
     for number in range(done, stop):
         # The context of a word's edges is the first pronunciation of its neighbours: which one is

@@ -4,7 +4,7 @@ The aligner and the recogniser share it. Confidences are logistic functions of w
 found, fitted to right and wrong texts (decision 0026).
 """
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -65,11 +65,8 @@ SPEECH_NOISE_FIT = -3.0
 DIN_WEIGHT = 3.0
 """Weight of the excess over that in the logit of a line's confidence."""
 
-ORDER_WEIGHT, ORDER_SLACK = 5.0, 1.0
-"""Weight in that logit of what the words gain in another order, above a slack.
-
-Right lines gain 0.5, rarely 1.2; with their halves exchanged they gain 1.4 to 6.
-"""
+DOUBTED_CONFIDENCE = 0.4
+"""Greatest confidence of a word beside speech that the text does not have."""
 
 HURRIED_FRAMES = 3
 """Frames; a phoneme of no more has the minimum duration of the model."""
@@ -122,9 +119,16 @@ class TimedLabels(NamedTuple):
 
 
 def timed_labels(
-    models: "Models", heard: Sequence[HeardPhoneme], sayings: Sequence[Saying], seconds: float
+    models: "Models",
+    heard: Sequence[HeardPhoneme],
+    sayings: Sequence[Saying],
+    seconds: float,
+    doubted: Container[int] = (),
 ) -> TimedLabels:
-    """Convert phonemes to labels from 0 to the end of the sound, with adjacent pauses merged."""
+    """Convert phonemes to labels from 0 to the end of the sound, with adjacent pauses merged.
+
+    Some words are `doubted`, however well they fit.
+    """
     rows: list[tuple[str, int, float]] = []
     # A label with several phonemes comes at the first of these; the others have an empty one.
     spelled = {
@@ -161,6 +165,7 @@ def timed_labels(
         own = [n for n, owner in enumerate(owners) if owner == number]
         if own:
             sure = word_confidence(found[number])
+            sure = min(sure, DOUBTED_CONFIDENCE) if number in doubted else sure
             words.append(Word(saying.text, own[0], own[-1] + 1, confidence=sure))
     return TimedLabels(labels, np.array(times), tuple(words))
 
@@ -225,12 +230,6 @@ def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
     din = DIN_WEIGHT * max(0.0, noise - SPEECH_NOISE_FIT)
     of_fit, of_share, constant = LINE_FIT_WEIGHTS
     return logistic(of_fit * fit + of_share * spoken / (spoken + other) + constant - din)
-
-
-def confidence_of_order(sure: float, gain: float) -> float:
-    """Return the confidence of a line whose words gain so much in any order."""
-    doubt = ORDER_WEIGHT * max(0.0, gain - ORDER_SLACK)
-    return logistic(float(np.log(sure / max(1 - sure, 1e-12))) - doubt) if doubt else sure
 
 
 def word_confidence(phonemes: Sequence[HeardPhoneme]) -> float:

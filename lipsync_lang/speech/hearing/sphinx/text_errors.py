@@ -1,0 +1,281 @@
+"""Search for small errors of a text that fits its sound: a word out of place, a word not written.
+
+Each word may fit where it stands although the text is wrong. So the words are searched once more,
+with one of them elsewhere, and once with other speech between them. What that gains is the doubt.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.arrays import Floats, Singles
+from lipsync_lang.speech.hearing.sphinx.acoustic_model import (
+    OUTSIDE,
+    AcousticModel,
+    Listening,
+    WordPosition,
+)
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
+from lipsync_lang.speech.hearing.sphinx.forced import Graph, HeardPhoneme, Node, Pronunciations
+from lipsync_lang.speech.hearing.sphinx.trellis import SOUND_START, Run, likeliest_way
+
+MIN_WORDS = 3
+"""Fewest words of a text that is searched."""
+
+REACH = 4
+"""Most words over which a word is moved."""
+
+MIN_ORDER_GAIN = 60.0
+"""Log likelihood that another order gains at least.
+
+2 % of right lines gain that much, and 80 % of those with a word out of place.
+"""
+
+ORDER_FLOOR_LOG = -12.0
+"""Least log likelihood of a frame relative to the likeliest phoneme, in the search of orders."""
+
+ENTER_PHONE_LOG = -4.0
+"""Log score for entering a phoneme of speech without words."""
+
+UNWRITTEN_LOG, ENTER_UNWRITTEN_LOG = -3.0, -25.0
+"""Log scores of unwritten speech, for each frame and for its start.
+
+Those of frames are relative to the line's own words: the worse a model hears a language, the worse
+it hears them, too.
+"""
+
+UNWRITTEN_PHONES = 3
+"""Fewest phonemes of unwritten speech."""
+
+MIN_UNWRITTEN_FRAMES = 33
+"""Fewest frames of unwritten speech that is reported; 2 % of right lines have as many."""
+
+MIN_OTHER_FRAMES = 50
+"""Fewest frames of other sound that is reported as such: it is no word of the line."""
+
+MARGIN_FRAMES = 60
+"""Frames before and after the words that are searched."""
+
+
+PAUSE = Node(OUTSIDE, 0, WordPosition.INSIDE)
+SPEECH = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
+"""Speech without words; both have the context and the states of silence."""
+
+
+class MovedWord(NamedTuple):
+    """A word of a text that is said after another one, or first (`OUTSIDE`), from a frame on."""
+
+    word: int
+    after: int
+    first: int
+
+    def told(self, texts: Sequence[str]) -> str:
+        """Describe it in a remark."""
+        place = f"after '{texts[self.after]}'" if self.after != OUTSIDE else "first"
+        return (
+            f"the words fit better in another order, such as '{texts[self.word]}' {place} at "
+            f"{self.first * FRAME_SECONDS:.1f} s; write them in the order of the recording"
+        )
+
+
+class UnwrittenSpeech(NamedTuple):
+    """Frames with speech that the text does not have, before a word (the number of all: after)."""
+
+    before: int
+    first: int
+    stop: int
+
+    def told(self, texts: Sequence[str]) -> str:
+        """Describe it in a remark."""
+        sides = [f"after '{texts[self.before - 1]}'"] if self.before else []
+        sides += [f"before '{texts[self.before]}'"] if self.before < len(texts) else []
+        times = (f"{at * FRAME_SECONDS:.1f}" for at in (self.first, self.stop))
+        return f"{' to '.join(times)} s, {' and '.join(sides)}"
+
+
+class TextErrors:
+    """Search for errors of a text.
+
+    Parameters
+    ----------
+    model : acoustic model
+    features : (T, ...) of the sound, less the mean of the voice
+    words : pronunciations in the order of the text
+    heard : phonemes that `lay` found
+    """
+
+    def __init__(
+        self,
+        model: AcousticModel,
+        features: Floats,
+        words: Sequence[Pronunciations],
+        heard: Sequence[HeardPhoneme],
+    ) -> None:
+        self._model = model
+        self._said = [one for one in heard if OUTSIDE not in (one.word, one.phone)]
+        ways: list[tuple[int, ...]] = [()] * len(words)
+        for one in self._said:
+            ways[one.word] += (one.phone,)
+        # the pronunciation that is heard, or the first one of a word that is left out
+        self._ways = [way or some[0] for way, some in zip(ways, words, strict=True)]
+        first, stop = self._said[0].first, self._said[-1].stop
+        self._others = [one for one in heard if one.word == one.phone == OUTSIDE]
+        before, after = self._other_frames(0, first), self._other_frames(stop, len(features))
+        # Another voice beside the line is like some of its words. It is searched only where words
+        # are left out, which may be said there.
+        self._start = first if before >= MIN_OTHER_FRAMES else max(first - MARGIN_FRAMES, 0)
+        stop += MARGIN_FRAMES if after < MIN_OTHER_FRAMES else 0
+        if not all(ways):
+            self._start, stop = 0, len(features)
+        self._sound = Listening(model, features[self._start : stop])
+        self._alone = self._sound.scores(model.alone)
+        speech = [phone.number not in model.fillers for phone in model.alone]
+        self._best = self._alone[:, speech].max(axis=(1, 2))
+
+    def moved_word(self) -> MovedWord | None:
+        """Return the word that fits much better in another place, if there is one.
+
+        Of two parts that are exchanged, it is the first word of the sound.
+        """
+        (given, _), (best, way) = (self._likeliest_order(reach) for reach in (0, REACH))
+        if best - given < MIN_ORDER_GAIN:
+            return None
+        order = list(dict.fromkeys(word for word, _ in way))
+        if len(order) < len(self._ways):
+            return None
+        rests = ([*order[:at], *order[at + 1 :]] for at in range(len(order)))
+        # without a single word that moved, the halves are exchanged
+        at = next((n for n, rest in enumerate(rests) if rest == sorted(rest)), 0)
+        first = next(run.first for word, run in way if word == order[at])
+        return MovedWord(order[at], order[at - 1] if at else OUTSIDE, first + self._start)
+
+    def _likeliest_order(self, reach: int) -> tuple[float, list[tuple[int, Run]]]:
+        """Return the log likelihood of the words in another order, and their phonemes.
+
+        One word is moved over no more than `reach` others, or two parts are exchanged.
+        """
+        graph, silence = Graph(self._model), self._model.silence
+        count = len(self._ways)
+        joins: list[list[int]] = [[SOUND_START], *([] for _ in range(count))]
+
+        def spoken(word: int, before: int, after: int, ends: Sequence[int]) -> list[int]:
+            """Add a word between two others, after an optional pause."""
+            left = self._ways[before][-1] if before >= 0 else silence
+            right = self._ways[after][0] if after < count else silence
+            pause = graph.add(PAUSE, silence, silence, ends)
+            return graph.word(word, [self._ways[word]], left, right, [*ends, pause])
+
+        for at in range(count):
+            before = joins[at]
+            # later: the words after this one, and then this one
+            last = before
+            for other in range(at + 1, min(at + reach + 1, count)):
+                last = spoken(other, other - 1 if other > at + 1 else at - 1, other + 1, last)
+                joins[other + 1] += spoken(at, other, other + 1, last)
+            # earlier: a word from further on, and then those from here on
+            for other in range(at + 2, min(at + reach + 1, count)):
+                last = spoken(other, at - 1, at, before)
+                for word in range(at, other):
+                    last = spoken(word, word - 1 if word > at else other, word + 1, last)
+                joins[other + 1] += last
+            joins[at + 1] += spoken(at, at - 1, at + 1, before)
+        ends = joins[count]
+        if reach:
+            # from any word to the last, and then from the first on
+            last = []
+            for word in range(1, count):
+                last = spoken(word, word - 1, word + 1, [SOUND_START, *last])
+            for word in range(count - 1):
+                last = spoken(word, word - 1 if word else count - 1, word + 1, last)
+                ends += last
+        ends.append(graph.add(PAUSE, silence, silence, ends))
+        scores = self._scores(graph)
+        np.maximum(scores, (self._best + ORDER_FLOOR_LOG)[:, None, None], out=scores)
+        way = self._way(graph, scores, ends)
+        fit = sum(float(scores[run.first : run.stop, run.phone].max(axis=1).sum()) for run in way)
+        runs = [(graph.nodes[run.phone].word, run) for run in way]
+        return fit, [(word, run) for word, run in runs if word != OUTSIDE]
+
+    def unwritten(self) -> list[UnwrittenSpeech]:
+        """Return speech that no word of the text explains, within the words and beside them."""
+        phones, likely = self._phone_loop()
+        spans = [
+            (one, slice(one.first - self._start, one.stop - self._start)) for one in self._said
+        ]
+        losses = [
+            one.fit * (one.stop - one.first) + float((self._best[at] - likely[at]).sum())
+            for one, at in spans
+        ]
+        usual = sum(losses) / sum(one.stop - one.first for one in self._said)
+        graph, silence = Graph(self._model), self._model.silence
+        starts: list[int] = []
+
+        def gap(ends: Sequence[int]) -> list[int]:
+            """Add an optional pause, speech of three phonemes' length or more, and a pause."""
+            quiet = graph.add(PAUSE, silence, silence, ends)
+            last = [*ends, quiet]
+            starts.append(len(graph.nodes))
+            for _ in range(UNWRITTEN_PHONES):
+                last = [graph.add(SPEECH, silence, silence, last)]
+            return [*ends, quiet, *last, graph.add(PAUSE, silence, silence, last)]
+
+        ends: list[int] = [SOUND_START]
+        for word, way in enumerate(self._ways):
+            left = self._ways[word - 1][-1] if word else silence
+            right = self._ways[word + 1][0] if word + 1 < len(self._ways) else silence
+            ends = graph.word(word, [way], left, right, gap(ends))
+        ends = gap(ends)
+        scores = self._scores(graph)
+        other = [node == SPEECH for node in graph.nodes]
+        scores[:, other] = (likely + np.float32(usual + UNWRITTEN_LOG))[:, None, None]
+        turns = np.zeros(len(graph.nodes))
+        turns[starts] = ENTER_UNWRITTEN_LOG
+        found: list[UnwrittenSpeech] = []
+        word = 0
+        for run in self._way(graph, scores, ends, turns):
+            node = graph.nodes[run.phone]
+            if node == SPEECH and found and found[-1].stop == run.first:
+                found[-1] = found[-1]._replace(stop=run.stop)
+            elif node == SPEECH:
+                found.append(UnwrittenSpeech(word, run.first, run.stop))
+            elif node.word != OUTSIDE:
+                word = node.word + 1
+        return [
+            UnwrittenSpeech(one.before, one.first + self._start, one.stop + self._start)
+            for one in found
+            if self._told(one, phones)
+        ]
+
+    def _told(self, one: UnwrittenSpeech, phones: Sequence[Run]) -> bool:
+        """Return True for speech that may be a word, and that is not reported as other sound."""
+        middles = [(phone.first + phone.stop) / 2 for phone in phones]
+        many = sum(one.first <= at < one.stop for at in middles) >= UNWRITTEN_PHONES
+        other = self._other_frames(one.first + self._start, one.stop + self._start)
+        return many and one.stop - one.first >= MIN_UNWRITTEN_FRAMES and other < MIN_OTHER_FRAMES
+
+    def _other_frames(self, first: int, stop: int) -> int:
+        """Return how many frames of a span are neither words nor pauses."""
+        return sum(max(0, min(o.stop, stop) - max(o.first, first)) for o in self._others)
+
+    def _phone_loop(self) -> tuple[list[Run], Singles]:
+        """Return the likeliest phonemes of speech without words, and the likelihood of frames."""
+        count = len(self._model.alone)
+        follows = [[SOUND_START, *range(count)]] * count
+        stay = self._model.stay[[phone.number for phone in self._model.alone]]
+        runs = likeliest_way(self._alone, stay, follows, turns=np.full(count, ENTER_PHONE_LOG))
+        likely = [self._alone[run.first : run.stop, run.phone].max(axis=1) for run in runs or ()]
+        fillers = self._model.fillers
+        spoken = [run for run in runs or () if self._model.alone[run.phone].number not in fillers]
+        return spoken, np.concatenate(likely)
+
+    def _scores(self, graph: Graph) -> Singles:
+        return self._sound.scores(self._model.phones(graph.contexts))
+
+    def _way(
+        self, graph: Graph, scores: Singles, ends: Sequence[int], turns: Floats | None = None
+    ) -> list[Run]:
+        """Return the likeliest path; it is empty if the words are longer than the sound."""
+        silence = self._model.silence
+        phones = [silence if node.word == OUTSIDE else node.phone for node in graph.nodes]
+        return likeliest_way(scores, self._model.stay[phones], graph.before, ends, turns) or []
