@@ -162,7 +162,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         abbreviations={**stated.abbreviations, **phrases},
         words=words,
         endings={last: dict(others) for last, others in stated.endings.items()},
-        numbers=dict(stated.numbers),
+        numbers={**stated.numbers, **stated.number_rules},
         counted=numerals.counted if numerals else (),
         named=numerals.named if numerals else (),
         ordinals=numerals.ordinals if numerals else (),

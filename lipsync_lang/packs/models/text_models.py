@@ -69,6 +69,10 @@ WordTable = dict[Text, Annotated[WordReading, ShortWord]]
 """Readings of words: a list of common phonemes, another spelling, or a mapping."""
 
 
+NumberRules = dict[Annotated[str, Field(pattern="^(0|[1-9][0-9]{0,11})$")], Text]
+"""The words of numbers, by the first number that each serves."""
+
+
 class Numerals(Strict):
     """Roman numerals, and the words before them."""
 
@@ -95,6 +99,10 @@ class LanguageText(Strict):
     numbers: dict[Text, tuple[str, ...]] = Field(default={})
     """Lists of words for the numbers from 1, by name: ordinals, months, numbers of another kind. A
     number beyond its list is read as the engine reads it."""
+    number_rules: dict[Text, NumberRules] = Field(default={})
+    """Rules that put the words of numbers together, by name, used as a list of `numbers` is.
+    `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
+    many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})

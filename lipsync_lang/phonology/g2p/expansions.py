@@ -8,11 +8,12 @@ a capital and a full stop are titles, which stand before a name.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
 from typing import NamedTuple
 
-from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
+from lipsync_lang.phonology.g2p.number_words import number_words
+from lipsync_lang.phonology.g2p.spoken_forms import NumberTables, SpokenForms
 
 MAX_ROMAN_CHARS = 12
 """Maximum number of letters of a Roman numeral."""
@@ -50,7 +51,7 @@ _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _FIRST_CHARS = {"#": "0123456789", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
-_NUMBER_PATTERN = r"([0-9]+(?:[.,][0-9]+)*)"
+_NUMBER_PATTERN = r"(\d+(?:[.,]\d+)*)"
 
 
 class Replacement(NamedTuple):
@@ -67,7 +68,7 @@ class _Keys:
     An expression is compiled when a text has the beginning of its key: most texts have none.
     """
 
-    def __init__(self, expansions: Mapping[str, str], numbers: Mapping[str, Sequence[str]]) -> None:
+    def __init__(self, expansions: Mapping[str, str], numbers: NumberTables) -> None:
         self._expansions, self._numbers = expansions, numbers
         self._beginnings: dict[str, list[tuple[str, str]]] = {}
         for key in sorted(expansions, key=lambda key: (-len(key), key.count("#"), key)):
@@ -76,7 +77,7 @@ class _Keys:
                 self._beginnings.setdefault(first, []).append((literal, key))
         letters = "".join(first for first in self._beginnings if first.isalpha())
         signs = "".join(re.escape(first) for first in self._beginnings if not first.isalnum())
-        starts = [r"(?<![0-9])(?<![0-9][.,/:-])[0-9]"]
+        starts = [r"(?<!\d)(?<!\d[.,/:-])\d"]
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
@@ -96,7 +97,8 @@ class _Keys:
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
-        for literal, key in self._beginnings.get(text[at], ()):
+        first = str(int(text[at])) if text[at].isdecimal() else text[at]
+        for literal, key in self._beginnings.get(first, ()):
             found = _expression(key).match(text, at) if text.startswith(literal, at + 1) else None
             if found and key[0] == "~" and not roman(found[1]):
                 continue
@@ -135,11 +137,13 @@ def _seen_after(found: re.Match[str]) -> str:
     return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
 
 
-def _expanded(found: re.Match[str], read: str, numbers: Mapping[str, Sequence[str]]) -> str:
+def _expanded(found: re.Match[str], read: str, numbers: NumberTables) -> str:
     """Return the expansion of a key with its numbers, and spaces before and after words."""
 
     def number(place: re.Match[str]) -> str:
         written, words = found[int(place[1])], numbers.get(place[2] or "", ())
+        if isinstance(words, Mapping):
+            return number_words(words, str(roman(written) or written))
         value = int(written) if written.isdigit() else roman(written)
         if 0 < value <= len(words):
             return words[value - 1]
@@ -244,7 +248,7 @@ _KATAKANA = {code: code + 0x60 for code in range(0x3041, 0x3097)}
 def _expression(key: str) -> re.Pattern[str]:
     """Return the expression of a key; spaces in it may be missing in a text."""
     parts = [
-        (_NUMBER_PATTERN if part == "#" else f"([0-9]{{{len(part)}}})")
+        (_NUMBER_PATTERN if part == "#" else rf"(\d{{{len(part)}}})")
         if part.startswith("#")
         else _OPTIONAL_SPACE
         if part == " "
@@ -256,5 +260,5 @@ def _expression(key: str) -> re.Pattern[str]:
     if key[0].isalpha():
         parts[0] = f"[{_either(key[0])}]"
     if key[-1] == "#" or key[-1].isdigit():
-        parts.append("(?![0-9]|[.,/:-][0-9])")
+        parts.append(r"(?!\d|[.,/:-]\d)")
     return re.compile("".join(parts))

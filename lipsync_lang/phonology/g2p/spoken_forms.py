@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
 
+NumberTables = Mapping[str, Sequence[str] | Mapping[str, str]]
+"""By name: words from 1 in a row, or rules that put them together."""
+
 
 class Interjection(NamedTuple):
     """The labels of an interjection, and its spelling for a voice."""
@@ -34,7 +37,7 @@ class SpokenForms:
     abbreviations: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, OwnWord] = field(default_factory=dict)
     endings: Mapping[str, Mapping[str, Sequence[str]]] = field(default_factory=dict)
-    numbers: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    numbers: NumberTables = field(default_factory=dict)
     counted: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
     ordinals: tuple[str, ...] = ()

@@ -1,0 +1,60 @@
+"""Numbers whose words a pack puts together by rules."""
+
+import re
+
+import pytest
+from shipped import LANGUAGES, LIBRARY
+
+from lipsync_lang.phonology.g2p.number_words import MAX_DIGITS, number_words
+
+DIGITS = ["nought", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"]
+RULES = {
+    **dict(zip("0123456789", DIGITS, strict=True)),
+    "10": "ten",
+    "11": "> and ten",
+    "20": "<ty[-and->]",
+    "100": "< hundred[ >]",
+    "1000": "< thousand[ >]",
+    "1000000": "< million[ >]",
+}
+
+
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        ("0", "nought"),
+        ("007", "seven"),
+        ("13", "three and ten"),
+        ("20", "twoty"),
+        ("25", "twoty-and-five"),
+        ("300", "three hundred"),
+        ("15000", "five and ten thousand"),
+        ("120004", "one hundred twoty thousand four"),
+        ("2000001", "two million one"),
+        ("2.500", "two thousand five hundred"),
+        ("1,000,000", "one million"),
+        ("3,5", "three,five"),
+        ("7" * (MAX_DIGITS + 1), " ".join(["seven"] * (MAX_DIGITS + 1))),
+    ],
+)
+def test_rules_put_the_words_together(written, words):
+    assert number_words(RULES, written) == words
+
+
+def test_a_number_without_a_rule_stays():
+    assert number_words({"20": "score[ >]"}, "25 7") == "score 5 7"
+
+
+PACKS = {
+    f"{name}: {table}": rules
+    for name in LANGUAGES
+    if (text := LIBRARY.language(name).model.text)
+    for table, rules in text.number_rules.items()
+}
+
+
+@pytest.mark.parametrize("name", PACKS)
+def test_no_number_of_a_pack_leaves_a_digit_or_a_mark(name):
+    read = [number_words(PACKS[name], str(n)) for n in (*range(10_000), 10**6, 123_456_789)]
+    assert [words for words in read if re.search(r"[0-9<>\[\]]", words)] == []
+    assert len(set(read)) > 0.99 * len(read)
