@@ -11,7 +11,9 @@ const FLAGS = [
 export const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 /** Flags of a browser that draws no WebGL. */
 export const FLAT = ["--disable-gpu"];
-const TYPES = { "": "text/html", ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wav": "audio/wav" };
+const TYPES = {
+  "": "text/html", ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".mjs": "text/javascript", ".wav": "audio/wav",
+};
 const DRIVER = /GPU stall|GL Driver/; // warnings of drawing in software
 
 /** Start the browser at a path, with the `playwright-core` of a folder of modules. */
