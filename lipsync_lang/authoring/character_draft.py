@@ -139,13 +139,12 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
 def _fitted(model: Model, match: Match, poseset: PoseSet) -> dict[str, float]:
     """Return the level of each region at which the model's mouth opens as far as the pose set's."""
     gaps, found = apertures(model), {}
-    for pose, widths in poseset.opens.items():
-        own = sum(gaps.get(shape, 0.0) for shape in match.found.places.get(pose, ()))
-        region = poseset.poses[pose].region
-        if region and own > 0:
-            level = round(min(max(widths / own, LEAST_SCALE), MOST_SCALE), 2)
+    for name, pose in poseset.poses.items():
+        own = sum(gaps.get(shape, 0.0) for shape in match.found.places.get(name, ()))
+        if pose.aperture and pose.region and own > 0:
+            level = round(min(max(pose.aperture / own, LEAST_SCALE), MOST_SCALE), 2)
             if abs(level - 1) > UNSEEN_SCALE:
-                found[region] = level
+                found[pose.region] = level
     return found
 
 

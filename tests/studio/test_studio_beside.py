@@ -39,8 +39,7 @@ def test_an_edit_of_the_second_character_is_seen(workshop):
     workshop.speak("buy maps")
     before = performed_beside(workshop, "facefx").weights
     path, text = workshop.editable("character")
-    edit = (path, ("targets", "ae"), {"open": 0.1})
-    workshop.edit("Lower", [edit], create={path: text})
+    workshop.edit("Lower", [(path, (), text), (path, ("targets", "ae"), {"open": 0.1})])
     assert not np.array_equal(performed_beside(workshop, "facefx").weights, before)
 
 

@@ -182,7 +182,6 @@ def _poses_named(model: PoseSet) -> Iterator[tuple[Loc, str]]:
         yield from ((("styles", name, "offset", pose), pose) for pose in style.offset)
     for name, gains in model.measures.items():
         yield from ((("measures", name, pose), pose) for pose in gains)
-    yield from ((("opens", pose), pose) for pose in model.opens)
 
 
 def _poses_targeted(model: PoseSet | Character) -> Iterator[tuple[Loc, str]]:

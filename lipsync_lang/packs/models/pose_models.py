@@ -70,6 +70,8 @@ class Pose(Strict):
     """Seconds by which the pose begins before its sound, as far as no other sound opposes it."""
     names: tuple[Text, ...] = ()
     """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
+    aperture: Annotated[float, Field(gt=0)] | None = None
+    """The opening of the mouth on faces that the targets suit, in widths of the mouth."""
 
 
 class PosturePose(Strict):
@@ -309,8 +311,6 @@ class PoseSet(PackModel):
     """Measures for quality reports: sums of gain times pose."""
     checks: Checks = Checks()
     """Limits for the quality of finished animations."""
-    opens: dict[PoseName, Annotated[float, Field(gt=0)]] = Field(default={})
-    """The opening of the mouth by poses on faces that the targets suit, in widths of the mouth."""
     model: Text | None = None
     """A model file that shows the poses."""
 
