@@ -38,6 +38,32 @@ export const studio = (browser, address, said, asked) => async (view = "", optio
   return page;
 };
 
+/** Pixels of the timeline: its ruler with the sound, a band of labels, and the left end of the curves. */
+export const RULER = 24 + 52, BAND = 22, LEFT = 104;
+const WAIT = { timeout: 60000 };
+
+/** Return ways to ask a page of the studio about its open line, and to find a moment of it on the timeline. */
+export const lineOf = (page) => ({
+  /** Wait until undo has this title. */
+  undoes: (title) => page.waitForFunction((wanted) => document.querySelector("#undo").title.startsWith(wanted), title, WAIT),
+  /** Return the phonemes and the words, with their times. */
+  timings: () => page.evaluate(async () => JSON.parse((await (await fetch("api/timings/json")).json()).content)),
+  settings: () => page.evaluate(async () => (await (await fetch("api/state")).json()).settings),
+  /** Show the whole line; return a function from seconds and a band of labels (0: words, 1: phonemes) to pixels. */
+  async places() {
+    await page.click("#fit");
+    const [width, from, to] = await page.evaluate(async () => {
+      const bytes = new Uint8Array(await (await fetch("api/line")).arrayBuffer());
+      const length = new DataView(bytes.buffer).getUint32(0, true);
+      const { start, count, fps } = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length))).takes[0];
+      return [document.querySelector("#timeline").clientWidth, start, start + (count - 1) / fps];
+    });
+    return (seconds, band) => ({
+      x: LEFT + ((seconds - from) / (to - from)) * (width - LEFT - 8), y: RULER + (band + 0.5) * BAND,
+    });
+  },
+});
+
 /** Serve the contents that `find` has for paths, and return the address and a function that ends it. */
 export async function serve(find, headers = {}) {
   const server = createServer((request, response) => {

@@ -4,10 +4,9 @@
 //
 // A line with sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other places; the
 // rest below. With a folder, pictures of the steps are kept in it.
-import { WEBGL, launch, studio } from "./browsing.mjs";
+import { WEBGL, launch, lineOf, studio } from "./browsing.mjs";
 
 const [modules, chromium, address, pictures] = process.argv.slice(2);
-const RULER = 24 + 52, BAND = 22, LEFT = 104;
 const browser = await launch(modules, chromium, ...WEBGL);
 const said = [], asked = [];
 const open = studio(browser, address, said, asked);
@@ -16,7 +15,7 @@ try {
   const result = { said, asked };
   const page = await open("#sentence", { viewport: { width: 1400, height: 900 } });
   const picture = async (name) => pictures && await page.screenshot({ path: `${pictures}/${name}.png` });
-  const undoes = (title) => page.waitForFunction((wanted) => document.querySelector("#undo").title.startsWith(wanted), title, { timeout: 60000 });
+  const { undoes, timings: line, settings, places } = lineOf(page);
   /** Undo a step, and wait for the line as it was: its phonemes are drawn where the next drag begins. */
   const undo = async (left) => {
     const performed = page.waitForResponse((told) => told.url().endsWith("/take"), { timeout: 60000 });
@@ -26,7 +25,6 @@ try {
     await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
   };
   const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
-  const line = () => page.evaluate(async () => JSON.parse((await (await fetch("api/timings/json")).json()).content));
   const labels = async () => (await line()).phonemes.map((one) => one.label);
   const times = async () => { const { phonemes } = await line(); return [phonemes[0].start, ...phonemes.map((one) => one.end)]; };
   const moved = (after, before) => after.map((one, n) => Number((one - before[n]).toFixed(3)));
@@ -40,21 +38,10 @@ try {
     };
   });
   const pieces = () => page.evaluate(() => window.pieces.splice(0));
-  await page.click("#fit");
-  const box = await page.locator("#timeline").boundingBox();
+  const place = await places(), box = await page.locator("#timeline").boundingBox();
   const whole = await times(), start = whole[0], end = whole.at(-1);
   /** Pixels of the page at some seconds, on a band of labels: 0 for words, 1 for phonemes. */
-  const view = await page.evaluate(() => [document.querySelector("#timeline").clientWidth]);
-  const plot = view[0] - LEFT - 8;
-  const take = await page.evaluate(async () => {
-    const bytes = new Uint8Array(await (await fetch("api/line")).arrayBuffer());
-    const length = new DataView(bytes.buffer).getUint32(0, true);
-    const { takes } = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
-    return { from: takes[0].start, to: takes[0].start + (takes[0].count - 1) / takes[0].fps };
-  });
-  const at = (seconds, band) => [
-    box.x + LEFT + ((seconds - take.from) / (take.to - take.from)) * plot, box.y + RULER + (band + 0.5) * BAND,
-  ];
+  const at = (seconds, band) => { const { x, y } = place(seconds, band); return [box.x + x, box.y + y]; };
   const middle = (n) => (whole[n] + whole[n + 1]) / 2;
   const drag = async (from, by) => {
     const [x, y] = from;
@@ -73,9 +60,10 @@ try {
   const [, top] = at(start, -3);
   await page.mouse.move(at(middle(1), 0)[0], top);
   await page.mouse.down();
-  for (const n of [2, 3, 4]) {
-    await page.waitForTimeout(60);
+  for (const n of [2, 3, 4]) { // a piece is heard at each place
+    const heard = await page.evaluate(() => window.pieces.length);
     await page.mouse.move(at(middle(n), 0)[0], top);
+    await page.waitForFunction((before) => window.pieces.length > before, heard);
   }
   await page.mouse.up();
   result.scrubbed = await pieces();
@@ -83,17 +71,14 @@ try {
 
   // the sound as a spectrogram, and both
   const drawn = () => page.evaluate(() => document.querySelector("#timeline").toDataURL());
-  let usual = "";
-  for (let now = await drawn(); now !== usual; now = await drawn()) { // the check draws its findings
-    usual = now;
-    await page.waitForTimeout(900);
-  }
+  const usual = await drawn();
+  const changes = () => page.waitForFunction((before) => document.querySelector("#timeline").toDataURL() !== before, usual);
   const high = await page.evaluate(() => document.querySelector("#timeline").height);
   await press("w");
-  await page.waitForTimeout(300);
+  await changes();
   result.spectrogram = (await drawn()) !== usual;
   await page.click("button:text-is('Both')");
-  await page.waitForTimeout(300);
+  await page.waitForFunction((wave) => document.querySelector("#timeline").height > wave, high);
   result.both = [await page.getAttribute("button:text-is('Both')", "aria-pressed"), (await drawn()) !== usual];
   await picture("both");
   await page.click("button:text-is('Wave')");
@@ -164,7 +149,7 @@ try {
   await undoes("Undo: Restore");
   result.original = moved(await times(), whole).every((one) => one === 0);
   // a pose is bent at the playhead by keys, and by a drag with Ctrl
-  const bends = () => page.evaluate(async () => (await (await fetch("api/state")).json()).settings.bends);
+  const bends = async () => (await settings()).bends;
   const rows = await page.$$eval("#poses > li > button > span:first-child", (all) => all.map((one) => one.textContent));
   await page.mouse.click(...at(middle(1), 0));
   await page.mouse.click(at(middle(1), 0)[0], at(start, 3)[1] + 20);
@@ -172,7 +157,7 @@ try {
   await press("k", "Shift+ArrowDown", "Shift+ArrowDown");
   await page.waitForFunction(async (pose) => ((await (await fetch("api/state")).json()).settings.bends[pose]?.[0]?.[1] ?? 0) < -0.05, rows[0]);
   result.lowered = (await bends())[rows[0]];
-  await page.waitForTimeout(600);
+  await page.waitForFunction(() => document.querySelector("#poses ol")?.textContent.includes("bent"));
   result.reasons = await page.$$eval("#poses ol li", (all) => all.map((one) => one.textContent));
   await picture("bent");
   await press("Delete");
