@@ -30,6 +30,7 @@ def test_a_clone_becomes_a_head_that_speaks(tmp_path):
     assert found["jawOpen"].aperture > 0.4
     assert found["mouthPucker"].width < -0.02
     assert found["tongueOut"].tongue_out > 0.3
+    assert found["tongueOut"].tongue_up > 0.05  # it passes over the lower teeth
     assert found["tongueUp"].tongue_up > 0.1
 
 
