@@ -99,7 +99,8 @@ class Finder:
     ----------
     paths : folders to search first, and files of single packs
     project : the project's folder, searched next; None for no project
-    unsaved : contents of files, absolute, in place of those on the disk or beside them
+    unsaved : contents of files, absolute, in place of those on the disk or beside them; empty for a
+        deleted file
 
     Attributes
     ----------
@@ -244,7 +245,7 @@ class Finder:
             elif kind == "poseset":
                 named = [p for p in entries(folder, unsaved) if _PACK_NAME.fullmatch(p.name)]
                 files = {p.name: p / POSESET for p in named}
-                found = {n: p for n, p in files.items() if p in unsaved or p.is_file()}
+                found = {n: p for n, p in files.items() if _is_there(p, unsaved)}
             else:
                 found = yaml_files(folder, unsaved)
             for path in found.values():
@@ -319,14 +320,14 @@ def is_model(character: str | Path) -> bool:
     return str(character).lower().endswith(MODEL_SUFFIXES)
 
 
-def beside(pack: Path, name: str, unsaved: Collection[Path] = ()) -> Path | None:
+def beside(pack: Path, name: str, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) -> Path | None:
     """Return the path of a file named by a pack, or None if it is missing.
 
     A file outside the folder above the pack's counts as missing: a pack may not read it.
     """
     path = pack.parent / name
     reached = is_reached(path, pack.parent.parent)
-    return path if reached and (path in unsaved or os.path.isfile(path)) else None  # noqa: PTH113 names of any length
+    return path if reached and _is_there(path, unsaved) else None
 
 
 def built_in() -> Path:
@@ -363,11 +364,17 @@ def entries(folder: Path, unsaved: Collection[Path] = ()) -> list[Path]:
         return sorted(within)
 
 
-def yaml_files(folder: Path, unsaved: Collection[Path] = ()) -> dict[str, Path]:
+def yaml_files(folder: Path, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) -> dict[str, Path]:
     """Map names to the YAML files of a folder, in order of name."""
     files = (path for path in entries(folder, unsaved) if path.suffix == ".yaml")
-    found = (path for path in files if path in unsaved or path.is_file())
+    found = (path for path in files if _is_there(path, unsaved))
     return {path.stem: path for path in found if _PACK_NAME.fullmatch(path.stem)}
+
+
+def _is_there(path: Path, unsaved: Mapping[Path, bytes]) -> bool:
+    if path in unsaved:
+        return bool(unsaved[path])
+    return os.path.isfile(path)  # noqa: PTH113 names of any length
 
 
 def _kind(path: Path, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) -> str:

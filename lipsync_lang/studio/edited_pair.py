@@ -42,7 +42,8 @@ class EditedPair:
         `contents` are all unsaved files, including the texts. Raises PackFaults if a bigram names
         an unknown phoneme or pose.
         """
-        if _beside(self.pair, contents) != self.beside:
+        deleted = any(not contents.get(path, b"there") for path in self.pair.data)
+        if deleted or _beside(self.pair, contents) != self.beside:
             return None
         for path, written in _written(self.pair, contents).items():
             gone = written is None and path in self.pair.data

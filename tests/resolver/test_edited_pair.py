@@ -102,6 +102,20 @@ def test_a_bank_that_comes_and_goes_is_compiled(workshop, opened):
     assert len(opened) == 2
 
 
+def test_a_bank_that_was_saved_and_is_undone_is_not_performed(workshop):
+    new = workshop.project / "posesets/face/banks/new.yaml"
+    text = "kind: bank\nformat: 1\nname: new\nposeset: face\nbigrams: {}\n"
+    before = workshop.performer.compiled.tables.curves
+    workshop.edit("Draw", [(new, (), text), (new, ("bigrams", "a-p"), {"curves": {"open": OPEN}})])
+    workshop.save()
+    assert not np.array_equal(workshop.performer.compiled.tables.curves, before)
+    workshop.desk.undo()
+    np.testing.assert_array_equal(workshop.performer.compiled.tables.curves, before)
+    assert_current(workshop)
+    assert workshop.save() == [new]
+    np.testing.assert_array_equal(compiled_anew(workshop).tables.curves, before)
+
+
 def test_a_file_that_changes_on_the_disk_is_read_with_the_next_edit(workshop):
     path = workshop.project / POSESET
     put(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.checking.conflicts import conflicts, unprepared
 from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
-from lipsync_lang.packs.finding import beside
+from lipsync_lang.packs.finding import NONE_UNSAVED, beside
 from lipsync_lang.packs.models import (
     BankPack,
     BigramCurves,
@@ -301,7 +301,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
     rigs: Collection[str],
     languages: Collection[str],
     styles: Collection[str],
-    unsaved: Collection[Path] = (),
+    unsaved: Mapping[Path, bytes] = NONE_UNSAVED,
 ) -> Iterator[Fault]:
     """Check that a character names known poses, phonemes, regions and styles, and its files."""
     model = character.model
