@@ -14,7 +14,7 @@ import logging
 from collections.abc import Callable, Collection, Mapping
 from functools import cache
 from pathlib import Path
-from secrets import compare_digest
+from secrets import compare_digest, token_hex
 from threading import Lock, Thread
 from typing import Any
 from urllib.parse import urlsplit
@@ -96,6 +96,8 @@ class RequestCheck:
 
     def __init__(self, inner: ASGIApp, token: str, hosts: frozenset[str]) -> None:
         self.inner, self.token, self.hosts = inner, token, hosts
+        # By its name, a page notices that a studio was started again while it asked for nothing.
+        self.headers = {**SECURITY_HEADERS, "x-studio": token_hex(8)}
         # Other machines could try tokens that a person chose against a proof.
         self.proves = any(host.startswith("127.0.0.1:") for host in hosts)
 
@@ -108,7 +110,7 @@ class RequestCheck:
 
         async def send_secured(message: Message) -> None:
             if message["type"] == "http.response.start":
-                own = [(k.encode(), v.encode()) for k, v in SECURITY_HEADERS.items()]
+                own = [(k.encode(), v.encode()) for k, v in self.headers.items()]
                 message = {**message, "headers": [*message["headers"], *own]}
             await send(message)
 

@@ -38,8 +38,8 @@ export const studio = (browser, address, said, asked) => async (view = "", optio
   return page;
 };
 
-/** Pixels of the timeline: its ruler with the sound, a band of labels, and the left end of the curves. */
-export const RULER = 24 + 52, BAND = 22, LEFT = 104;
+/** Pixels of the timeline: its ruler, the sound, a band of labels, and the left end of the curves. */
+const RULER = 24, SOUND = 52, BAND = 22, LEFT = 104;
 const WAIT = { timeout: 60000 };
 
 /** Return ways to ask a page of the studio about its open line, and to find a moment of it on the timeline. */
@@ -49,17 +49,18 @@ export const lineOf = (page) => ({
   /** Return the phonemes and the words, with their times. */
   timings: () => page.evaluate(async () => JSON.parse((await (await fetch("api/timings/json")).json()).content)),
   settings: () => page.evaluate(async () => (await (await fetch("api/state")).json()).settings),
-  /** Show the whole line; return a function from seconds and a band of labels (0: words, 1: phonemes) to pixels. */
+  /** Show the whole line; return a function from seconds and a band of labels (0: words, 1: phonemes, 4: the first pose) to pixels. */
   async places() {
     await page.click("#fit");
-    const [width, from, to] = await page.evaluate(async () => {
+    const [width, from, to, top] = await page.evaluate(async ([ruler, wave]) => {
       const bytes = new Uint8Array(await (await fetch("api/line")).arrayBuffer());
       const length = new DataView(bytes.buffer).getUint32(0, true);
-      const { start, count, fps } = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length))).takes[0];
-      return [document.querySelector("#timeline").clientWidth, start, start + (count - 1) / fps];
-    });
+      const { sound, takes } = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
+      const { start, count, fps } = takes[0], end = start + (count - 1) / fps;
+      return [document.querySelector("#timeline").clientWidth, start, end, ruler + (sound ? wave : 0)];
+    }, [RULER, SOUND]);
     return (seconds, band) => ({
-      x: LEFT + ((seconds - from) / (to - from)) * (width - LEFT - 8), y: RULER + (band + 0.5) * BAND,
+      x: LEFT + ((seconds - from) / (to - from)) * (width - LEFT - 8), y: top + (band + 0.5) * BAND,
     });
   },
 });

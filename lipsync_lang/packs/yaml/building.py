@@ -124,7 +124,9 @@ def _syntax(path: Path, text: str, error: YamlError) -> Fault:
     """Turn the parser's error into a fault."""
     line, column = error.place or FILE_START
     lines = text.splitlines()
-    rest = lines[line - 1][: column + 1] if line <= len(lines) else ""
+    if line > len(lines):  # the end of the text
+        line, column = len(lines), len(lines[-1]) + 1
+    rest = lines[line - 1][: column + 1]
     if rest[column - 1 : column] == "\t" or "\t" in rest[: len(rest) - len(rest.lstrip())]:
         what, hint = "a tab is used for indentation; YAML needs spaces", "indent with spaces"
         return Fault(shown(path), line, column, "P007", what, hint)

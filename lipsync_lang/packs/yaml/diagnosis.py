@@ -37,7 +37,7 @@ def cause(  # noqa: PLR0911 one return for each cause
 ) -> Cause | None:
     """Return the likely cause of a parser's error; None if the parser's words must do."""
     lines = [_WHOLE_QUOTES.sub(lambda found: "_" * len(found[0]), one) for one in text.splitlines()]
-    line, column = place if place[0] <= len(lines) else (len(lines), len(lines[-1]) + 1)
+    line, column = place
     first = min(error.started or line, line)
     shown = lines[line - 1]
     if found := _open_quote(lines, line):
@@ -57,6 +57,8 @@ def cause(  # noqa: PLR0911 one return for each cause
         return _colon(lines, first)
     if "expected ',' or" in error.problem:
         return _bracket(lines, first, line, column)
+    if "flow node" in error.context:  # nothing follows a bracket, or a comma within it
+        return _bracket(lines, 1, line, column)
     return _block(lines, line, column)
 
 

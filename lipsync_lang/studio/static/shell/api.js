@@ -28,6 +28,9 @@ const ONCE = ["undo", "redo"];
 /** The other tabs of this studio, which hear of each change. */
 const others = new BroadcastChannel(location.pathname);
 
+/** Name of the server that answered last. */
+let server = "";
+
 /** Ends when a server answers again; null while one does. @type {Promise<void> | null} */
 let away = null;
 
@@ -65,15 +68,21 @@ async function back() {
  */
 async function asked(path, init, direct) {
   if (away && !direct) await away;
+  const returned = () => (away ??= back().finally(() => { away = null; }));
   let answer;
   try {
     answer = await fetch(`api/${path}`, init);
   } catch {
     if (direct) throw new Refusal(0, { error: "The studio does not answer" });
-    away ??= back().finally(() => { away = null; });
-    await away;
+    await returned();
     if (ONCE.includes(path)) throw new Refusal(0, { error: `The studio ended before it could ${path}` });
     return asked(path, init, direct);
+  }
+  const name = answer.headers.get("x-studio") ?? "", other = server !== "" && name !== server;
+  server = name;
+  if (other && !direct) { // it was started again while nothing was asked, and knows no line yet
+    await returned();
+    if (!answer.ok || init.method !== "POST") return asked(path, init, direct);
   }
   if (answer.ok) {
     if (init.method === "POST") others.postMessage(path);

@@ -1,0 +1,95 @@
+// An animator's hour in the studio, in a headless browser, and print what came of it:
+//
+//   node hour.mjs NODE_MODULES CHROMIUM ADDRESS [PICTURES]
+//
+// A project with a script is open. The script prints `kill`, waits for a line of input while the test ends the server
+// and starts another, and prints JSON: `said` and `asked`, the errors and the requests to other places; the rest below.
+import { createInterface } from "node:readline";
+import { WEBGL, launch, lineOf, studio } from "./browsing.mjs";
+
+const [modules, chromium, address, pictures] = process.argv.slice(2);
+const WAIT = { timeout: 60000 };
+const browser = await launch(modules, chromium, ...WEBGL);
+const said = [], asked = [];
+const open = studio(browser, address, said, asked);
+
+try {
+  const result = { said, asked };
+  const page = await open("#sentence", { viewport: { width: 1400, height: 900 } });
+  const picture = async (name) => pictures && await page.screenshot({ path: `${pictures}/${name}.png` });
+  const { undoes, timings, settings, places } = lineOf(page);
+  const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
+  const labels = async () => (await timings()).phonemes.map((one) => one.label);
+  const save = (wanted) => page.waitForFunction((text) => document.querySelector("#save").textContent.includes(text), wanted, WAIT);
+  result.line = await page.textContent("#all-lines");
+  result.labels = [await labels()];
+
+  // a boundary is mended, and a phoneme relabelled
+  await press("Home", "]", "]", "ArrowRight", "Shift+ArrowRight");
+  await undoes("Undo: Move the boundary");
+  await press("Escape");
+  const at = await places(), { phonemes, words } = await timings();
+  const middle = (one) => (one.start + one.end) / 2;
+  await page.click("#timeline", { position: at(middle(phonemes[1]), 1) });
+  await press("r");
+  await page.keyboard.type("æ");
+  await press("Enter");
+  await undoes("Undo: Relabel");
+  result.labels.push(await labels());
+
+  // one frame is bent: the pose of the first row, at the playhead
+  await page.click("#timeline", { position: at(middle(phonemes[1]), 4) });
+  await press("k", "Shift+ArrowDown", "Shift+ArrowDown");
+  await undoes("Undo: Bend");
+  await picture("bent");
+
+  // one word is shouted
+  await page.click("#timeline", { position: at(middle(words[1]), 0) });
+  await page.fill("[aria-label='Chosen word'] [aria-label='shout, as a number']", "1");
+  await press("Tab");
+  await page.waitForFunction(async () => "shout" in (await (await fetch("api/state")).json()).settings.styles, null, WAIT);
+  await picture("shouted");
+  result.settings = await settings();
+
+  // a bigram is drawn
+  await page.evaluate(() => { location.hash = "#bigrams/bmp-aa"; });
+  await page.focus(".curve-plot g.front [data-index='1']", WAIT);
+  await press("Shift+ArrowUp");
+  await undoes("Undo: ");
+  result.unsaved = await page.textContent("#save");
+  await picture("bigram");
+  await page.evaluate(() => { location.hash = "#sentence"; });
+
+  // the line is exported as a model and as a page
+  await page.click("#export");
+  for (const format of ["glb", "html"]) await page.check(`dialog[open] input[value='${format}']`, WAIT);
+  const files = [];
+  page.on("download", (one) => files.push(one.suggestedFilename()));
+  await page.click("dialog[open] button.main");
+  await page.waitForFunction(() => /^Exported/.test(document.querySelector("dialog[open] [role=status]").textContent), null, { timeout: 120000 });
+  result.exported = await page.textContent("dialog[open] [role=status]");
+  await press("Escape");
+
+  // the server is killed; the page goes on with the next one
+  process.stdout.write("kill\n");
+  await new Promise((done) => createInterface({ input: process.stdin }).once("line", done));
+  await page.evaluate(() => dispatchEvent(new Event("focus"))); // the animator comes back to the window
+  await page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("was started again"), null, WAIT);
+  await page.click("#timeline", { position: at(middle(words[0]), 0) });
+  await press("e");
+  await undoes("Undo: Emphasis");
+  result.mended = [await labels(), await settings()];
+  said.length = 0; // a request that found no server is an error of the browser
+  await press("Control+s");
+  await save("Saved");
+  result.files = files.sort();
+  await picture("saved");
+
+  // the next line is as it was
+  await page.click("#line-after");
+  await page.waitForFunction((before) => document.querySelector("#all-lines").textContent !== before, result.line, WAIT);
+  result.next = [await page.textContent("#all-lines"), await settings()];
+  process.stdout.write(JSON.stringify(result));
+} finally {
+  await browser.close();
+}
