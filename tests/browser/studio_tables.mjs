@@ -77,7 +77,7 @@ const stories = {
     const page = await show("#words");
     await page.fill("#text", "ma pa may");
     await page.press("#text", "Enter");
-    await page.waitForFunction(() => document.querySelector("#clock").textContent !== "");
+    await page.waitForFunction(() => !document.body.classList.contains("busy"));
     await page.evaluate(() => document.activeElement.blur());
     for (let n = 0; n < 4; n++) await page.keyboard.press(".");
     await page.keyboard.press("n");

@@ -17,7 +17,7 @@ try {
   const page = await browser.newPage({ viewport: { width: 480, height: 360 } });
   watch(page, said);
   page.on("request", (one) => one.url().endsWith(".wav") && sounds.push(one.url().split("/sound/")[1]));
-  await page.goto(`${server.address}/index.html`);
+  await page.goto(`${server.address}/beach.html`);
   await page.waitForFunction(() => window.crab, null, { timeout: 60000 });
   const shown = () => page.evaluate(() => {
     const { player, meshes } = window.crab;

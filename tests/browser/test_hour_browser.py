@@ -31,7 +31,7 @@ outputs: ["takes/{id}.csv", "takes/{id}.timings.json"]
 
 
 def files(folder):
-    """Return the text of each file of a project but for what a build makes."""
+    """Return the text of each file of a project, except what a build makes."""
     own = (path for end in ("yaml", "csv") for path in folder.rglob(f"*.{end}"))
     named = {path.relative_to(folder).as_posix(): path.read_text("utf-8") for path in own}
     return {name: text for name, text in named.items() if not name.startswith("takes/")}
@@ -116,7 +116,7 @@ def test_the_saved_files_state_what_was_done_and_no_more(hour):
 def test_a_build_uses_it_and_the_next_line_is_untouched(hour):
     name, settings = hour["next"]
     assert name.startswith("line_02")
-    assert not settings["styles"] and not settings["bends"] and not settings["dials"]
+    assert [settings[kind] for kind in ("styles", "bends", "dials")] == [{}, {}, {}]
     assert hour["again"]["line_01"] != hour["takes"]["line_01"]
     timings = json.loads((hour["folder"] / "takes/line_01.timings.json").read_text("utf-8"))
     assert timings["phonemes"][1]["label"] == "æ"

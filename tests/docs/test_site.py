@@ -198,7 +198,10 @@ def site(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def pages(site):
-    return {path: Built(path) for path in sorted(site.rglob("*.html")) if path.name != "404.html"}
+    # An example may have a page of its own, which is copied as it is.
+    own = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs/examples").rglob("*.html")}
+    every = (path for path in sorted(site.rglob("*.html")) if path.relative_to(site) not in own)
+    return {path: Built(path) for path in every if path.name != "404.html"}
 
 
 def leads(page, link):

@@ -119,6 +119,7 @@ class TextErrors:
             ways[one.word] += (one.phone,)
         # the pronunciation that is heard, or the first one of a word that is left out
         self._ways = [way or some[0] for way, some in zip(ways, words, strict=True)]
+        self._spoken = [way for way in ways if way]
         first, stop = self._said[0].first, self._said[-1].stop
         self._others = [one for one in heard if one.word == one.phone == OUTSIDE]
         before, after = self._other_frames(0, first), self._other_frames(stop, len(features))
@@ -138,7 +139,11 @@ class TextErrors:
 
         Of two parts that are exchanged, it is the first word of the sound.
         """
-        (given, _), (best, way) = (self._likeliest_order(reach) for reach in (0, REACH))
+        given, _ = self._likeliest_order(0, self._ways)
+        best, way = self._likeliest_order(REACH, self._ways)
+        if self._spoken and len(self._spoken) < len(self._ways):
+            # a word that is not said at all, as where a recording is cut off, fits nowhere better
+            given = max(given, self._likeliest_order(0, self._spoken)[0])
         if best - given < MIN_ORDER_GAIN:
             return None
         order = list(dict.fromkeys(word for word, _ in way))
@@ -150,21 +155,23 @@ class TextErrors:
         first = next(run.first for word, run in way if word == order[at])
         return MovedWord(order[at], order[at - 1] if at else OUTSIDE, first + self._start)
 
-    def _likeliest_order(self, reach: int) -> tuple[float, list[tuple[int, Run]]]:
-        """Return the log likelihood of the words in another order, and their phonemes.
+    def _likeliest_order(
+        self, reach: int, ways: Sequence[tuple[int, ...]]
+    ) -> tuple[float, list[tuple[int, Run]]]:
+        """Return the log likelihood of words in another order, and their phonemes.
 
         One word is moved over no more than `reach` others, or two parts are exchanged.
         """
         graph, silence = Graph(self._model), self._model.silence
-        count = len(self._ways)
+        count = len(ways)
         joins: list[list[int]] = [[SOUND_START], *([] for _ in range(count))]
 
         def spoken(word: int, before: int, after: int, ends: Sequence[int]) -> list[int]:
             """Add a word between two others, after an optional pause."""
-            left = self._ways[before][-1] if before >= 0 else silence
-            right = self._ways[after][0] if after < count else silence
+            left = ways[before][-1] if before >= 0 else silence
+            right = ways[after][0] if after < count else silence
             pause = graph.add(PAUSE, silence, silence, ends)
-            return graph.word(word, [self._ways[word]], left, right, [*ends, pause])
+            return graph.word(word, [ways[word]], left, right, [*ends, pause])
 
         for at in range(count):
             before = joins[at]
