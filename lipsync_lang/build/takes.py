@@ -76,7 +76,7 @@ def read_takes(path: Path) -> TakesFile:
                 return _decoded(data)
     except OSError as error:
         raise OutputError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (ValueError, IndexError, struct.error) as error:
+    except (ValueError, IndexError, OverflowError, struct.error) as error:
         raise OutputError(f"{path}: is a damaged archive ({error}); {MEND_TAKES}") from None
     except _OtherFileError as error:
         raise OutputError(f"{path}: {error}") from None
