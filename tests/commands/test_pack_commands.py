@@ -149,7 +149,7 @@ def test_drafts_are_written_once_and_then_used(cli, folder):
         ("list.yaml", "list.yaml"),
         ("folder.yaml", "folder.yaml: "),
         ("other.yaml", "other.yaml: is not a bank of facefx"),
-        ("broken.yaml", "broken.yaml:2:1: P008"),
+        ("broken.yaml", "broken.yaml:1:7: P008"),
     ],
 )
 def test_drafts_go_into_a_bank_or_nowhere(target, message, cli, folder, root):
