@@ -42,7 +42,7 @@ BESIDE = ("music beside", "a voice beside")
 
 
 class Line(NamedTuple):
-    """A recording and what is said in it."""
+    """A recording with its spoken words."""
 
     audio: Audio
     text: str
@@ -50,7 +50,7 @@ class Line(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """A recording with a text that is or is not what is said, by kind."""
+    """A recording with a right or a wrong text, by kind of error."""
 
     kind: str
     audio: Audio
@@ -135,7 +135,7 @@ def trials(
 
 
 def warned(kind: str, found: Schedule | SpeechError) -> bool:
-    """Return True if the result says that the text may not be what is said."""
+    """Return True if a remark of the result doubts the text."""
     if isinstance(found, SpeechError) or (found.confidence or 0.0) < DOUBTFUL:
         return True
     told = [one for one in found.remarks if not one.startswith("aligned by")]
