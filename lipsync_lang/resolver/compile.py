@@ -136,6 +136,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         tables=tables,
         motion=motion,
         gestures=_gestures(poseset, model.gesture_words),
+        mirrored=_mirrored(poseset.model),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
         checks=_checks(poseset.model.checks, who.model.checks),
         nearest=plain_among(library, spoken) if model.automatic else None,
@@ -293,6 +294,17 @@ def _style_drafts(poseset: Pack[models.PoseSet]) -> dict[str, dict[str, Any]]:
         }
         for name, style in poseset.model.styles.items()
     }
+
+
+def _mirrored(poseset: models.PoseSet) -> dict[str, list[str]]:
+    """Return pairs of mirrored poses by what their names share, or by both names."""
+    poses = {*poseset.poses, *poseset.posture_poses, *poseset.gesture_poses}
+    pairs = {}
+    for part in poseset.mirrored:
+        for one, other in poseset.mirrors(part).items():
+            shared = "".join(one.rsplit(part, 1))
+            pairs[f"{one}/{other}" if shared in poses else shared] = [one, other]
+    return pairs
 
 
 def _posture(poseset: models.PoseSet) -> dict[str, Any]:

@@ -156,6 +156,8 @@ class CompiledPair:
     gestures: dict[str, Any]
     """`poses` of gestures, each with its channel and limits; `gestures` with their places; and
     `words` of the language by trigger."""
+    mirrored: dict[str, list[str]]
+    """Pairs of mirrored poses by a name for both."""
     measures: dict[str, dict[str, float]]
     checks: dict[str, Any]
     """Limits of a finished animation by name, and `rules`."""

@@ -73,6 +73,7 @@ def take_data(
     }
     if performer is not None:
         data |= {"language": performer.language, "character": performer.character}
+        data["mirrored"] = performer.compiled.mirrored
     if made is not None:
         data["making"] = made.data(pack)
     return data

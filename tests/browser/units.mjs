@@ -15,6 +15,7 @@ const { withKey, withMoved } = await load("timeline/bend_points");
 const { transform } = await load("timeline/spectrogram");
 const { sphere } = await load("face/ambient");
 const { Take } = await load("line/take");
+const { movingRows } = await load("line/take_words");
 const { beside, editsOf, occurrences, spoken } = await load("views/bigram_state");
 const { levelAt, movedPoint, withoutPoint, withPoint, withWord } = await load("timeline/level_points");
 const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curves/curve_points");
@@ -202,6 +203,22 @@ const units = {
     assert.deepEqual([...take.rows.keys()], ["open", "rig: open"]);
     assert.deepEqual([take.weight("open", 1), take.weight("rig: open", 1), take.moving], [1, 20, ["rig: open"]]);
     near(take.channelsAt(0.1), [20]);
+  },
+  "mirrored poses that move alike are one row, which can be opened"() {
+    const curve = (...values) => ({ low: 0, high: 1, moves: true, values: Uint16Array.from(values) });
+    const take = (right) => new Take({
+      poses: ["jaw", "smileLeft", "smileRight"], mirrored: { smile: ["smileLeft", "smileRight"] },
+      start: 0, fps: 10, count: 2, curves: [curve(0, 9), curve(1, 5), curve(1, right)],
+    });
+    const alike = take(5), apart = take(6), crab = new Take({ ...alike.data, poses: ["jaw"], curves: [curve(0, 1)] });
+    const [one, two] = [["jaw", "smile"], ["jaw", "smileLeft", "smileRight"]];
+    assert.deepEqual(movingRows(alike, null, new Set()), one);
+    assert.deepEqual(movingRows(alike, crab, new Set()), one);
+    assert.deepEqual(movingRows(alike, null, new Set(["smile"])), two);
+    for (const takes of [[apart, null], [alike, apart], [apart, alike]]) {
+      assert.deepEqual(movingRows(...takes, new Set()), two);
+    }
+    assert.equal(alike.weight("smile", 1), alike.weight("smileRight", 1));
   },
   "a take without its making tells its sounds"() {
     const values = Uint16Array.of(0, 65535, 0);

@@ -317,6 +317,9 @@ BAD = [
         "  fast: {on: pause, curve: [[0, 0], [0.1, 1], [1, 0]], poses: {lid: 1}}\n"
         "  large: {on: pause, curve: [[0, 0], [0.5, 1], [1, 0]], poses: {lid: 1.5}}",
         (("P233", 7, "1}}"), ("P233", 8, "1.5}}")), "raise `most`"),
+    Bad("mirrored poses that no name has", POSESET, "title: Face",
+        "title: Face\nmirrored: {Links: Rechts}",
+        (("P235", 5, "Links"),), "such as `Left: Right`"),
     Bad("gesture of a character", ANNA, "rig: model",
         "rig: model\ngestures: {blinc: 0.5}\n",
         (("P234", 11, "blinc"),)),

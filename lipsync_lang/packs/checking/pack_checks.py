@@ -159,6 +159,11 @@ def check_poseset(
                 yield from _pose(poseset, ("styles", name, "posture", pose), pose, model)
     yield from _postures(poseset)
     yield from _gestures(poseset)
+    for part, other in model.mirrored.items():
+        if not model.mirrors(part):
+            what = f"no pose has '{part}' in its name where another has '{other}'"
+            hint = "spell both parts as the names of poses do, such as `Left: Right`"
+            yield poseset.fault(("mirrored", part), "P235", what, hint, key=True)
     yield from _file(poseset, ("model",), model.model)
     yield from conflicts(poseset, banks)
 

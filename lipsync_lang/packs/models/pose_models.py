@@ -307,12 +307,20 @@ class PoseSet(PackModel):
     """Shapes and turns that only gestures move."""
     gestures: dict[Text, Gesture] = Field(default={})
     """Blinks, raised brows, nods and the like; `--gestures` turns them on."""
+    mirrored: dict[Text, Text] = Field(default={})
+    """Parts of the names of mirrored poses, such as `Left: Right`; timelines show a pair as one."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})
     """Measures for quality reports: sums of gain times pose."""
     checks: Checks = Checks()
     """Limits for the quality of finished animations."""
     model: Text | None = None
     """A model file that shows the poses."""
+
+    def mirrors(self, part: str) -> "dict[str, str]":
+        """Return the mirrored poses of a part of names: by pose, its counterpart."""
+        every = (*self.poses, *self.posture_poses, *self.gesture_poses)
+        pairs = {one: self.mirrored[part].join(one.rsplit(part, 1)) for one in every if part in one}
+        return {one: other for one, other in pairs.items() if other in every}
 
 
 Inside = Annotated[float, Field(gt=0, lt=1)]

@@ -90,6 +90,8 @@ export interface TakeData extends Curves {
   figures: Figure[];
   language?: string;
   character?: string;
+  /** Mirrored poses, left and right, by a name for both. */
+  mirrored?: Record<string, [left: string, right: string]>;
   making?: Making;
   /** Channels of a rig, whose poses are the take's. */
   channels: Curves | null;

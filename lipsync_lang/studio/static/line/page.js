@@ -62,7 +62,7 @@ class Page {
     this.overview = new Overview(/** @type {HTMLCanvasElement} */ (the("overview")), this.timeline);
     this.values = new TakeValues(
       { moment: the("moment"), bigrams: the("bigrams"), poses: the("poses") },
-      { pick: (row) => this.pick(row) },
+      { pick: (row) => this.pick(row), refold: () => this.#show() },
     );
     this.row = -1;
     the("main").hidden = false;
@@ -104,14 +104,12 @@ class Page {
 
   /** Show the takes as they stand: one with its reasons, the other dashed. */
   #show() {
-    const { take, other } = this;
-    this.row = -1;
+    const { take, other } = this, chosen = this.rows[this.row];
     the("against").setAttribute("aria-pressed", String(take !== this.takes[0]));
-    this.rows = movingRows(take, other);
+    this.rows = movingRows(take, other, this.values.opened);
     this.timeline.show({ take, other, sound: this.data.sound, rows: this.rows });
-    this.timeline.row = this.row;
     this.values.show(take, this.rows);
-    this.values.pick(this.row);
+    this.pick(this.rows.indexOf(chosen));
     this.#listFigures();
     this.#legend();
     for (const one of this.portraits) {
@@ -195,10 +193,8 @@ class Page {
 
   swap() {
     if (!this.other) return;
-    const chosen = this.rows[this.row];
     [this.take, this.other] = [this.other, this.take];
     this.#show();
-    this.pick(this.rows.indexOf(chosen));
   }
 
   /** @param {number} rate */

@@ -8,7 +8,10 @@ const FULL = 65535;
 /** @typedef {{stage: string, label: string, weight: number, why: string}} Step */
 
 /** @typedef {import("../payloads.js").Curve} Curve */
-/** @typedef {{pose: number, curve: Curve}} Row a curve and its pose; -1 for a channel of a rig */
+/**
+ * @typedef {{pose: number, curve: Curve, both?: string, sides?: string[]}} Row a curve and its pose; -1 for a channel
+ *   of a rig; a pose that moves as its mirrored one has the name of the row for `both`, whose poses are its `sides`
+ */
 
 /** Curves over time, with what is known of their making. */
 export class Take {
@@ -23,8 +26,8 @@ export class Take {
     this.count = data.count;
     this.end = this.start + (this.count - 1) / this.fps;
     this.moved = data.channels ?? data;
-    /** @type {Map<string, Row>} poses by name, and then the channels of a rig */
-    this.rows = new Map(this.poses.map((name, pose) => [name, { pose, curve: data.curves[pose] }]));
+    /** @type {Map<string, Row>} poses by name, mirrored ones after a row for both, and then the channels of a rig */
+    this.rows = new Map(this.poses.flatMap((name, pose) => this.#posed(name, pose)));
     const { channels, making } = data;
     channels?.poses.forEach((name, n) => this.rows.set(`rig: ${name}`, { pose: -1, curve: channels.curves[n] }));
     /** @type {Uint16Array[][]} for each moving pose, its curve after each stage */
@@ -33,6 +36,17 @@ export class Take {
       let last = new Uint16Array(this.count);
       return (making?.stages ?? []).map((stage) => (last = stage.curves[row] ?? last));
     });
+  }
+
+  /** @param {string} name @param {number} pose @returns {[string, Row][]} its row, after that of a pair it begins */
+  #posed(name, pose) {
+    const { curves, mirrored = {} } = this.data, curve = curves[pose];
+    const [both, sides] = Object.entries(mirrored).find(([, pair]) => pair.includes(name)) ?? ["", [name, name]];
+    const other = curves[this.poses.indexOf(sides[name === sides[0] ? 1 : 0])];
+    if (!both || !other?.values.every((one, n) => one === curve.values[n])) return [[name, { pose, curve }]];
+    /** @type {[string, Row]} */
+    const own = [name, { pose, curve, both }];
+    return name === sides[0] ? [[both, { pose, curve, sides }], own] : [own];
   }
 
   /** @param {number} seconds @returns {number} the nearest frame */

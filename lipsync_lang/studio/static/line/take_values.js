@@ -6,8 +6,9 @@ import { made, middled } from "../shell/elements.js";
 export class TakeValues {
   /**
    * @param {{moment: HTMLElement, bigrams: HTMLElement, poses: HTMLElement}} places
-   * @param {{pick: (row: number) => void, more?: (bigram: import("../payloads.js").PlacedBigram) => Node[]}} does
-   *   `more` adds to a bigram's line
+   * @param {{pick: (row: number) => void, refold: () => void,
+   *   more?: (bigram: import("../payloads.js").PlacedBigram) => Node[]}} does
+   *   `refold` shows other rows after a pair is opened or closed; `more` adds to a bigram's line
    */
   constructor(places, does) {
     this.places = places;
@@ -17,6 +18,9 @@ export class TakeValues {
     /** @type {string[]} */
     this.rows = [];
     this.row = -1;
+    /** Rows of mirrored pairs whose poses have rows of their own. @type {Set<string>} */
+    this.opened = new Set();
+    this.told = "";
     this.drawn = Number.NaN;
     this.playing = false;
   }
@@ -25,8 +29,9 @@ export class TakeValues {
   show(take, rows) {
     this.take = take;
     this.drawn = Number.NaN;
-    if (rows.length === this.rows.length && rows.every((one, n) => one === this.rows[n])) return;
-    [this.rows, this.row] = [rows, -1];
+    const pairs = rows.map((name) => pairOf(take, name)), told = JSON.stringify([rows, pairs]);
+    if (told === this.told) return;
+    [this.told, this.rows, this.row] = [told, rows, -1];
     this.places.poses.replaceChildren(...rows.map((name, row) => {
       const button = made(
         "button",
@@ -36,8 +41,23 @@ export class TakeValues {
         made("span", {}, ""),
       );
       button.addEventListener("click", () => this.does.pick(row === this.row ? -1 : row));
-      return made("li", {}, button);
+      return made("li", {}, button, ...(pairs[row] ? [this.#folder(pairs[row])] : []));
     }));
+  }
+
+  /** @param {string} both name of a pair's row @returns {HTMLElement} a button that opens or closes the pair */
+  #folder(both) {
+    const open = this.opened.has(both);
+    const title = open ? `Show ${both} as one row` : `Show the two poses of ${both} in rows of their own`;
+    const label = { "aria-label": title, "aria-expanded": String(open), "data-pair": both };
+    const button = made("button", { type: "button", class: "fold", title, ...label }, open ? "−" : "+");
+    button.addEventListener("click", () => {
+      if (!this.opened.delete(both)) this.opened.add(both);
+      this.does.refold();
+      const anew = this.places.poses.querySelector(`[data-pair="${CSS.escape(both)}"]`);
+      /** @type {HTMLElement | null} */ (anew)?.focus();
+    });
+    return button;
   }
 
   /** @param {number} row whose reasons are shown; -1 for none */
@@ -93,7 +113,7 @@ export class TakeValues {
     item.querySelector("ol")?.remove();
     if (row !== this.row || playing) return;
     const steps = own ? take.stepsAt(own.pose, frame) : [];
-    const told = steps.map((step) =>
+    const listed = steps.map((step) =>
       made(
         "li",
         {},
@@ -103,6 +123,12 @@ export class TakeValues {
       ),
     );
     const rest = own?.pose === -1 ? "played from the poses by the rig" : "at rest";
-    item.append(made("ol", {}, ...(told.length ? told : [made("li", {}, rest)])));
+    item.append(made("ol", {}, ...(listed.length ? listed : [made("li", {}, rest)])));
   }
+}
+
+/** @param {import("./take.js").Take} take @param {string} name of a row @returns {string} its pair, if it can be told */
+export function pairOf(take, name) {
+  const { both = "", sides } = take.rows.get(name) ?? {};
+  return sides ? name : take.rows.get(both)?.sides?.[0] === name ? both : "";
 }

@@ -12,15 +12,20 @@ const NEAR = 6;
 /** @typedef {{seconds: number, row: number, x: number, y: number}} Pointed a place on a timeline */
 
 /**
- * Rows of two takes that move, in the order of the first.
+ * Rows of two takes that move, in the order of the first; mirrored poses that move alike have one row.
  * @param {import("./take.js").Take} take
  * @param {import("./take.js").Take | null} other
+ * @param {Set<string>} opened rows of pairs whose poses have rows of their own
  * @returns {string[]}
  */
-export function movingRows(take, other) {
-  const names = new Set([...take.moving, ...(other?.moving ?? [])]);
-  const every = [...take.rows.keys(), ...(other?.rows.keys() ?? [])];
-  return [...new Set(every.filter((one) => names.has(one)))];
+export function movingRows(take, other, opened) {
+  const takes = other ? [take, other] : [take], moving = new Set(takes.flatMap((one) => one.moving));
+  const apart = (/** @type {string[]} */ sides, /** @type {string} */ both) =>
+    opened.has(both) || takes.some((one) => one.rows.has(sides[0]) && !one.rows.has(both));
+  const hidden = takes.flatMap((one) => [...one.rows]).flatMap(([name, { sides }]) =>
+    sides ? apart(sides, name) ? [name] : sides : []);
+  const every = takes.flatMap((one) => [...one.rows.keys()]);
+  return [...new Set(every.filter((one) => moving.has(one) && !hidden.includes(one)))];
 }
 
 /**

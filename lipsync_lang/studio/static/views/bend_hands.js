@@ -23,9 +23,21 @@ export class BendHands {
     this.apart = [0, 0];
   }
 
-  /** @param {string} pose @returns {Key[]} */
-  keys(pose) {
-    return this.studio.settings.bends?.[pose] ?? [];
+  /** @param {string} row @returns {string[]} its poses: two for a mirrored pair, which are bent as one */
+  #sides(row) {
+    return this.studio.take?.rows.get(row)?.sides ?? [row];
+  }
+
+  /** @param {string} row @returns {Key[]} */
+  keys(row) {
+    return this.studio.settings.bends?.[this.#sides(row)[0]] ?? [];
+  }
+
+  /** Mirrored pairs whose poses look alike and are bent by different keys. @param {import("../line/take.js").Take} take */
+  uneven(take) {
+    const [bends, pairs] = [this.studio.settings.bends ?? {}, [...take.rows].filter(([, { sides }]) => sides)];
+    return pairs.flatMap(([both, { sides = [] }]) =>
+      new Set(sides.map((one) => JSON.stringify(bends[one]))).size > 1 ? [both] : []);
   }
 
   /** Keys to draw on a pose: seconds, and the weight that is asked for. @param {string} pose @returns {Key[]} */
@@ -138,8 +150,11 @@ export class BendHands {
 
   /** @param {string} pose @param {Key[]} keys @param {boolean} done */
   #set(pose, keys, done) {
-    const { settings } = this.studio, bends = { ...settings.bends, [pose]: keys };
-    if (!keys.length) delete bends[pose];
+    const { settings } = this.studio, bends = { ...settings.bends };
+    for (const side of this.#sides(pose)) {
+      if (keys.length) bends[side] = keys;
+      else delete bends[side];
+    }
     this.view.set({ ...settings, bends }, `Bend ${pose}`, done);
   }
 }

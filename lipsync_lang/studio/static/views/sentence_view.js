@@ -91,7 +91,11 @@ export class SentenceView {
     this.phonemes = new PhonemeHands(this);
     this.phonemePanel = new PhonemePanel(this.at.phoneme, this.phonemes);
     this.overview = new Overview(this.at.overview, this.timeline);
-    this.values = new TakeValues(at, { pick: (row) => this.pick(row), more: (bigram) => [this.#opener(bigram)] });
+    this.values = new TakeValues(at, {
+      pick: (row) => this.pick(row),
+      refold: () => this.#take(),
+      more: (bigram) => [this.#opener(bigram)],
+    });
     this.lanes = new TrackLanes(this.at.lanes, this.timeline, {
       set: (track, level, done) => this.setLevel(track, level, done),
     });
@@ -249,7 +253,8 @@ export class SentenceView {
     if (!take) return;
     if (studio.sound !== this.heard || this.player !== studio.player) this.#newLine();
     this.phonemes.taken();
-    const rows = movingRows(take, other), picked = this.timeline.shown?.rows[this.timeline.row];
+    const opened = new Set([...this.values.opened, ...this.bends.uneven(take)]);
+    const rows = movingRows(take, other, opened), picked = this.timeline.shown?.rows[this.timeline.row];
     this.timeline.show({ take, other, sound, rows });
     this.values.show(take, rows);
     this.pick(picked === undefined ? -1 : rows.indexOf(picked));
