@@ -127,7 +127,7 @@ export class TakeValues {
   }
 }
 
-/** @param {import("./take.js").Take} take @param {string} name of a row @returns {string} its pair, if it can be told */
+/** @param {import("./take.js").Take} take @param {string} name of a row @returns {string} its pair, or none */
 export function pairOf(take, name) {
   const { both = "", sides } = take.rows.get(name) ?? {};
   return sides ? name : take.rows.get(both)?.sides?.[0] === name ? both : "";

@@ -33,7 +33,7 @@ export class BendHands {
     return this.studio.settings.bends?.[this.#sides(row)[0]] ?? [];
   }
 
-  /** Mirrored pairs whose poses look alike and are bent by different keys. @param {import("../line/take.js").Take} take */
+  /** @param {import("../line/take.js").Take} take @returns {string[]} mirrored pairs that different keys bend alike */
   uneven(take) {
     const [bends, pairs] = [this.studio.settings.bends ?? {}, [...take.rows].filter(([, { sides }]) => sides)];
     return pairs.flatMap(([both, { sides = [] }]) =>
