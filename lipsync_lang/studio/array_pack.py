@@ -10,8 +10,16 @@ from base64 import b64encode
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.json_object import Json
+
 NUMBER_TYPES = ("u1", "i1", "u2", "i2", "u4", "f4")
 """Types of numbers, little-endian."""
+
+SOUND_BLOCK = 256
+"""Samples of a sound with the same step."""
+
+SOUND_STEP = 12**0.5 * 10 ** (-33 / 20)
+"""Step of a sound per its loudness in a block: the error is 33 dB below the sound."""
 
 COMPRESSION_LEVEL = 6
 """Level of the compression, from 1 to 9."""
@@ -67,3 +75,19 @@ class ArrayPack:
     def text(self) -> str:
         """Return the block, compressed, in base64."""
         return b64encode(zlib.compress(self.block(), COMPRESSION_LEVEL)).decode("ascii")
+
+    def add_sound(self, samples: "npt.NDArray[np.int16]") -> Json:
+        """Append a sound, in steps as large as its loudness allows, at some 3 bits a sample."""
+        filled = np.pad(samples.astype(float), (0, -len(samples) % SOUND_BLOCK))
+        blocks = filled.reshape(-1, SOUND_BLOCK)
+        peak, loudness = abs(blocks).max(axis=1), np.sqrt((blocks**2).mean(axis=1))
+        steps = np.ceil(
+            np.maximum.reduce([SOUND_STEP * loudness, peak / 127, np.ones(len(blocks))])
+        )
+        counts = np.rint(blocks / steps[:, None]).ravel()[: len(samples)].astype(np.uint8)
+        changes = np.diff(counts, prepend=np.uint8(0))  # wraps around, as `unpack.js` expects
+        return {
+            "block": SOUND_BLOCK,
+            "steps": self.add(steps, "u2"),
+            "changes": self.add(changes, "u1"),
+        }

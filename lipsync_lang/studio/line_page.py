@@ -97,9 +97,7 @@ def _document(
         "format": PAGE_FORMAT,
         "title": animation.title,
         "settings": [f"{name}: {value}" for name, value in settings.items() if value],
-        "sound": None
-        if audio is None
-        else {"rate": audio.rate, "samples": pack.add(audio.samples, "i2")},
+        "sound": None if audio is None else {"rate": audio.rate, **pack.add_sound(audio.samples)},
         "takes": takes,
         "faces": faces,
     }

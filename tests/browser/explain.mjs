@@ -1,4 +1,4 @@
-// Print what a page tells of some frames: node explain.mjs STATIC PAGE FRAME...
+// Print the samples of a page, and what it tells of some frames: node explain.mjs STATIC PAGE FRAME...
 import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
@@ -12,6 +12,7 @@ const element = (id) => html.match(new RegExp(`id="${id}">([^]*?)</script>`))[1]
 const data = await unpack(element("document"), element("block"));
 const take = new Take(data.takes[0]);
 console.log(JSON.stringify({
+  sound: [...data.sound.samples],
   frames: frames.map(Number).map((frame) => ({
     ...take.soundAt(frame),
     bigrams: take.bigramsAt(frame),

@@ -174,12 +174,6 @@ def test_no_folder_of_this_machine_is_sent(page):
 # What it holds
 
 
-def test_the_sound_is_the_schedules(page):
-    sound = data_of(page)["sound"]
-    assert sound["rate"] == 22050
-    np.testing.assert_array_equal(sound["samples"], NOISE)
-
-
 def test_curves_are_those_performed(animation, page):
     (take,) = data_of(page)["takes"]
     assert (take["start"], take["count"]) == (pytest.approx(animation.times[0]), len(animation))
@@ -447,6 +441,19 @@ def test_the_page_explains_as_the_command_does(animation, page, tmp_path):
         for pose in explained.poses:
             steps = [(s.stage, s.why) for s in pose.stages if s.why]
             assert [(s["stage"], s["why"]) for s in shown["poses"].get(pose.pose, [])] == steps
+
+
+def test_the_page_plays_the_sound_of_the_schedule(animation, tmp_path):
+    quiet, none = NOISE[:6000] // 512, np.zeros(300, np.int16)
+    for number, samples in enumerate((NOISE, np.concatenate((quiet, none, NOISE[:100])), none[:0])):
+        sounding = replace(animation.schedule, audio=ll.Audio(samples, 22050))
+        path = tmp_path / f"{number}.html"
+        path.write_text(line_page(replace(animation, schedule=sounding)), "utf-8")
+        played = np.array(node(TESTS / "browser" / "explain.mjs", STATIC, path)["sound"], float)
+        assert played.shape == samples.shape
+        for at in range(0, len(samples), 256):  # the error follows the loudness
+            block, error = samples[at : at + 256], (played - samples)[at : at + 256]
+            assert abs(error).max() <= 0.5 + 0.05 * np.sqrt(np.mean(np.square(block, dtype=float)))
 
 
 def test_the_units_of_the_scripts_hold():

@@ -60,6 +60,19 @@ export function filled(value, arrays) {
 }
 
 /**
+ * Compute the samples of a sound that `array_pack.py` stored in steps.
+ * @param {{block: number, steps: Uint16Array, changes: Uint8Array}} sound
+ */
+export function samplesOf({ block, steps, changes }) {
+  let count = 0;
+  return Int16Array.from(changes, (change, n) => {
+    count = (count + change) % 256;
+    const sample = (count < 128 ? count : count - 256) * steps[Math.floor(n / block)];
+    return Math.max(-32768, Math.min(32767, sample));
+  });
+}
+
+/**
  * Read the document of a page.
  * @param {string} json
  * @param {string} text the block, compressed, in base64
@@ -70,5 +83,6 @@ export async function unpack(json, text) {
   const packed = Uint8Array.from(atob(text.trim()), (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const block = new Uint8Array(await new Response(stream).arrayBuffer());
-  return filled(document, arraysOf(block, document.arrays));
+  const data = filled(document, arraysOf(block, document.arrays));
+  return { ...data, sound: data.sound && { rate: data.sound.rate, samples: samplesOf(data.sound) } };
 }
