@@ -1,6 +1,6 @@
 """Draw the pictures of the studio and of the page of a voice into docs/images or another folder.
 
-    python docs/draw_studio.py [FOLDER] [--only studio|voice]
+    python docs/draw_studio.py [FOLDER] [--only studio|hour|voice]
 
 A headless browser uses both as the tests do (tests/browser/studio.mjs and voice.mjs), so it needs
 what they need: Chromium, and LIPSYNC_LANG_NODE_MODULES with playwright-core. Pillow writes the
@@ -32,6 +32,7 @@ COLOURS = 192
 """Colours of a picture; more make it larger, and look the same."""
 
 FILM_MS, FILM_PIXELS, VOICE_PIXELS = 90, (960, 540), (800, 368)
+HOUR_MS, HOUR_PIXELS = 1600, (980, 630)
 
 SAID = "Bob may buy a map of Mali by now, or so my mother told me."
 
@@ -86,6 +87,17 @@ def draw_studio(folder: Path) -> None:
         moving(sorted(Path(made).glob("film-*.png")), folder / "studio.webp", FILM_PIXELS, FILM_MS)
 
 
+def draw_hour(folder: Path) -> None:
+    """Draw an hour of an animator, as the test of it goes by."""
+    with TemporaryDirectory() as made:
+        subprocess.run(  # noqa: S603 our own test
+            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "full",
+             BROWSING / "test_hour_browser.py"],
+            cwd=ROOT.parent, env=os.environ | {"LIPSYNC_LANG_STUDIO_PICTURES": made}, check=True,
+        )  # fmt: skip
+        moving(sorted(Path(made).glob("*.png")), folder / "studio-hour.webp", HOUR_PIXELS, HOUR_MS)
+
+
 def draw_voice(folder: Path) -> None:
     """Draw the page of a voice as somebody talks; the browser hears a recording."""
     with TemporaryDirectory() as made, served("live", "--page", "-c", "facefx") as address:
@@ -99,7 +111,7 @@ def draw_voice(folder: Path) -> None:
         moving(frames[:-1], folder / "voice-page.webp", VOICE_PIXELS, lasts)
 
 
-DRAWN = {"studio": draw_studio, "voice": draw_voice}
+DRAWN = {"studio": draw_studio, "hour": draw_hour, "voice": draw_voice}
 
 
 def main() -> None:

@@ -16,17 +16,20 @@ const open = studio(browser, address, said, asked);
 try {
   const result = { said, asked };
   const page = await open("#sentence", { viewport: { width: 1400, height: 900 } });
-  const picture = async (name) => pictures && await page.screenshot({ path: `${pictures}/${name}.png` });
+  let shown = 10;
+  const picture = async (name) => pictures && await page.screenshot({ path: `${pictures}/${shown++}-${name}.png` });
   const { undoes, timings, settings, places } = lineOf(page);
   const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
   const labels = async () => (await timings()).phonemes.map((one) => one.label);
   const save = (wanted) => page.waitForFunction((text) => document.querySelector("#save").textContent.includes(text), wanted, WAIT);
   result.line = await page.textContent("#all-lines");
   result.labels = [await labels()];
+  await picture("opened");
 
   // a boundary is mended, and a phoneme relabelled
   await press("Home", "]", "]", "ArrowRight", "Shift+ArrowRight");
   await undoes("Undo: Move the boundary");
+  await picture("boundary");
   await press("Escape");
   const at = await places(), { phonemes, words } = await timings();
   const middle = (one) => (one.start + one.end) / 2;
@@ -35,6 +38,7 @@ try {
   await page.keyboard.type("æ");
   await press("Enter");
   await undoes("Undo: Relabel");
+  await picture("relabelled");
   result.labels.push(await labels());
 
   // one frame is bent: the pose of the first row, at the playhead
@@ -67,6 +71,7 @@ try {
   page.on("download", (one) => files.push(one.suggestedFilename()));
   await page.click("dialog[open] button.main");
   await page.waitForFunction(() => /^Exported/.test(document.querySelector("dialog[open] [role=status]").textContent), null, { timeout: 120000 });
+  await picture("exported");
   result.exported = await page.textContent("dialog[open] [role=status]");
   await press("Escape");
 
@@ -75,6 +80,7 @@ try {
   await new Promise((done) => createInterface({ input: process.stdin }).once("line", done));
   await page.evaluate(() => dispatchEvent(new Event("focus"))); // the animator comes back to the window
   await page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("was started again"), null, WAIT);
+  await picture("started-again");
   await page.click("#timeline", { position: at(middle(words[0]), 0) });
   await press("e");
   await undoes("Undo: Emphasis");
@@ -88,6 +94,7 @@ try {
   // the next line is as it was
   await page.click("#line-after");
   await page.waitForFunction((before) => document.querySelector("#all-lines").textContent !== before, result.line, WAIT);
+  await picture("next");
   result.next = [await page.textContent("#all-lines"), await settings()];
   process.stdout.write(JSON.stringify(result));
 } finally {
