@@ -1,6 +1,7 @@
 """Addresses of pages: kept for the next server, private, and for one port."""
 
 import os
+import socket
 from argparse import Namespace
 
 import pytest
@@ -44,6 +45,14 @@ def test_a_port_that_is_taken_has_another_token(kept):
     assert other[0] != port
     assert other[1] != token
     assert address(kept)[:2] == other[:2]
+
+
+def test_answers_do_not_wait_for_a_confirmation(kept):
+    listener, _ = _address(Namespace(host=LOCAL, port=0, token=None), kept)
+    with listener, socket.create_connection(listener.getsockname()):
+        accepted, _ = listener.accept()
+        with accepted:
+            assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 @posix
