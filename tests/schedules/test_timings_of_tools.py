@@ -61,12 +61,30 @@ def test_whispers_table_is_in_milliseconds(tmp_path):
     ]
 
 
-@pytest.mark.parametrize("mark", ["...", "ipu_1", "—"])
-def test_a_mark_among_words_is_no_word(tmp_path, mark):
-    found = read(
-        tmp_path, "words.ctm", f"u 1 0 0.3 Hello\nu 1 0.3 0.3 {mark}\nu 1 0.6 0.3 friends\n"
-    )
+WORDS_BY_FORMAT = {
+    "words.ctm": ("u 1 0 0.3 Hello\nu 1 0.3 0.3 {}\nu 1 0.6 0.3 friends\n"),
+    "words.srt": (
+        "1\n00:00:00,000 --> 00:00:00,300\nHello\n\n2\n00:00:00,300 --> 00:00:00,600\n{}\n\n"
+        "3\n00:00:00,600 --> 00:00:00,900\nfriends\n"
+    ),
+    "words.json": (
+        '{"words": [{"word": "Hello", "start": 0, "end": 0.3},'
+        ' {"word": "{}", "start": 0.3, "end": 0.6}, {"word": "friends", "start": 0.6, "end": 0.9}]}'
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WORDS_BY_FORMAT)
+@pytest.mark.parametrize("mark", ["...", "…", "ipu_1", "—", "SIL", "silB", "[noise]"])
+def test_a_mark_among_words_is_no_word(tmp_path, name, mark):
+    found = read(tmp_path, name, WORDS_BY_FORMAT[name].replace("{}", mark))
     assert [word.text for word in found.words] == ["Hello", "friends"]
+
+
+@pytest.mark.parametrize("word", ["silver", "silence", "[sobs] no [sobs]", "&", "ipu"])
+def test_a_word_like_a_mark_is_a_word(tmp_path, word):
+    found = read(tmp_path, "words.srt", WORDS_BY_FORMAT["words.srt"].replace("{}", word))
+    assert [word.text for word in found.words] == ["Hello", word, "friends"]
 
 
 def test_the_name_of_a_unit_is_not_read_before_its_text(tmp_path):
