@@ -28,7 +28,8 @@ LONG_WORD_SECONDS = 30.0
 """Longest plausible median duration in seconds, of words and cues; longer is another unit."""
 
 SILENT_WORD = re.compile(
-    r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|ipu_\d+|[^\w<\[{]+", re.IGNORECASE
+    r"!\w+|sil[be]?|sil_\w|sp|spn|pau|<[^>]*>|\[[^]]*]|\{[^}]*}|ipu_\d+|[^\w<\[{&%$€£=]+",
+    re.IGNORECASE,
 )
 """Marks of silence and noise among words, punctuation alone, and the names of SPPAS's units."""
 
@@ -108,14 +109,13 @@ def words_of_rows(
     guess: bool = False,
     remarks: Iterable[str] = (),
 ) -> TimedWords:
-    """Make timed words of labels, without marks of silence, as `timed_words_of` does."""
-    spoken = (row for row in rows if not SILENT_WORD.fullmatch(row.label.strip()))
-    words = map(_timed_word, spoken)
+    """Make timed words of labels, as `timed_words_of` does."""
+    words = map(_timed_word, rows)
     return timed_words_of(source, words, rate=rate, guess=guess, remarks=remarks)
 
 
 def _timed_word(row: LabelRow) -> TimedWord:
-    return TimedWord(UNIT_NAME.sub("", row.label, count=1), row.start, row.end, line=row.line)
+    return TimedWord(row.label, row.start, row.end, line=row.line)
 
 
 def timed_words_of(
@@ -126,7 +126,7 @@ def timed_words_of(
     guess: bool = False,
     remarks: Iterable[str] = (),
 ) -> TimedWords:
-    """Make timed words of the words of a file, in any order; blank ones are left out.
+    """Make timed words of the words of a file, in any order, without marks of silence.
 
     A word without length shares the time of its neighbour, as recognisers give such times to short
     words. Neighbours that overlap by no more than `ROUNDING_SECONDS` meet in the middle. Raises
@@ -135,8 +135,9 @@ def timed_words_of(
     None for seconds. `guess` guesses the unit of a format that does not state one, and adds a
     remark.
     """
-    found = [replace(word, text=" ".join(word.text.split())) for word in words]
-    found = sorted((w for w in found if w.text), key=lambda word: (word.start, word.end))
+    named = [replace(w, text=" ".join(UNIT_NAME.sub("", w.text, count=1).split())) for w in words]
+    spoken = [word for word in named if word.text and not SILENT_WORD.fullmatch(word.text)]
+    found = sorted(spoken, key=lambda word: (word.start, word.end))
     if not found:
         raise source.fault("has no words; check that the file is complete")
     rate, told = source.rate or rate, tuple(remarks)

@@ -1,10 +1,15 @@
 """Audio input: decoding of common file formats, and resampling."""
 
+import os
 import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from math import gcd
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from threading import Thread
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,9 +18,6 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.sound_forms import PLACEHOLDER_BYTES, surplus_seconds, unread
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 SPEECH_RATE = 16_000
 """Samples per second at which models and aligners hear speech."""
@@ -116,22 +118,22 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
 
 def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
     """Refuse a file by what its header states."""
-    rate = sound.samplerate
+    rate, stated = sound.samplerate, _stated(path, sound)
     if not SLOWEST <= rate <= FASTEST:
         raise SpeechError(
             f"{path}: {rate} samples per second; speech needs {SLOWEST} to {FASTEST}: resample it"
         )
-    if sound.frames > MAX_SOUND_SECONDS * rate:
+    if stated > MAX_SOUND_SECONDS * rate:
         raise SpeechError(
-            f"{path}: lasts {sound.frames / rate / 60:.0f} minutes, more than the maximum of "
+            f"{path}: lasts {stated / rate / 60:.0f} minutes, more than the maximum of "
             f"{MAX_SOUND_SECONDS / 60:.0f}; cut it into lines"
         )
-    stated, size = sound.frames, Path(path).stat().st_size
+    size = Path(path).stat().st_size
     if stated > SAMPLES_PER_BYTE.get(sound.format, FLAC_SAMPLES_PER_BYTE) * size:
         raise SpeechError(f"{path}: states {stated:,} samples in {size:,} bytes; save it again")
-    if sound.frames > MAX_SAMPLES or sound.channels > MAX_CHANNELS:
+    if stated > MAX_SAMPLES or sound.channels > MAX_CHANNELS:
         raise SpeechError(
-            f"{path}: has {sound.frames:,} samples on {sound.channels} channels, more than "
+            f"{path}: has {stated:,} samples on {sound.channels} channels, more than "
             f"{MAX_SAMPLES:,} samples or {MAX_CHANNELS} channels; resample it to 48000 Hz, mono"
         )
     if surplus:
@@ -142,7 +144,7 @@ def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
 
 
 def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
-    rate, stated = sound.samplerate, sound.frames
+    rate, stated = sound.samplerate, _stated(path, sound)
     if channel is not None and not 1 <= channel <= sound.channels:
         raise SpeechError(
             f"{path}: has no channel {channel}; its channels are numbered 1 to {sound.channels}"
@@ -157,7 +159,6 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
             left += float(np.square(mean, dtype=np.float64).sum())
             blocks.append(_whole(mean * INT16_FULL_SCALE))
         if left < MIN_MIX_POWER * powers.mean():  # the channels cancel each other out
-            sound.seek(0)
             channel = int(powers.argmax()) + 1
     if channel is not None:
         blocks = [_whole(b[:, channel - 1] * INT16_FULL_SCALE) for b in _blocks(path, sound)]
@@ -165,8 +166,6 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
     if count == 0:
         raise SpeechError(f"{path}: has no sound; record it again")
     slack = MP3_SLACK if sound.format == MP3 else 0
-    if sound.format == MP3 and not _states_length(Path(path)):
-        stated = 0  # estimated from the rate of its first frame
     # libsndfile corrects the length silently and reports the mismatch in its log only. Placeholders
     # in place of a size are not an error.
     corrected = _CORRECTED_SIZE.search(sound.extra_info)
@@ -179,27 +178,63 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
     return Audio(np.concatenate(blocks), rate)
 
 
-def _states_length(path: Path) -> bool:
-    """Return True for an MP3 whose first frame states its length."""
-    with path.open("rb") as file:
+def _stated(path: str | Path, sound: Any) -> int:
+    """Return the length that a file states, in samples; 0 for an MP3 that states none.
+
+    libsndfile then estimates one from the first frame, and reads no sample beyond it.
+    """
+    frames: int = sound.frames
+    return frames if sound.format != MP3 or _mp3_frames(path)[1] else 0
+
+
+def _mp3_frames(path: str | Path) -> tuple[int, bool]:
+    """Return the byte where the frames of an MP3 start, and whether the first states a length."""
+    with Path(path).open("rb") as file:
         head = file.read(10)
         # The size of a tag has seven bits in a byte.
         tag = sum(byte << shift for byte, shift in zip(head[6:], (21, 14, 7, 0), strict=False))
-        file.seek(tag + 10 if head.startswith(b"ID3") else 0)
+        start = file.seek(tag + 10 if head.startswith(b"ID3") else 0)
         frame = file.read(2048)
-    return any(mark in frame for mark in (b"Xing", b"Info", b"VBRI"))
+    return start, any(mark in frame for mark in (b"Xing", b"Info", b"VBRI"))
 
 
-def _blocks(path: str | Path, sound: Any) -> "Iterator[npt.NDArray[np.float32]]":
+@contextmanager
+def _from_start(path: str | Path, sound: Any) -> Iterator[Any]:
+    """Yield the sound of a file at its start, such that all of it can be read."""
+    if _stated(path, sound) or sound.format != MP3:
+        sound.seek(0)
+        yield sound
+        return
+    # Of a pipe, libsndfile estimates no length. It reads no tag there.
+    reading, writing = os.pipe()
+
+    def feed() -> None:
+        # The reader may end before the file does, as at a limit.
+        with Path(path).open("rb") as file, suppress(OSError), os.fdopen(writing, "wb") as pipe:
+            file.seek(_mp3_frames(path)[0])
+            shutil.copyfileobj(file, pipe)
+
+    feeder = Thread(target=feed)
+    feeder.start()
+    try:
+        with type(sound)(reading, closefd=False) as whole:
+            yield whole
+    finally:
+        os.close(reading)
+        feeder.join()
+
+
+def _blocks(path: str | Path, sound: Any) -> Iterator[npt.NDArray[np.float32]]:
     """Yield the samples in the file, (N, C), whatever its header states."""
-    count = 0
-    while len(
-        block := sound.read(BLOCK_SAMPLES // sound.channels, dtype="float32", always_2d=True)
-    ):
-        count += len(block)
-        if count > MAX_SAMPLES:
-            raise SpeechError(f"{path}: has more than {MAX_SAMPLES:,} samples; cut it into lines")
-        yield np.clip(np.nan_to_num(block), -MAX_AMPLITUDE, MAX_AMPLITUDE)
+    count, most = 0, min(MAX_SAMPLES, round(MAX_SOUND_SECONDS * sound.samplerate))
+    with _from_start(path, sound) as source:
+        while len(
+            block := source.read(BLOCK_SAMPLES // sound.channels, dtype="float32", always_2d=True)
+        ):
+            count += len(block)
+            if count > most:
+                raise SpeechError(f"{path}: has more than {most:,} samples; cut it into lines")
+            yield np.clip(np.nan_to_num(block), -MAX_AMPLITUDE, MAX_AMPLITUDE)
 
 
 def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:

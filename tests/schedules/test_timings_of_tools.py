@@ -2,12 +2,10 @@
 
 import json
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from lipsync_lang.schedules import read_timings
-from lipsync_lang.speech.sound import _states_length
 
 KALDI = """\
 u 1 0.00 0.00 38
@@ -63,44 +61,32 @@ def test_whispers_table_is_in_milliseconds(tmp_path):
     ]
 
 
-@pytest.mark.parametrize("mark", ["...", "ipu_1", "—"])
-def test_a_mark_among_words_is_no_word(tmp_path, mark):
-    found = read(
-        tmp_path, "words.ctm", f"u 1 0 0.3 Hello\nu 1 0.3 0.3 {mark}\nu 1 0.6 0.3 friends\n"
-    )
+WORDS_BY_FORMAT = {
+    "words.ctm": ("u 1 0 0.3 Hello\nu 1 0.3 0.3 {}\nu 1 0.6 0.3 friends\n"),
+    "words.srt": (
+        "1\n00:00:00,000 --> 00:00:00,300\nHello\n\n2\n00:00:00,300 --> 00:00:00,600\n{}\n\n"
+        "3\n00:00:00,600 --> 00:00:00,900\nfriends\n"
+    ),
+    "words.json": (
+        '{"words": [{"word": "Hello", "start": 0, "end": 0.3},'
+        ' {"word": "{}", "start": 0.3, "end": 0.6}, {"word": "friends", "start": 0.6, "end": 0.9}]}'
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WORDS_BY_FORMAT)
+@pytest.mark.parametrize("mark", ["...", "…", "ipu_1", "—", "SIL", "silB", "[noise]"])
+def test_a_mark_among_words_is_no_word(tmp_path, name, mark):
+    found = read(tmp_path, name, WORDS_BY_FORMAT[name].replace("{}", mark))
     assert [word.text for word in found.words] == ["Hello", "friends"]
+
+
+@pytest.mark.parametrize("word", ["silver", "silence", "[sobs] no [sobs]", "&", "ipu"])
+def test_a_word_like_a_mark_is_a_word(tmp_path, word):
+    found = read(tmp_path, "words.srt", WORDS_BY_FORMAT["words.srt"].replace("{}", word))
+    assert [word.text for word in found.words] == ["Hello", word, "friends"]
 
 
 def test_the_name_of_a_unit_is_not_read_before_its_text(tmp_path):
     found = read(tmp_path, "units.csv", "start,end,word\n0,1,#\n1,2,ipu_1 hello there\n")
     assert [word.text for word in found.words] == ["hello there"]
-
-
-def test_an_mp3_states_its_length_in_its_first_frame(tmp_path):
-    tag = b"ID3\x04\x00\x00" + bytes([0, 0, 1, 0]) + bytes(128)
-    for content, states in (
-        (b"\xff\xfb\x90\x00" + bytes(32) + b"Xing", True),
-        (tag + b"\xff\xfb\x90\x00" + bytes(32) + b"Info", True),
-        (tag + b"\xff\xfb\x90\x00" + bytes(400), False),
-    ):
-        (tmp_path / "a.mp3").write_bytes(content)
-        assert _states_length(tmp_path / "a.mp3") is states
-
-
-def test_an_mp3_of_variable_rate_is_read_without_a_header(tmp_path):
-    sf = pytest.importorskip("soundfile")
-    from lipsync_lang.speech.sound import read_audio
-
-    rate = 16000
-    t = np.arange(2 * rate) / rate
-    voice = np.where(t < 1, 0.0, 0.4 * np.sin(900 * t * t))
-    try:
-        sf.write(tmp_path / "a.mp3", voice, rate, bitrate_mode="VARIABLE", compression_level=0.0)
-    except (TypeError, sf.LibsndfileError):
-        pytest.skip("this libsndfile does not write MP3")
-    content = (tmp_path / "a.mp3").read_bytes()
-    at = max(content.find(b"Xing"), content.find(b"Info"))
-    assert at > 0
-    frame = content.find(b"\xff\xf3", at)
-    (tmp_path / "b.mp3").write_bytes(content[frame:])
-    assert abs(read_audio(tmp_path / "b.mp3").seconds - 2) < 0.2

@@ -161,6 +161,33 @@ def test_a_header_that_leaves_the_length_open_is_believed(tmp_path):
     assert np.array_equal(read_audio(path).samples, TONE)
 
 
+def variable_mp3(path, samples):
+    """Write an MP3 of variable rate whose first frame states no length."""
+    try:
+        written(path, samples, bitrate_mode="VARIABLE", compression_level=0.0)
+    except (TypeError, soundfile.LibsndfileError):
+        pytest.skip("this libsndfile does not write MP3")
+    content = path.read_bytes()
+    stating = max(content.find(b"Xing"), content.find(b"Info"))
+    assert stating > 0
+    path.write_bytes(content[content.find(b"\xff\xf3", stating) :])
+
+
+@pytest.mark.parametrize("loud_first", [True, False])
+@pytest.mark.parametrize("tag", [b"", b"ID3\x04\0\0" + bytes([0, 0, 1, 0]) + bytes(128)])
+def test_an_mp3_of_variable_rate_without_a_length_is_read_to_its_end(tmp_path, loud_first, tag):
+    time = np.arange(4 * RATE) / RATE
+    sweep = np.where((time < 2) == loud_first, 0.4 * np.sin(900 * time * time), 0.0)
+    path = tmp_path / "a.mp3"
+    # in two channels that cancel each other out, so that it is read twice
+    variable_mp3(path, np.column_stack([sweep, -sweep]))
+    path.write_bytes(tag + path.read_bytes())
+    audio = read_audio(path)
+    assert audio.seconds == pytest.approx(4, abs=0.2)
+    loud = np.abs(audio.samples) > 2000
+    assert np.median(np.flatnonzero(loud)) / RATE == pytest.approx(1 if loud_first else 3, abs=0.2)
+
+
 @full
 def test_samples_that_an_mp3_states_and_does_not_have_are_not_made_up(data):
     file = data / "recordings/mfa_tests/common_voice_en_22058267.mp3"
