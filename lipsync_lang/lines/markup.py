@@ -60,8 +60,10 @@ NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 """The name of a variable; it ends where a word of another script begins."""
 PERCENT_PLACEHOLDER = (
     rf"%%|%{NAME[:-1]}+%(?!%|[sd](?![A-Za-z]))|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]|%<\w+>[a-z]?"
-    # glued to a word: `%sen`, `%d個`; a digit before it makes it a percentage, `5%des` or `5 %des`
-    r"|(?<!\d)(?<!\d )%(?!d[a-z]{4})[+,-]?(?:ll?d|[sd@])"
+    # glued to a word: `%sen`, `%d個`, `%dfach`, but not `%damage`; a digit before it makes it a
+    # percentage, `5%des` or `5 %des`, and so does the ending of a number, `%50den`
+    r"|(?<!\d)(?<!\d )%(?:(?!d[aeiouyrw][a-z]{3})(?:[+,]|-\d*)?(?:ll?d|[sd@])"
+    r"|\d+d(?=[b-df-hj-np-tvxz]))"
     r"|%(?:\d+\$[-+#0,]*\d*(?:\.\d+)?|[-+#0,]*\d*\.\d+|0\d+)l{0,2}[sdifuxXoc@]"
     r"|(?:%[-+#0,]*\d*(?:hh?|ll?|[zj])?[sdifuxXcog@]|(?<!\d)(?<!\d )%-?[A-Za-z])(?![A-Za-z_À-ɏ])"
     rf"|(?<![\d%])(?<!\d )%[A-Za-z]{NAME}|%L?1(?![\d%'’.,])"

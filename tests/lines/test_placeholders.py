@@ -85,6 +85,9 @@ def test_the_name_of_a_variable_ends_where_another_script_begins(language):
         ("Take {name}'s sword", "Take sword"),
         ("%ds left", "left"),
         ("%dkm weit", "km weit"),
+        ("%dfache Wirkung, %5dkm", "fache Wirkung, km"),
+        ("%-10spunktów", "punktów"),
+        ("It does %damage now", "It does now"),
         ("pre[player]s B-but", "pre B-but"),
         # a percentage is none
         ("100%sicher", "100%sicher"),
