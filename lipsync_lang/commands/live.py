@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
     from lipsync_lang.listening.listener import Listener
+    from lipsync_lang.live.addresses import LiveAddress
     from lipsync_lang.live.live_gestures import LiveGestures
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
-    from lipsync_lang.live.outlets import LiveAddress
     from lipsync_lang.live.sound_bytes import Pcm
     from lipsync_lang.live.sound_sources import SoundFeed
     from lipsync_lang.live.web_socket import Session
@@ -98,9 +98,9 @@ def live(options: Namespace) -> int:
     if options.choosing:
         return _list_microphones()
     from lipsync_lang.commands.performing import levels, performer_for
+    from lipsync_lang.live.addresses import STANDARD_OUTPUT, parse_address
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.live_voice import LiveVoice
-    from lipsync_lang.live.outlets import STANDARD_OUTPUT, parse_address
     from lipsync_lang.live.web_socket import Session
     from lipsync_lang.speech.sound import SPEECH_RATE
 

@@ -18,7 +18,8 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.live.outlets import LiveFrame, Outlet
+from lipsync_lang.live.live_frame import LiveFrame
+from lipsync_lang.live.outlets import Outlet
 from lipsync_lang.performing.gesturing import line_facts
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import Schedule

@@ -7,10 +7,11 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from time import localtime
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TextIO
+from typing import TYPE_CHECKING, Any, Protocol, TextIO
 
-from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.live.addresses import STANDARD_OUTPUT, LiveAddress
+from lipsync_lang.live.live_frame import LiveFrame, as_row
 
 if TYPE_CHECKING:
     from lipsync_lang.live.web_socket import Session
@@ -21,64 +22,6 @@ NOT_CONNECTED = (errno.ENOTCONN, errno.EDESTADDRREQ)
 
 RECOVERED_SECONDS = 1.0
 """Time without an error after which a receiver is there again."""
-
-FRAME_DECIMALS = 5
-"""Decimal places of times and weights in text."""
-
-STANDARD_OUTPUT = "-"
-USUAL_PORTS = {"livelink": 11111, "vmc": 39539, "ws": 8765}
-LOCAL = "127.0.0.1"
-MAX_PORT = 65535
-
-
-class LiveAddress(NamedTuple):
-    """A receiver of frames."""
-
-    kind: str
-    """A kind of `USUAL_PORTS`, or `STANDARD_OUTPUT`."""
-    host: str = ""
-    port: int = 0
-
-
-def parse_address(text: str) -> LiveAddress:
-    """Parse ``livelink:HOST:PORT``, ``vmc:HOST:PORT``, ``ws:HOST:PORT`` or ``-``.
-
-    The defaults are this machine and the usual port of the receiver. An IPv6 address is in
-    brackets.
-
-    >>> parse_address("vmc:192.168.1.20:39540")
-    LiveAddress(kind='vmc', host='192.168.1.20', port=39540)
-    >>> parse_address("livelink")
-    LiveAddress(kind='livelink', host='127.0.0.1', port=11111)
-    """
-    if text == STANDARD_OUTPUT:
-        return LiveAddress(text)
-    kind, _, rest = text.partition(":")
-    if kind not in USUAL_PORTS:
-        raise LipsyncError(
-            f"--to {text}: '{kind}' is not a kind of receiver; {did_you_mean(kind, USUAL_PORTS)}. "
-            "Write KIND:HOST:PORT, or - for standard output"
-        )
-    if rest.startswith("["):
-        host, _, port = rest[1:].partition("]")
-        port = port.removeprefix(":")
-    else:
-        host, colon, port = rest.rpartition(":")
-        if not colon and not rest.isdecimal():  # a number without a host is a port
-            host, port = rest, ""
-    if port and not (port.isascii() and port.isdecimal() and 0 < int(port) <= MAX_PORT):
-        what = f"--to {text}: '{port}' is not a port; give a number from 1 to {MAX_PORT}"
-        raise LipsyncError(what)
-    return LiveAddress(kind, host or LOCAL, int(port) if port else USUAL_PORTS[kind])
-
-
-class LiveFrame(NamedTuple):
-    """A frame and its time."""
-
-    seconds: float
-    """Time since the start of the session."""
-    weights: Floats
-    """(P,) in [0, 1]."""
 
 
 class Outlet(Protocol):
@@ -92,12 +35,6 @@ class Outlet(Protocol):
 
     def close(self) -> None:
         """End the connection."""
-
-
-def as_row(frame: LiveFrame) -> dict[str, Any]:
-    """Return a frame as JSON data."""
-    weights = [round(weight, FRAME_DECIMALS) for weight in frame.weights.tolist()]
-    return {"time": round(frame.seconds, FRAME_DECIMALS), "weights": weights}
 
 
 class LineOutlet:

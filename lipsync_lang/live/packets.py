@@ -21,7 +21,7 @@ from uuid import NAMESPACE_DNS, uuid5
 from lipsync_lang.animations.fixed import names, shapes_held
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
-from lipsync_lang.live.outlets import LiveFrame
+from lipsync_lang.live.live_frame import LiveFrame
 from lipsync_lang.rigs.channel import Channel
 
 if TYPE_CHECKING:

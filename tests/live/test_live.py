@@ -20,6 +20,8 @@ from lipsync_lang import Schedule
 from lipsync_lang.cli import main
 from lipsync_lang.commands.live import lines
 from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.live.addresses import LiveAddress, parse_address
+from lipsync_lang.live.live_frame import LiveFrame
 from lipsync_lang.live.live_player import (
     MAX_SPOKEN_CHARS,
     MAX_WAITING_TEXTS,
@@ -27,7 +29,7 @@ from lipsync_lang.live.live_player import (
     TextSpeaker,
 )
 from lipsync_lang.live.live_voice import LiveVoice
-from lipsync_lang.live.outlets import LiveAddress, LiveFrame, PacketOutlet, parse_address
+from lipsync_lang.live.outlets import PacketOutlet
 from lipsync_lang.live.packets import LiveLinkPacket, vmc_messages
 from lipsync_lang.live.web_socket import MAX_PHONEME_ROWS, Client, Session
 from lipsync_lang.rigs.channel import Channel

@@ -7,10 +7,12 @@ import pytest
 from test_live import LINE, Taken, Time
 
 import lipsync_lang as ll
+from lipsync_lang.live.addresses import LiveAddress
+from lipsync_lang.live.live_frame import LiveFrame
 from lipsync_lang.live.live_gestures import LiveGestures
 from lipsync_lang.live.live_player import LivePlayer
 from lipsync_lang.live.live_voice import LiveVoice
-from lipsync_lang.live.outlets import LiveAddress, LiveFrame, outlet
+from lipsync_lang.live.outlets import outlet
 from lipsync_lang.live.web_socket import Client, Session
 
 
