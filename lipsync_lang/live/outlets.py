@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TextIO
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.live.addresses import STANDARD_OUTPUT, LiveAddress
+from lipsync_lang.live.head_turn import HeadTurn
 from lipsync_lang.live.live_frame import LiveFrame, as_row
+from lipsync_lang.rigs.model import read_model
 
 if TYPE_CHECKING:
     from lipsync_lang.live.web_socket import Session
@@ -138,6 +140,8 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
 
     `gestures` tells whether frames have the amounts of gestures after the weights of poses.
     """
+    head = HeadTurn.of(performer) if gestures else None
+    head = head if head is not None and head.columns else None
     channels = (*performer.channels, *(performer.gesture_channels if gestures else ()))
     if address.kind == STANDARD_OUTPUT:
         return LineOutlet(sys.stdout)
@@ -150,13 +154,30 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
 
         now = localtime()
         start = round(((now.tm_hour * 60 + now.tm_min) * 60 + now.tm_sec) * fps)
-        pack = LiveLinkPacket(channels, fps, subject, start)
+        pack = LiveLinkPacket(channels, fps, subject, start, head)
         return PacketOutlet(address, pack, complain)
     from lipsync_lang.live.packets import vmc_messages
 
     shapes = [channel.name if channel.node is None else "" for channel in channels]
+    place = (0.0, 0.0, 0.0) if head is None else _head_place(performer, head, complain)
+    return PacketOutlet(address, vmc_messages(shapes, renamed, head, place), complain)
 
-    return PacketOutlet(address, vmc_messages(shapes, renamed), complain)
+
+def _head_place(
+    performer: "Performer", head: HeadTurn, complain: Callable[[str], None]
+) -> tuple[float, float, float]:
+    """Return the place of the head in its parent, in the axes of Unity, if a model tells it."""
+    bone = performer.gesture_channels[head.columns[0] - len(performer.poses)].node
+    document = read_model(performer.model).document if performer.model else {}
+    for node in document.get("nodes", ()):
+        if node.get("name") == bone:
+            x, y, z = node.get("translation", (0.0, 0.0, 0.0))
+            return (-x, y, z) if performer.compiled.gestures["front"] == "z" else (x, y, -z)
+    complain(
+        f"vmc: no model tells the place of the head, '{bone}'; perform on your model (-c FILE), or "
+        "let the receiver take no places of bones (EVMC4U: BonePositionSynchronize)"
+    )
+    return 0.0, 0.0, 0.0
 
 
 def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:
