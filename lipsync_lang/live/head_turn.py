@@ -50,12 +50,12 @@ class HeadTurn:
         self.axes, self.columns = axes, columns
 
     @classmethod
-    def of(cls, performer: "Performer") -> "HeadTurn":
-        """Return the turns of a performer's gestures, whose poses come after those of speech."""
+    def of(cls, performer: "Performer", first: int) -> "HeadTurn":
+        """Return the turns of a performer's gestures, whose columns begin at `first`."""
         made = performer.compiled.gestures
         found = {
             column: pose["channel"]["rotation"]
-            for column, pose in enumerate(made["poses"], len(performer.poses))
+            for column, pose in enumerate(made["poses"], first)
             if pose["region"] == HEAD_REGION and pose["channel"]["rotation"] is not None
         }
         axes = np.array([*found.values()], float).reshape(-1, 3)

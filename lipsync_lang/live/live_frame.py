@@ -1,6 +1,7 @@
-"""A frame of a live session."""
+"""A frame of a live session, and what receives it."""
 
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
 
 from lipsync_lang.arrays import Floats
 
@@ -15,6 +16,19 @@ class LiveFrame(NamedTuple):
     """Time since the start of the session."""
     weights: Floats
     """(P,) in [0, 1]."""
+
+
+class Outlet(Protocol):
+    """A receiver of frames."""
+
+    def send(self, frame: LiveFrame) -> None:
+        """Send a frame now."""
+
+    def tell(self, event: Mapping[str, Any]) -> None:
+        """Report the start of an utterance or an error, if the receiver reads text."""
+
+    def close(self) -> None:
+        """End the connection."""
 
 
 def as_row(frame: LiveFrame) -> dict[str, Any]:

@@ -7,15 +7,16 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from time import localtime
-from typing import TYPE_CHECKING, Any, Protocol, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.live.addresses import STANDARD_OUTPUT, LiveAddress
 from lipsync_lang.live.head_turn import HeadTurn
-from lipsync_lang.live.live_frame import LiveFrame, as_row
+from lipsync_lang.live.live_frame import LiveFrame, Outlet, as_row
 from lipsync_lang.rigs.model import read_model
 
 if TYPE_CHECKING:
+    from lipsync_lang.live.live_player import LivePlayer
     from lipsync_lang.live.web_socket import Session
     from lipsync_lang.performing.performer import Performer
 
@@ -24,19 +25,6 @@ NOT_CONNECTED = (errno.ENOTCONN, errno.EDESTADDRREQ)
 
 RECOVERED_SECONDS = 1.0
 """Time without an error after which a receiver is there again."""
-
-
-class Outlet(Protocol):
-    """A receiver of frames."""
-
-    def send(self, frame: LiveFrame) -> None:
-        """Send a frame now."""
-
-    def tell(self, event: Mapping[str, Any]) -> None:
-        """Report the start of an utterance or an error, if the receiver reads text."""
-
-    def close(self) -> None:
-        """End the connection."""
 
 
 class LineOutlet:
@@ -127,22 +115,18 @@ class PacketOutlet:
 
 def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and the user
     address: LiveAddress,
-    performer: "Performer",
-    fps: float,
+    player: "LivePlayer",
     session: "Session",
     *,
     subject: str,
     renamed: Mapping[str, str],
-    gestures: bool,
     complain: Callable[[str], None],
 ) -> Outlet:
-    """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session.
-
-    `gestures` tells whether frames have the amounts of gestures after the weights of poses.
-    """
-    head = HeadTurn.of(performer) if gestures else None
-    head = head if head is not None and head.columns else None
-    channels = (*performer.channels, *(performer.gesture_channels if gestures else ()))
+    """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session."""
+    performer, fps, channels, head = player.performer, player.fps, player.channels, None
+    if player.gestures is not None:
+        head = HeadTurn.of(performer, len(channels))
+        channels += performer.gesture_channels
     if address.kind == STANDARD_OUTPUT:
         return LineOutlet(sys.stdout)
     if address.kind == "ws":
@@ -159,15 +143,17 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
     from lipsync_lang.live.packets import vmc_messages
 
     shapes = [channel.name if channel.node is None else "" for channel in channels]
-    place = (0.0, 0.0, 0.0) if head is None else _head_place(performer, head, complain)
+    if head is not None and head.columns:
+        place = _head_place(performer, channels[head.columns[0]].node, complain)
+    else:
+        head, place = None, (0.0, 0.0, 0.0)
     return PacketOutlet(address, vmc_messages(shapes, renamed, head, place), complain)
 
 
 def _head_place(
-    performer: "Performer", head: HeadTurn, complain: Callable[[str], None]
+    performer: "Performer", bone: str | None, complain: Callable[[str], None]
 ) -> tuple[float, float, float]:
     """Return the place of the head in its parent, in the axes of Unity, if a model tells it."""
-    bone = performer.gesture_channels[head.columns[0] - len(performer.poses)].node
     document = read_model(performer.model).document if performer.model else {}
     for node in document.get("nodes", ()):
         if node.get("name") == bone:

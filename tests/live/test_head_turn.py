@@ -12,6 +12,8 @@ import lipsync_lang as ll
 from lipsync_lang.live.addresses import LiveAddress
 from lipsync_lang.live.head_turn import HeadTurn, head_angles
 from lipsync_lang.live.live_frame import LiveFrame
+from lipsync_lang.live.live_gestures import LiveGestures
+from lipsync_lang.live.live_player import LivePlayer
 from lipsync_lang.live.outlets import outlet
 
 SETS = ("arkit", "vrm", "vrm0", "facefx")
@@ -20,12 +22,15 @@ TURNS = {"nod": "chin down", "turn": "to its left", "tilt": "to its right", "lif
 DEGREES = 4.0
 
 
-def packet(name, kind, amounts, *, gestures=True):
+def packet(name, kind, amounts, *, gestures=True, how=None):
     """Return the packet of a frame with some amounts of poses, and the warnings of the command."""
     performer, told = ll.resolve("english", name), []
-    made = outlet(LiveAddress(kind, "127.0.0.1", 9), performer, 60, None, subject="Ada",
-                  renamed={}, gestures=gestures, complain=told.append)  # fmt: skip
-    poses = performer.poses + (performer.gesture_set.poses if gestures else ())
+    own = performer.gesture_set
+    moving = LiveGestures(own, [1.0] * len(own.shapes), 60) if gestures else None
+    player = LivePlayer(performer, 60, [], how, gestures=moving)
+    address = LiveAddress(kind, "127.0.0.1", 9)
+    made = outlet(address, player, None, subject="Ada", renamed={}, complain=told.append)
+    poses = [one.name for one in player.channels] + [*own.poses] * gestures
     weights = np.array([amounts.get(pose, 0.0) for pose in poses])
     raw = made.pack(LiveFrame(0.0, weights))
     made.close()
@@ -118,10 +123,18 @@ def test_live_link_has_the_angles_of_a_head_in_radians():
     assert struct.unpack(">6f", raw[-24:]) == (0,) * 6
 
 
+def test_a_posture_stands_before_the_turns_of_the_head():
+    smile = {"mouthSmileLeft": 0.5, "nod": DEGREES}
+    raw, _ = packet("arkit", "livelink", smile, how={"styles": {"happy": 1.0}})
+    values = struct.unpack(">61f", raw[-244:])
+    assert values[23] == 0.5
+    assert values[52:55] == pytest.approx([0, math.radians(DEGREES), 0], abs=1e-6)
+
+
 @given(st.lists(st.floats(-15, 15), min_size=4, max_size=4))
 def test_angles_give_the_turn_again(amounts):
     performer = ll.resolve("english", "arkit")
-    head = HeadTurn.of(performer)
+    head = HeadTurn.of(performer, len(performer.poses))
     weights = np.zeros(head.columns[-1] + 1)
     weights[[*head.columns]] = amounts
     turn = head(weights)

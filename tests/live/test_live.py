@@ -217,6 +217,16 @@ def test_frames_are_those_of_the_file_at_their_time(performer):
     assert max(late) < 2 / 60
 
 
+def test_a_style_has_its_posture_after_the_poses_of_speech():
+    smiling = ll.resolve("english", "arkit")
+    _, taken = played(smiling, LINE, styles={"happy": 1})
+    whole = smiling.perform(LINE, styles={"happy": 1})
+    assert len(whole.poses) > len(smiling.poses)
+    found = np.array([f.weights for f in taken.frames if f.weights.any()])
+    assert np.abs(found - whole.weights[whole.weights.any(axis=1)]).max() < 1e-6
+    assert {len(f.weights) for f in taken.frames} == {len(whole.poses)}
+
+
 def test_what_comes_while_another_is_spoken_waits(performer):
     player, taken = played(performer, LINE, LINE)
     first, second = (event["start"] for event in taken.told)
