@@ -555,6 +555,7 @@ def test_piped_sound_is_followed_and_its_faults_are_named():
     [
         (["Hello", "--audio", "-"], "a TEXT is for speech of a text; leave it out with --audio"),
         (["--audio", "-", "--style", "angry:1"], "--style is for speech"),
+        (["--page", "--style", "angry:1"], "--style is not for the page"),
         (["--rate", "8000"], "give a source with --audio"),
         (["--audio", "none.wav"], "none.wav: cannot be read"),
         (["--audio", "-", "--rate", "5"], "--rate 5: give the samples per second"),
