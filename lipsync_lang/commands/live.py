@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
     from lipsync_lang.listening.listener import Listener
+    from lipsync_lang.live.addresses import LiveAddress
     from lipsync_lang.live.live_gestures import LiveGestures
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
-    from lipsync_lang.live.outlets import LiveAddress
     from lipsync_lang.live.sound_bytes import Pcm
     from lipsync_lang.live.sound_sources import SoundFeed
     from lipsync_lang.live.web_socket import Session
@@ -98,9 +98,9 @@ def live(options: Namespace) -> int:
     if options.choosing:
         return _list_microphones()
     from lipsync_lang.commands.performing import levels, performer_for
+    from lipsync_lang.live.addresses import STANDARD_OUTPUT, parse_address
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.live_voice import LiveVoice
-    from lipsync_lang.live.outlets import STANDARD_OUTPUT, parse_address
     from lipsync_lang.live.web_socket import Session
     from lipsync_lang.speech.sound import SPEECH_RATE
 
@@ -108,13 +108,15 @@ def live(options: Namespace) -> int:
     performer, fps = performer_for(options), options.fps
     styles = levels("--style", options.styles)
     how: dict[str, Any] = {"styles": styles, "dials": levels("--dial", options.dials)}
-    delay = performer.stream(fps, **how).delay  # settings that cannot stream are refused here
+    stream = performer.stream(fps, **how)  # settings that cannot stream are refused here
 
     def listen(rate: int, delay: float | None = None) -> "Listener":
-        return performer.listen(rate, options.delay if delay is None else delay, fps)
+        awaited = options.delay if delay is None else delay
+        return performer.listen(rate, awaited, fps, poses=stream.poses)
 
     source, live_source = _source(options)
     voice = LiveVoice(listen, fps, _complain, paced=not live_source)
+    delay = stream.delay
     if source is not None or options.page:  # a model that is missing is told here
         delay = listen(options.rate or SPEECH_RATE).delay
     open_gestures = _gestures(options, performer)
@@ -124,7 +126,7 @@ def live(options: Namespace) -> int:
     speaker = TextSpeaker(
         lambda text: performer.speaker.speak(text, engine=options.tts), player.say, _complain
     )
-    poses = performer.poses + (performer.gesture_set.poses if player.gestures else ())
+    poses = stream.poses + (performer.gesture_set.poses if player.gestures else ())
     greeting = {"poses": poses, "fps": fps, "delay": round(delay, 4)}
     session = Session(
         greeting, speaker.say, lambda notation: performer.stream(fps, notation=notation, **how),
@@ -154,7 +156,8 @@ def _serve_page(options: Namespace, performer: "Performer", session: "Session") 
     from lipsync_lang.live.web_socket import MAX_MESSAGE_BYTES
 
     for option, given in (("a TEXT", options.text), ("--audio", options.audio),
-                          ("--to", options.to), ("--tts", options.tts)):  # fmt: skip
+                          ("--to", options.to), ("--tts", options.tts),
+                          ("--style", options.styles), ("--dial", options.dials)):  # fmt: skip
         if given:
             raise LipsyncError(f"{option} is not for the page; leave it out with --page")
 
@@ -180,12 +183,12 @@ def _send(  # noqa: PLR0913 who speaks, and who receives it
     from lipsync_lang.live.outlets import outlet
     from lipsync_lang.live.sound_sources import SoundFeed
 
-    renamed = _renamed(options.rename, player.performer)
+    renamed = _renamed(options.rename, [channel.name for channel in player.channels])
     try:
         for address in addresses:
             receiver = outlet(
-                address, player.performer, player.fps, session, subject=options.subject,
-                renamed=renamed, gestures=player.gestures is not None, complain=_complain,
+                address, player, session, subject=options.subject, renamed=renamed,
+                complain=_complain,
             )  # fmt: skip
             player.outlets.append(receiver)
         for one in player.outlets:
@@ -198,7 +201,7 @@ def _send(  # noqa: PLR0913 who speaks, and who receives it
             one.close()
 
 
-def _renamed(stated: list[str], performer: "Performer") -> dict[str, str]:
+def _renamed(stated: list[str], poses: "Sequence[str]") -> dict[str, str]:
     """Parse ``POSE=NAME``."""
     from lipsync_lang.live.outlets import refuse_unknown
 
@@ -206,7 +209,7 @@ def _renamed(stated: list[str], performer: "Performer") -> dict[str, str]:
     for name, other in renamed.items():
         if not name or not other:
             raise LipsyncError(f"--rename {name}: write POSE=NAME, such as --rename mouth_open=A")
-    refuse_unknown(renamed, performer.poses)
+    refuse_unknown(renamed, poses)
     return renamed
 
 

@@ -92,7 +92,7 @@ class Listener:
         self._mouth = mouth
         self._gate, self._voiced = VoiceGate(), np.zeros(1)
         self._given = self._frames = 0
-        self._last = np.zeros((0, len(poses)))
+        self._last = np.zeros((0, len(mouth.tables.priority)))
         self.belief = scores.loop.start.sum(axis=-1)
         """(N,) probability of each phone in the newest frame."""
 
@@ -190,13 +190,15 @@ class Listener:
         self._given += len(times)
         if not len(times):
             return FinalFrames(times, np.zeros((0, len(self.poses))))
+        weights = np.zeros((len(times), len(self.poses)))
         # straight between the frames of the ear; the first one stands in for those before it
         at = np.clip((times - late) / FRAME_SECONDS - first, 0, len(curves) - 1)
         low = np.minimum(at.astype(int), max(len(curves) - 2, 0))
         share = (at - low)[:, None]
         high = np.minimum(low + 1, len(curves) - 1)
         shown = curves[low] * (1 - share) + curves[high] * share
-        return FinalFrames(times, self._mouth.constrained(shown))
+        weights[:, : shown.shape[1]] = self._mouth.constrained(shown)
+        return FinalFrames(times, weights)
 
 
 def _samples(samples: npt.ArrayLike) -> Floats:
@@ -229,6 +231,7 @@ def open_listener(  # noqa: PLR0913 what moves, the language, and three settings
 
     Parameters
     ----------
+    poses : names of the columns; those after the poses of the tables stay 0
     notation : of the language, in IPA
     numbers : number of each common phoneme in the tables
     """

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.live.live_frame import LiveFrame, as_row
 from lipsync_lang.live.live_gestures import LiveGestures, beside
-from lipsync_lang.live.outlets import LiveFrame, as_row
 from lipsync_lang.live.sound_bytes import SampleForm, checked_form
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import numpy as np
 
 from lipsync_lang.gestures.laying import GestureSet
 from lipsync_lang.gestures.placing import DRAWING_SECONDS, LineFacts, place
-from lipsync_lang.live.outlets import LiveFrame
+from lipsync_lang.live.live_frame import LiveFrame
 
 
 class BegunGesture(NamedTuple):

@@ -18,7 +18,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.live.outlets import LiveFrame, Outlet
+from lipsync_lang.live.live_frame import LiveFrame, Outlet
 from lipsync_lang.performing.gesturing import line_facts
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import Schedule
@@ -69,14 +69,16 @@ class LivePlayer:
         self.performer, self.fps, self.outlets = performer, fps, outlets
         self.how, self.clock, self.wait = dict(how or {}), clock, wait
         self.voice, self.gestures = voice, gestures
+        self.channels = performer.stream(fps, **self.how).channels
+        """Channel of each column of speech."""
         self.waiting: SimpleQueue[Schedule] = SimpleQueue()
         self.stream: Stream | None = None
         self.began = clock()
         self.zero = 0.0
         """Session time of second 0 of the stream."""
-        self.passing = LiveFrame(-inf, np.zeros(len(performer.poses)))
+        self.passing = LiveFrame(-inf, np.zeros(len(self.channels)))
         """Last frame before the mouth passed from sound to a text, or back."""
-        self.last = LiveFrame(0.0, np.zeros(len(performer.poses)))
+        self.last = LiveFrame(0.0, np.zeros(len(self.channels)))
 
     @property
     def resting(self) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 
 from lipsync_lang.arrays import Singles
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.live.outlets import LiveFrame
+from lipsync_lang.live.live_frame import LiveFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable

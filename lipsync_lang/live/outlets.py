@@ -7,12 +7,16 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from time import localtime
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
-from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.live.addresses import STANDARD_OUTPUT, LiveAddress
+from lipsync_lang.live.head_turn import HeadTurn
+from lipsync_lang.live.live_frame import LiveFrame, Outlet, as_row
+from lipsync_lang.rigs.model import read_model
 
 if TYPE_CHECKING:
+    from lipsync_lang.live.live_player import LivePlayer
     from lipsync_lang.live.web_socket import Session
     from lipsync_lang.performing.performer import Performer
 
@@ -21,83 +25,6 @@ NOT_CONNECTED = (errno.ENOTCONN, errno.EDESTADDRREQ)
 
 RECOVERED_SECONDS = 1.0
 """Time without an error after which a receiver is there again."""
-
-FRAME_DECIMALS = 5
-"""Decimal places of times and weights in text."""
-
-STANDARD_OUTPUT = "-"
-USUAL_PORTS = {"livelink": 11111, "vmc": 39539, "ws": 8765}
-LOCAL = "127.0.0.1"
-MAX_PORT = 65535
-
-
-class LiveAddress(NamedTuple):
-    """A receiver of frames."""
-
-    kind: str
-    """A kind of `USUAL_PORTS`, or `STANDARD_OUTPUT`."""
-    host: str = ""
-    port: int = 0
-
-
-def parse_address(text: str) -> LiveAddress:
-    """Parse ``livelink:HOST:PORT``, ``vmc:HOST:PORT``, ``ws:HOST:PORT`` or ``-``.
-
-    The defaults are this machine and the usual port of the receiver. An IPv6 address is in
-    brackets.
-
-    >>> parse_address("vmc:192.168.1.20:39540")
-    LiveAddress(kind='vmc', host='192.168.1.20', port=39540)
-    >>> parse_address("livelink")
-    LiveAddress(kind='livelink', host='127.0.0.1', port=11111)
-    """
-    if text == STANDARD_OUTPUT:
-        return LiveAddress(text)
-    kind, _, rest = text.partition(":")
-    if kind not in USUAL_PORTS:
-        raise LipsyncError(
-            f"--to {text}: '{kind}' is not a kind of receiver; {did_you_mean(kind, USUAL_PORTS)}. "
-            "Write KIND:HOST:PORT, or - for standard output"
-        )
-    if rest.startswith("["):
-        host, _, port = rest[1:].partition("]")
-        port = port.removeprefix(":")
-    else:
-        host, colon, port = rest.rpartition(":")
-        if not colon and not rest.isdecimal():  # a number without a host is a port
-            host, port = rest, ""
-    if port and not (port.isascii() and port.isdecimal() and 0 < int(port) <= MAX_PORT):
-        what = f"--to {text}: '{port}' is not a port; give a number from 1 to {MAX_PORT}"
-        raise LipsyncError(what)
-    return LiveAddress(kind, host or LOCAL, int(port) if port else USUAL_PORTS[kind])
-
-
-class LiveFrame(NamedTuple):
-    """A frame and its time."""
-
-    seconds: float
-    """Time since the start of the session."""
-    weights: Floats
-    """(P,) in [0, 1]."""
-
-
-class Outlet(Protocol):
-    """A receiver of frames."""
-
-    def send(self, frame: LiveFrame) -> None:
-        """Send a frame now."""
-
-    def tell(self, event: Mapping[str, Any]) -> None:
-        """Report the start of an utterance or an error, if the receiver reads text."""
-
-    def close(self) -> None:
-        """End the connection."""
-
-
-def as_row(frame: LiveFrame) -> dict[str, Any]:
-    """Return a frame as JSON data."""
-    weights = [round(weight, FRAME_DECIMALS) for weight in frame.weights.tolist()]
-    return {"time": round(frame.seconds, FRAME_DECIMALS), "weights": weights}
 
 
 class LineOutlet:
@@ -188,20 +115,18 @@ class PacketOutlet:
 
 def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and the user
     address: LiveAddress,
-    performer: "Performer",
-    fps: float,
+    player: "LivePlayer",
     session: "Session",
     *,
     subject: str,
     renamed: Mapping[str, str],
-    gestures: bool,
     complain: Callable[[str], None],
 ) -> Outlet:
-    """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session.
-
-    `gestures` tells whether frames have the amounts of gestures after the weights of poses.
-    """
-    channels = (*performer.channels, *(performer.gesture_channels if gestures else ()))
+    """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session."""
+    performer, fps, channels, head = player.performer, player.fps, player.channels, None
+    if player.gestures is not None:
+        head = HeadTurn.of(performer, len(channels))
+        channels += performer.gesture_channels
     if address.kind == STANDARD_OUTPUT:
         return LineOutlet(sys.stdout)
     if address.kind == "ws":
@@ -213,13 +138,32 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
 
         now = localtime()
         start = round(((now.tm_hour * 60 + now.tm_min) * 60 + now.tm_sec) * fps)
-        pack = LiveLinkPacket(channels, fps, subject, start)
+        pack = LiveLinkPacket(channels, fps, subject, start, head)
         return PacketOutlet(address, pack, complain)
     from lipsync_lang.live.packets import vmc_messages
 
     shapes = [channel.name if channel.node is None else "" for channel in channels]
+    if head is not None and head.columns:
+        place = _head_place(performer, channels[head.columns[0]].node, complain)
+    else:
+        head, place = None, (0.0, 0.0, 0.0)
+    return PacketOutlet(address, vmc_messages(shapes, renamed, head, place), complain)
 
-    return PacketOutlet(address, vmc_messages(shapes, renamed), complain)
+
+def _head_place(
+    performer: "Performer", bone: str | None, complain: Callable[[str], None]
+) -> tuple[float, float, float]:
+    """Return the place of the head in its parent, in the axes of Unity, if a model tells it."""
+    document = read_model(performer.model).document if performer.model else {}
+    for node in document.get("nodes", ()):
+        if node.get("name") == bone:
+            x, y, z = node.get("translation", (0.0, 0.0, 0.0))
+            return (-x, y, z) if performer.compiled.gestures["front"] == "z" else (x, y, -z)
+    complain(
+        f"vmc: no model tells the place of the head, '{bone}'; perform on your model (-c FILE), or "
+        "let the receiver take no places of bones (EVMC4U: BonePositionSynchronize)"
+    )
+    return 0.0, 0.0, 0.0
 
 
 def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:

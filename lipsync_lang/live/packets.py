@@ -3,13 +3,16 @@
 Live Link Face is the face capture app for Unreal Engine (version 6). One packet a frame, numbers
 big-endian: the version in a byte, the device and the subject as text after their length in bytes,
 the frame's number, the share of a frame past it, numerator and denominator of the rate, the count
-of values in a byte, and the values as floats: 52 ARKit shapes, then the rotations of head and eyes,
-which speech leaves at 0. Left shapes always come before right ones; the recordings of the app have
-two pairs in the opposite order.
+of values in a byte, and the values as floats: 52 ARKit shapes, then the rotations of head and eyes
+in radians. The head turns to its left, bends forward and tilts to its right (yaw, pitch, roll); the
+eyes have shapes, and their rotations stay 0. Left shapes always come before right ones; the
+recordings of the app have two pairs in the opposite order.
 
 The VMC protocol (Virtual Motion Capture) has bundles of OSC. One bundle a frame: a
 `/VMC/Ext/Blend/Val` with name and weight for each pose, then `/VMC/Ext/Blend/Apply`, which shows
-them. `/VMC/Ext/OK` before them announces the sender.
+them. `/VMC/Ext/OK` before them announces the sender. `/VMC/Ext/Bone/Pos` has the place and the turn
+of the bone `Head` in its parent, in the axes of Unity: x to its right, y up, z to the front,
+left-handed.
 """
 
 import struct
@@ -21,7 +24,8 @@ from uuid import NAMESPACE_DNS, uuid5
 from lipsync_lang.animations.fixed import names, shapes_held
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
-from lipsync_lang.live.outlets import LiveFrame
+from lipsync_lang.live.head_turn import HeadAngles, HeadTurn, head_angles
+from lipsync_lang.live.live_frame import LiveFrame
 from lipsync_lang.rigs.channel import Channel
 
 if TYPE_CHECKING:
@@ -36,6 +40,7 @@ WRAP = 2**31
 """Number of frames after which the frame number restarts at 0."""
 
 VALUE, APPLY, READY = "/VMC/Ext/Blend/Val", "/VMC/Ext/Blend/Apply", "/VMC/Ext/OK"
+BONE, HEAD = "/VMC/Ext/Bone/Pos", "Head"
 
 LOADED = 1
 """Value of `/VMC/Ext/OK`: a model is loaded."""
@@ -45,14 +50,21 @@ class LiveLinkPacket:
     """Packs frames for Unreal Engine; `start` is the number of the frame at time zero."""
 
     def __init__(
-        self, columns: Sequence[Channel], fps: float, subject: str, start: int = 0
+        self,
+        columns: Sequence[Channel],
+        fps: float,
+        subject: str,
+        start: int = 0,
+        head: HeadTurn | None = None,
     ) -> None:
+        self.turn = head
         held = names(PACKET_SHAPES)
         numbers = {shape: number for number, shape in enumerate(held.shapes)}
         found = shapes_held(columns, held, LIVE_LINK_PROGRAM)
         self.places = [
             (column, numbers[shape]) for column, shapes in found.items() for shape in shapes
         ]
+        self.rotations = slice(len(held.shapes), len(held.shapes) + len(HeadAngles._fields))
         rate = Fraction(fps).limit_denominator(MAX_DENOMINATOR)
         self.fps, self.start, self.count = fps, start, len(held.shapes) + len(held.turns)
         device = str(uuid5(NAMESPACE_DNS, subject)).upper().encode()
@@ -67,6 +79,8 @@ class LiveLinkPacket:
         weights = frame.weights.tolist()
         for column, number in self.places:
             values[number] = max(values[number], min(max(weights[column], 0.0), 1.0))
+        if self.turn is not None:
+            values[self.rotations] = head_angles(self.turn(frame.weights))
         at = self.start + max(frame.seconds, 0.0) * self.fps
         whole = int(at + 1e-6)
         rest = struct.pack(
@@ -76,10 +90,19 @@ class LiveLinkPacket:
         return self.head + rest
 
 
-def vmc_messages(poses: Sequence[str], renamed: Mapping[str, str]) -> Callable[[LiveFrame], bytes]:
+def vmc_messages(
+    poses: Sequence[str],
+    renamed: Mapping[str, str],
+    head: HeadTurn | None = None,
+    place: Sequence[float] = (0.0, 0.0, 0.0),
+) -> Callable[[LiveFrame], bytes]:
     """Return a function that packs frames, with other names of poses in the receiver's model.
 
     A column with an empty name is left out.
+
+    Parameters
+    ----------
+    place : of the head in its parent, in the receiver's axes
     """
     try:
         from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
@@ -102,6 +125,10 @@ def vmc_messages(poses: Sequence[str], renamed: Mapping[str, str]) -> Callable[[
         weights = frame.weights.tolist()
         for number, name in names:
             bundle.add_content(message(VALUE, ("s", name), ("f", weights[number])))
+        if head is not None:
+            x, y, z, w = head(frame.weights).tolist()
+            moved = [("f", number) for number in (*place, x, -y, -z, w)]
+            bundle.add_content(message(BONE, ("s", HEAD), *moved))
         bundle.add_content(apply)
         return bundle.build().dgram
 

@@ -27,9 +27,10 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
+from lipsync_lang.live.addresses import LOCAL, LiveAddress
 from lipsync_lang.live.client_sound import ClientSound, OpenListener
+from lipsync_lang.live.live_frame import LiveFrame, as_row
 from lipsync_lang.live.live_gestures import LiveGestures, beside
-from lipsync_lang.live.outlets import LOCAL, LiveAddress, LiveFrame, as_row
 from lipsync_lang.performing.stream import Stream
 
 if TYPE_CHECKING:

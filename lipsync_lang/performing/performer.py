@@ -276,7 +276,14 @@ class Performer:
             emphasis=emphasis, late=late,
         )  # fmt: skip
 
-    def listen(self, rate: int = 16_000, delay: float = 0.08, fps: float = 60) -> "Listener":
+    def listen(
+        self,
+        rate: int = 16_000,
+        delay: float = 0.08,
+        fps: float = 60,
+        *,
+        poses: "Sequence[str] | None" = None,
+    ) -> "Listener":
         """Open a listener, which takes sound as it arrives and returns final frames.
 
         It needs no text. A voice in any language moves the lips, by the sounds of this language
@@ -287,6 +294,8 @@ class Performer:
         rate : samples per second of the sound
         delay : seconds of sound after a frame that are awaited; more make the lips more exact
         fps : output frames per second, as in `perform`
+        poses : columns of the frames, as those of a stream with a style; postures of styles are
+            not heard, and stay 0. None for the poses of speech
 
         Raises
         ------
@@ -306,7 +315,7 @@ class Performer:
         return open_listener(
             tables.papers if motion.thresholds == "paper" else tables,
             motion,
-            self.poses,
+            self.poses if poses is None else tuple(poses),
             labels.notations.get(IPA),
             self.compiled.numbers(shades=labels.shades),
             rate=rate,

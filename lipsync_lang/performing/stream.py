@@ -31,6 +31,7 @@ from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule
 if TYPE_CHECKING:
     from lipsync_lang.performing.delivery import DialLevels
     from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.rigs.channel import Channel
 
 Late = Literal["refuse", "shorten"]
 """Treatments of a phoneme that starts before the time until which everything is known."""
@@ -82,12 +83,17 @@ class Stream:
             levels = stress_levels(compiled.intensity, motion.stress)
         self._heard = HeardLabels(compiled.tables.silence, levels, bool(stress))
         self._given = 0
-        self._made = np.zeros((0, len(performer.poses)))
+        self._made = np.zeros((0, len(self.channels)))
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """Pose names, in column order of the weights."""
-        return self.performer.poses
+        """Pose names, in column order of the weights: those of `perform` with the same styles."""
+        return tuple(channel.name for channel in self.channels)
+
+    @property
+    def channels(self) -> "tuple[Channel, ...]":
+        """Channel of each pose on a model."""
+        return self.performer.shown_channels(self._frames.tables)
 
     @property
     def delays(self) -> dict[str, float]:

@@ -131,8 +131,7 @@ class StreamFrames:
             frames=frames,
         )
         first = begin - low + more
-        spoken = len(self.performer.poses)
-        return performance.weights()[first : first + stop - begin, :spoken]
+        return performance.weights()[first : first + stop - begin]
 
     def _effort(self, heard: HeardLabels) -> tuple[Dial, ...]:
         """Return the dials of stress and emphasis around a window."""

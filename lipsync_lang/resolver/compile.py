@@ -338,6 +338,7 @@ def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict
     poses = [
         {
             "name": name,
+            "region": pose.region,
             "most": pose.most,
             "speed_limit": pose.speed_limit,
             "channel": {
@@ -362,7 +363,8 @@ def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict
         for name, one in model.gestures.items()
     ]
     stated = {trigger: [*map(str.casefold, own)] for trigger, own in words}
-    plain: dict[str, Any] = _plain({"poses": poses, "gestures": gestures, "words": stated})
+    made = {"poses": poses, "gestures": gestures, "words": stated, "front": model.front}
+    plain: dict[str, Any] = _plain(made)
     return plain
 
 

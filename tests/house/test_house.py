@@ -6,6 +6,7 @@ import runpy
 from collections import defaultdict
 from fnmatch import fnmatch
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -131,6 +132,31 @@ def test_arrows_within_packs_run_downwards_only():
                 if steps[:2] == ["lipsync_lang", "packs"] and step(steps[2:]) > here:
                     upward.append((name, imported))
     assert not upward
+
+
+RINGS = {
+    "animations", "build", "commands", "coverage", "lines", "packs", "performing", "phonology",
+}  # fmt: skip
+"""Rooms with modules that import one another in a ring, if only for their types."""
+
+
+def test_modules_of_a_room_import_one_way():
+    ringed = set()
+    for room in set().union(*FLOORS):
+        known = {
+            ("lipsync_lang/" + name.removesuffix(".py")).replace("/", "."): tree
+            for name, tree in modules().items()
+            if part(name) == room
+        }
+        graph = {
+            name: {one.rpartition(".")[0] for one in imports(tree)} & known.keys()
+            for name, tree in known.items()
+        }
+        try:
+            TopologicalSorter(graph).prepare()
+        except CycleError:
+            ringed.add(room)
+    assert ringed == RINGS
 
 
 WRITES_SCHEDULES = "animations/writers/performed_timings.py"

@@ -146,3 +146,11 @@ def test_belief_names_each_phone(performer, sound):
     listener.push(sound)
     assert listener.belief.shape == (len(listener.phones),)
     assert listener.belief.sum() == pytest.approx(1)
+
+
+def test_columns_of_a_stream_stand_still_in_a_voice(performer, sound):
+    poses = (*performer.poses, "grin")
+    times, weights = heard(performer.listen(poses=poses), sound)
+    assert np.array_equal(weights[:, :-1], heard(performer.listen(), sound)[1])
+    assert weights.shape == (len(times), len(poses))
+    assert not weights[:, -1].any()

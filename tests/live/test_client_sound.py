@@ -9,8 +9,8 @@ from lanes import full
 from test_live import LINE, opened
 
 import lipsync_lang as ll
+from lipsync_lang.live.addresses import LiveAddress
 from lipsync_lang.live.live_voice import LiveVoice
-from lipsync_lang.live.outlets import LiveAddress
 from lipsync_lang.live.web_socket import Client, Session, WebSocketOutlet
 
 BLOCK = np.full(320, 8192, "<i2").tobytes()

@@ -20,6 +20,8 @@ from lipsync_lang import Schedule
 from lipsync_lang.cli import main
 from lipsync_lang.commands.live import lines
 from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.live.addresses import LiveAddress, parse_address
+from lipsync_lang.live.live_frame import LiveFrame
 from lipsync_lang.live.live_player import (
     MAX_SPOKEN_CHARS,
     MAX_WAITING_TEXTS,
@@ -27,7 +29,7 @@ from lipsync_lang.live.live_player import (
     TextSpeaker,
 )
 from lipsync_lang.live.live_voice import LiveVoice
-from lipsync_lang.live.outlets import LiveAddress, LiveFrame, PacketOutlet, parse_address
+from lipsync_lang.live.outlets import PacketOutlet
 from lipsync_lang.live.packets import LiveLinkPacket, vmc_messages
 from lipsync_lang.live.web_socket import MAX_PHONEME_ROWS, Client, Session
 from lipsync_lang.rigs.channel import Channel
@@ -213,6 +215,16 @@ def test_frames_are_those_of_the_file_at_their_time(performer):
     late = [at - f.seconds for at, f in zip(taken.at, taken.frames, strict=True)]
     assert min(late) >= -1e-6
     assert max(late) < 2 / 60
+
+
+def test_a_style_has_its_posture_after_the_poses_of_speech():
+    smiling = ll.resolve("english", "arkit")
+    _, taken = played(smiling, LINE, styles={"happy": 1})
+    whole = smiling.perform(LINE, styles={"happy": 1})
+    assert len(whole.poses) > len(smiling.poses)
+    found = np.array([f.weights for f in taken.frames if f.weights.any()])
+    assert np.abs(found - whole.weights[whole.weights.any(axis=1)]).max() < 1e-6
+    assert {len(f.weights) for f in taken.frames} == {len(whole.poses)}
 
 
 def test_what_comes_while_another_is_spoken_waits(performer):
@@ -543,6 +555,7 @@ def test_piped_sound_is_followed_and_its_faults_are_named():
     [
         (["Hello", "--audio", "-"], "a TEXT is for speech of a text; leave it out with --audio"),
         (["--audio", "-", "--style", "angry:1"], "--style is for speech"),
+        (["--page", "--style", "angry:1"], "--style is not for the page"),
         (["--rate", "8000"], "give a source with --audio"),
         (["--audio", "none.wav"], "none.wav: cannot be read"),
         (["--audio", "-", "--rate", "5"], "--rate 5: give the samples per second"),

@@ -10,7 +10,6 @@ import lipsync_lang as ll
 from lipsync_lang.live.live_gestures import LiveGestures
 from lipsync_lang.live.live_player import LivePlayer
 from lipsync_lang.live.live_voice import LiveVoice
-from lipsync_lang.live.outlets import LiveAddress, LiveFrame, outlet
 from lipsync_lang.live.web_socket import Client, Session
 
 
@@ -73,15 +72,3 @@ def test_clients_get_gestures_beside_their_own_frames(performer):
     answer = client.answer(json.dumps({"phonemes": rows, "finish": True}))
     counts = {len(frame["weights"]) for frame in answer["frames"]}
     assert counts == {len(performer.poses) + len(performer.gesture_set.poses)}
-
-
-def test_engines_get_shapes_and_no_turns_of_bones(performer):
-    pytest.importorskip("pythonosc")
-    address = LiveAddress("vmc", "127.0.0.1", 9)
-    made = outlet(address, performer, 60, None, subject="", renamed={}, gestures=True,
-                  complain=print)  # fmt: skip
-    count = len(performer.poses) + len(performer.gesture_set.poses)
-    packet = made.pack(LiveFrame(0.0, np.ones(count)))
-    made.close()
-    assert b"eyeBlinkLeft" in packet
-    assert b"nod" not in packet

@@ -37,7 +37,8 @@ class GesturePose(Strict):
     title: str = ""
     """The shape in words."""
     region: Text
-    """The part of the face that the pose moves, such as eyes, brows or head."""
+    """The part of the face that the pose moves, such as eyes, brows or head; live receivers get the
+    turns of the region `head`."""
     names: tuple[Text, ...] = ()
     """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
     node: Text | None = None

@@ -305,6 +305,8 @@ class PoseSet(PackModel):
     """The weights of poses at each phoneme; a list of several for a sound that moves."""
     gesture_poses: dict[PoseName, GesturePose] = Field(default={})
     """Shapes and turns that only gestures move."""
+    front: Literal["z", "-z"] = "z"
+    """The way in which the face looks, along an axis of its model, for turns of the head live."""
     gestures: dict[Text, Gesture] = Field(default={})
     """Blinks, raised brows, nods and the like; `--gestures` turns them on."""
     mirrored: dict[Text, Text] = Field(default={})
