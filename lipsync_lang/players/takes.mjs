@@ -141,6 +141,8 @@ export class Archive {
       const [pose, count] = [view.getUint16(track, true), view.getUint16(track + 2, true)];
       if (pose >= this.poses.length || !count) return false;
       if (body + view.getUint32(track + 4, true) + 2 > end) return false;
+      const [low, span] = [view.getFloat32(track + 8, true), view.getFloat32(track + 12, true)];
+      if (!(Math.abs(low) < 1e9 && Math.abs(span) < 1e9)) return false;
     }
     return true;
   }

@@ -54,7 +54,7 @@ class Archive:
             self.data = mmap(stream.fileno(), 0, access=ACCESS_READ)
         try:
             self._read_head()
-        except (TakesError, struct.error, UnicodeDecodeError) as error:
+        except (TakesError, struct.error) as error:
             self.data.close()
             raise TakesError(f"{path}: {error}; make the archive again") from None
 
@@ -82,8 +82,10 @@ class Archive:
         names, at = [], TAKES_HEADER.size
         for _ in range(poses):
             length = TEXT_LENGTH.unpack_from(data, at)[0]
-            names.append(data[at + 2 : at + 2 + length].decode())
+            names.append(data[at + 2 : at + 2 + length].decode(errors="replace"))
             at += 2 + length
+            if at > index:
+                raise TakesError("its names of poses are damaged")
         self.poses = tuple(names)
         """Names of the poses, in the order of `Player.weights`."""
 

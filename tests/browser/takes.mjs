@@ -1,7 +1,7 @@
 // Play the example of an archive in a headless browser: node takes.mjs NODE_MODULES CHROMIUM FOLDER [PICTURE]
 //
-// Printed is JSON: the errors, the sounds that were asked for, and the weights by shape at a time of the
-// line, after Play, after the language has changed, and after Skip.
+// Printed is JSON: the errors, the sounds that were asked for, where they and the face were when they started, and
+// the weights by shape at a time of the line, after Play, after the language has changed, and after Skip.
 import { readFileSync } from "node:fs";
 import { join, normalize } from "node:path";
 import { WEBGL, launch, serve, watch } from "./browsing.mjs";
@@ -17,6 +17,14 @@ try {
   const page = await browser.newPage({ viewport: { width: 480, height: 360 } });
   watch(page, said);
   page.on("request", (one) => one.url().endsWith(".wav") && sounds.push(one.url().split("/sound/")[1]));
+  await page.addInitScript(() => {
+    const kind = AudioBufferSourceNode.prototype, start = kind.start;
+    window.starts = [];
+    kind.start = function (when, offset) { // seconds of the sound now, as it is started and as the face has it
+      window.starts.push([offset - (when - this.context.currentTime), window.crab.player.soundTime]);
+      start.call(this, when, offset);
+    };
+  });
   await page.goto(`${server.address}/beach.html`);
   await page.waitForFunction(() => window.crab, null, { timeout: 60000 });
   const shown = () => page.evaluate(() => {
@@ -34,11 +42,13 @@ try {
   if (picture) await page.screenshot({ path: picture });
   const played = await shown();
   await page.selectOption("#language", "spanish");
+  await page.waitForFunction(() => window.starts.length === 2, null, { timeout: 60000 });
   await faded();
   const switched = await shown();
   await page.click("#skip");
   await page.waitForFunction(() => Math.max(...window.crab.player.weights) === 0, null, { timeout: 60000 });
-  console.log(JSON.stringify({ said, sounds, played, switched, skipped: await shown() }));
+  const starts = await page.evaluate(() => window.starts);
+  console.log(JSON.stringify({ said, sounds, starts, played, switched, skipped: await shown() }));
 } finally {
   await browser.close();
   server.close();

@@ -40,6 +40,10 @@ def test_the_crab_plays_switches_and_skips_on_a_page(beach):
     told = run(node, HERE / "takes.mjs", modules, chromium(), beach)
     assert told["said"] == []
     assert told["sounds"] == ["english/beach_02.wav", "spanish/beach_02.wav"]
+    (before, _), (within, _) = told["starts"]
+    assert before < 0 < within  # after the movement before it; in the middle of the line
+    for sound, face in told["starts"]:
+        assert sound == pytest.approx(face, abs=0.03)
     with Archive(beach / "crab.takes") as archive:
         player = Player(archive)
         for what, language in (("played", "english"), ("switched", "spanish")):

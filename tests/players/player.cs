@@ -1,5 +1,4 @@
-// Runs steps of a file on an archive, and prints the weights after each: player ARCHIVE STEPS.
-// With "damaged" and a folder, plays every file in it, and counts those refused and those played.
+// Runs the steps of a file, and prints what each shows: player STEPS.
 // With "frames" and an archive, plays a line a million frames, and counts collections of garbage.
 using System;
 using System.Globalization;
@@ -13,26 +12,22 @@ static class Program
 
     static int Main(string[] arguments)
     {
-        if (arguments[0] == "damaged") return Damaged(arguments[1]);
         if (arguments[0] == "frames") return Frames(arguments[1]);
-        TakesArchive archive;
-        try
-        {
-            archive = new TakesArchive(File.ReadAllBytes(arguments[0]));
-        }
-        catch (TakesException error)
-        {
-            Console.Error.WriteLine(error.Message);
-            return 2;
-        }
-        if (!archive.IsWhole()) throw new Exception("the archive is damaged");
-        var player = new TakesPlayer(archive);
-        float[] own = archive.Poses.Select(_ => 0.3f).ToArray();
-        float[] region = archive.Poses.Select((_, pose) => (float)(pose % 2)).ToArray();
-        var result = new float[own.Length];
-        foreach (string line in File.ReadLines(arguments[1]))
+        TakesPlayer player = null;
+        float[] own = null, region = null, result = null;
+        foreach (string line in File.ReadLines(arguments[0]))
         {
             string[] parts = line.Split(' ');
+            if (parts[0] == "open")
+            {
+                player = Open(parts[1]);
+                Console.WriteLine(player == null ? 0 : 1);
+                if (player == null) continue;
+                own = player.Weights.Select(_ => 0.3f).ToArray();
+                region = player.Weights.Select((_, pose) => (float)(pose % 2)).ToArray();
+                result = new float[own.Length];
+            }
+            if (player == null || parts[0] == "open") continue;
             float[] shown = parts[0] == "blend" ? result : player.Weights;
             switch (parts[0])
             {
@@ -46,39 +41,24 @@ static class Program
                     player.Blend(own, mode, region, result);
                     break;
             }
-            var told = shown.Select(one => (double)one).Concat(new[] { player.SoundTime });
+            var told = shown.Select(one => (double)one);
+            told = told.Concat(new[] { player.SoundTime, player.Playing ? 1 : 0 });
             Console.WriteLine(string.Join(" ", told.Select(
                 one => one.ToString("F6", CultureInfo.InvariantCulture))));
         }
         return 0;
     }
 
-    static int Damaged(string folder)
+    static TakesPlayer Open(string path)
     {
-        int refused = 0, played = 0;
-        foreach (string path in Directory.GetFiles(folder))
+        try
         {
-            TakesPlayer player;
-            try
-            {
-                player = new TakesPlayer(new TakesArchive(File.ReadAllBytes(path)));
-            }
-            catch (TakesException)
-            {
-                refused++;
-                continue;
-            }
-            for (int line = 0; line < 6; line++)
-            {
-                if (player.Play("en/" + line, 0.1)) played++;
-                for (int step = 0; step < 20; step++) player.Advance(0.1);
-                player.Seek(0.3);
-                player.Switch("en/" + line, 0.1);
-                player.Skip(0.1);
-            }
+            return new TakesPlayer(new TakesArchive(File.ReadAllBytes(path)));
         }
-        Console.WriteLine($"{refused} {played}");
-        return 0;
+        catch (TakesException)
+        {
+            return null;
+        }
     }
 
     static int Frames(string path)
