@@ -3,16 +3,11 @@
 //   node again.mjs NODE_MODULES CHROMIUM ADDRESS [PICTURES]
 //
 // A spoken line is open. Printed is JSON: `said` and `asked`, the errors and the requests to other places; the rest below.
-import { WEBGL, launch, lineOf, studio } from "./browsing.mjs";
+import { inStudio, lineOf } from "./browsing.mjs";
 
-const [modules, chromium, address, pictures] = process.argv.slice(2);
 const WAIT = { timeout: 60000 };
-const browser = await launch(modules, chromium, ...WEBGL);
-const said = [], asked = [];
-const open = studio(browser, address, said, asked);
 
-try {
-  const result = { said, asked };
+await inStudio(async ({ open, result, given: [pictures] }) => {
   const page = await open("#sentence", { viewport: { width: 1400, height: 900 } });
   const picture = async (name) => pictures && await page.screenshot({ path: `${pictures}/${name}.png` });
   const { undoes, timings, places } = lineOf(page), at = await places(), { phonemes } = await timings();
@@ -43,8 +38,7 @@ try {
   await page.waitForFunction(() => document.querySelector(".language h2")?.textContent?.startsWith("Elvish"), null, WAIT);
   result.title = await page.textContent(".language h2");
   result.open = await page.inputValue("#of-language");
+  await page.waitForSelector("#toasts .fault", { state: "detached" });
+  result.told = await page.textContent("#toasts");
   await picture("begun");
-  process.stdout.write(JSON.stringify(result));
-} finally {
-  await browser.close();
-}
+});

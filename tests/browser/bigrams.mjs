@@ -4,15 +4,9 @@
 //
 // PAIR is a bigram of the line. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
-import { WEBGL, launch, studio } from "./browsing.mjs";
+import { inStudio } from "./browsing.mjs";
 
-const [modules, chromium, address, pair] = process.argv.slice(2);
-const browser = await launch(modules, chromium, ...WEBGL);
-const said = [], asked = [];
-const open = studio(browser, address, said, asked);
-
-try {
-  const result = { said, asked };
+await inStudio(async ({ open, result, given: [pair] }) => {
   const page = await open("#bigrams");
   const idle = (title) => page.waitForFunction((wanted) => document.querySelector("#undo").title === wanted, title, { timeout: 60000 });
   const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
@@ -98,7 +92,4 @@ try {
   await phone.waitForSelector(".front .point");
   result.narrow = await phone.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   result.kept = await phone.$$eval(".front .point", (all) => all.map((one) => one.getAttribute("aria-label")));
-  console.log(JSON.stringify(result));
-} finally {
-  await browser.close();
-}
+});

@@ -22,11 +22,22 @@ export const launch = (modules, executablePath, ...more) =>
 
 /** Add the errors and dialogs of a page to `said`, and its requests to addresses that are not `own` to `asked`. */
 export function watch(page, said, asked = [], own = /^(file|data|blob|about):/) {
+  page.awaited = new Set();
+  page.on("request", (one) => /\/api\//.test(one.url()) && page.awaited.add(one));
+  for (const end of ["requestfinished", "requestfailed"]) page.on(end, (one) => page.awaited.delete(one));
   page.on("pageerror", (error) => said.push(String(error)));
   page.on("console", (one) => ["error", "warning"].includes(one.type()) && !DRIVER.test(one.text()) && said.push(one.text()));
   page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
   page.on("request", (one) => own.test(one.url()) || asked.push(one.url()));
   return page;
+}
+
+/** Wait until a watched page has drawn some frames in which it awaited no answer. */
+export async function settle(page) {
+  for (let frames = 0; frames < 4; frames++) {
+    await page.evaluate(() => new Promise(requestAnimationFrame));
+    if (page.awaited.size) frames = -1;
+  }
 }
 
 /** Return a function that opens a view of the studio at an address, watched, once it is ready. */
@@ -37,6 +48,21 @@ export const studio = (browser, address, said, asked) => async (view = "", optio
   await page.waitForSelector("html[data-ready]", { timeout: 120000 });
   return page;
 };
+
+/**
+ * Run a script on the studio at an address, `node SCRIPT NODE_MODULES CHROMIUM ADDRESS GIVEN...`, and print its `result` as JSON,
+ * with `said` and `asked`: the errors and the requests to other places.
+ */
+export async function inStudio(script) {
+  const [modules, chromium, address, ...given] = process.argv.slice(2);
+  const browser = await launch(modules, chromium, ...WEBGL), result = { said: [], asked: [] };
+  try {
+    await script({ open: studio(browser, address, result.said, result.asked), result, given });
+    process.stdout.write(JSON.stringify(result));
+  } finally {
+    await browser.close();
+  }
+}
 
 /** Pixels of the timeline: its ruler, the sound, a band of labels, and the left end of the curves. */
 const RULER = 24, SOUND = 52, BAND = 22, LEFT = 104;

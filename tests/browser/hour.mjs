@@ -5,16 +5,11 @@
 // A project with a script is open. The script prints `kill`, waits for a line of input while the test ends the server
 // and starts another, and prints JSON: `said` and `asked`, the errors and the requests to other places; the rest below.
 import { createInterface } from "node:readline";
-import { WEBGL, launch, lineOf, studio } from "./browsing.mjs";
+import { inStudio, lineOf } from "./browsing.mjs";
 
-const [modules, chromium, address, pictures] = process.argv.slice(2);
 const WAIT = { timeout: 60000 };
-const browser = await launch(modules, chromium, ...WEBGL);
-const said = [], asked = [];
-const open = studio(browser, address, said, asked);
 
-try {
-  const result = { said, asked };
+await inStudio(async ({ open, result, given: [pictures] }) => {
   const page = await open("#sentence", { viewport: { width: 1400, height: 900 } });
   let shown = 10;
   const picture = async (name) => pictures && await page.screenshot({ path: `${pictures}/${shown++}-${name}.png` });
@@ -85,7 +80,7 @@ try {
   await press("e");
   await undoes("Undo: Emphasis");
   result.mended = [await labels(), await settings()];
-  said.length = 0; // a request that found no server is an error of the browser
+  result.said.length = 0; // a request that found no server is an error of the browser
   await press("Control+s");
   await save("Saved");
   result.files = files.sort();
@@ -96,7 +91,4 @@ try {
   await page.waitForFunction((before) => document.querySelector("#all-lines").textContent !== before, result.line, WAIT);
   await picture("next");
   result.next = [await page.textContent("#all-lines"), await settings()];
-  process.stdout.write(JSON.stringify(result));
-} finally {
-  await browser.close();
-}
+});

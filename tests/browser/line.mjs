@@ -5,7 +5,7 @@
 // CLOSED and OPEN are seconds at which the mouth is shut and open. Printed is JSON: `said` and `asked`,
 // the errors and the requests of all this; the rest below.
 import { pathToFileURL } from "node:url";
-import { WEBGL, launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, settle, watch } from "./browsing.mjs";
 
 const [modules, chromium, file, closed, open] = process.argv.slice(2);
 
@@ -49,12 +49,11 @@ const pixels = (page, number = 0) => page.evaluate((which) => {
 
 const differing = (a, b) => a.filter((one, n) => Math.abs(one - b[n]) > 24).length;
 const clock = async (page) => parseFloat((await page.textContent("#clock")).replace("−", "-"));
-const settle = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
 try {
   const result = { said, asked };
   const page = await show();
-  await page.waitForTimeout(1500); // the face is shaded after the first picture
+  await page.waitForSelector("figure[data-shaded]"); // after the first picture
   result.title = await page.textContent("#title");
   result.poses = await page.$$eval("#poses button > span:first-child", (all) => all.map((one) => one.textContent));
 

@@ -4,15 +4,10 @@
 //
 // PAIR names the row of both poses, LEFT that of the left one. Printed is JSON: `said` and `asked`, the errors and the
 // requests to other places; the rest below.
-import { WEBGL, launch, lineOf, studio } from "./browsing.mjs";
+import { inStudio, lineOf } from "./browsing.mjs";
 
-const [modules, chromium, address, pair, left, picture] = process.argv.slice(2);
-const browser = await launch(modules, chromium, ...WEBGL);
-const said = [], asked = [];
-
-try {
-  const result = { said, asked };
-  const page = await studio(browser, address, said, asked)("#sentence");
+await inStudio(async ({ open, result, given: [pair, left, picture] }) => {
+  const page = await open("#sentence");
   const { settings, undoes } = lineOf(page);
   const rows = () => page.$$eval("#poses > li > button:first-child .middled", (all) => all.map((one) => one.title));
   const bend = async (row, title) => {
@@ -40,7 +35,4 @@ try {
   result.one = await bend(left, `Undo: Bend ${left}`);
   await folder.waitFor({ state: "detached" }); // the two move differently now
   result.apart = await rows();
-  console.log(JSON.stringify(result));
-} finally {
-  await browser.close();
-}
+});

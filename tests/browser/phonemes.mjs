@@ -4,15 +4,9 @@
 //
 // A line with sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other places; the
 // rest below. With a folder, pictures of the steps are kept in it.
-import { WEBGL, launch, lineOf, studio } from "./browsing.mjs";
+import { inStudio, lineOf } from "./browsing.mjs";
 
-const [modules, chromium, address, pictures] = process.argv.slice(2);
-const browser = await launch(modules, chromium, ...WEBGL);
-const said = [], asked = [];
-const open = studio(browser, address, said, asked);
-
-try {
-  const result = { said, asked };
+await inStudio(async ({ open, result, given: [pictures] }) => {
   const page = await open("#sentence", { viewport: { width: 1400, height: 900 } });
   const picture = async (name) => pictures && await page.screenshot({ path: `${pictures}/${name}.png` });
   const { undoes, timings: line, settings, places } = lineOf(page);
@@ -62,8 +56,8 @@ try {
   await page.mouse.down();
   for (const n of [2, 3, 4]) { // a piece is heard at each place
     const heard = await page.evaluate(() => window.pieces.length);
-    await page.mouse.move(at(middle(n), 0)[0], top);
-    await page.waitForFunction((before) => window.pieces.length > before, heard);
+    do await page.mouse.move(at(middle(n), 0)[0], top); // a move too soon after a piece has none of its own
+    while (await page.evaluate((before) => window.pieces.length === before, heard));
   }
   await page.mouse.up();
   result.scrubbed = await pieces();
@@ -174,7 +168,4 @@ try {
   await press("Control+z");
   await page.waitForFunction(async () => !Object.keys((await (await fetch("api/state")).json()).settings.bends).length);
   result.span = [start, end];
-  console.log(JSON.stringify(result));
-} finally {
-  await browser.close();
-}
+});

@@ -5,29 +5,22 @@
 // A line with sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
 import { readFileSync } from "node:fs";
-import { WEBGL, launch, studio } from "./browsing.mjs";
+import { inStudio, settle } from "./browsing.mjs";
 
-const [modules, chromium, address, recording] = process.argv.slice(2);
 // pixels of the timeline: its ruler with the sound, a band of labels, a pose, and where the poses begin
 const RULER = 24 + 52, BAND = 22, ROW = 50, TOP = RULER + 3 * BAND + 8;
-const browser = await launch(modules, chromium, ...WEBGL);
-const said = [], asked = [];
-const open = studio(browser, address, said, asked);
 
-try {
-  const result = { said, asked };
+await inStudio(async ({ open, result, given: [recording] }) => {
   const page = await open("#sentence");
-  const settle = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   const idle = async (title) => {
     await page.waitForFunction((wanted) => document.querySelector("#undo").title.startsWith(wanted), title, { timeout: 60000 });
     await still();
   };
   /** Wait for the curves, and for the check that comes after them. */
   const still = async () => {
-    for (let last = "", now = await drawn(); now !== last; now = await drawn()) {
-      last = now;
-      await page.waitForTimeout(900);
-    }
+    await settle(page);
+    await page.waitForSelector("#figures[aria-busy=false]", { timeout: 60000 });
+    await settle(page);
   };
   const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
   const drawn = () => page.evaluate(() => document.querySelector("#timeline").toDataURL());
@@ -47,7 +40,7 @@ try {
   const clock = () => page.textContent("#clock");
   const rested = await clock();
   for (const by of [4, 9, 14]) await page.mouse.move(x + by, y);
-  await settle();
+  await settle(page);
   const dragged = await clock();
   await page.mouse.up();
   await idle("Undo: Move the boundary");
@@ -55,7 +48,7 @@ try {
   const after = await times();
   result.moved = after.map((one, n) => Number((one - before[n]).toFixed(4)));
   await press("Escape");
-  await settle();
+  await settle(page);
   result.redrawn = (await drawn()) !== plain;
   await press("Control+z");
   await idle("Nothing");
@@ -75,7 +68,7 @@ try {
 
   // a moment says why, and leads to its bigram
   await page.mouse.click(box.x + 104 + 200, box.y + TOP + ROW / 2);
-  await settle();
+  await settle(page);
   result.reasons = await page.$$eval("#poses ol li", (all) => all.map((one) => one.textContent));
   result.pairs = await page.$$eval(".open-bigram", (all) => all.map((one) => one.textContent));
   await press("Enter");
@@ -83,13 +76,13 @@ try {
   result.entered = [await page.evaluate(() => decodeURIComponent(location.hash)), await page.textContent(".bigram-head h2")];
   await page.goBack();
   await page.waitForSelector("#timeline");
-  await settle();
+  await settle(page);
   await page.mouse.dblclick(box.x + 104 + 200, box.y + TOP + ROW / 2);
   await page.waitForSelector(".bigram-head h2:not(:empty)");
   result.clicked = await page.evaluate(() => decodeURIComponent(location.hash));
   await page.goBack();
   await page.waitForSelector("#timeline");
-  await settle();
+  await settle(page);
 
   // a word is emphasised, and a region has a track
   await page.mouse.click(box.x + 104 + 200, box.y + RULER + BAND / 2);
@@ -106,10 +99,10 @@ try {
   result.points = [await points()];
   const lane = await page.locator(".lane svg").boundingBox();
   await page.mouse.click(lane.x + lane.width - 40, lane.y + 20);
-  await settle();
+  await settle(page);
   result.points.push(await points());
   await press("ArrowUp", "Delete");
-  await settle();
+  await settle(page);
   result.points.push(await points());
   await page.click(".lane button");
   await idle("Undo: ");
@@ -122,10 +115,10 @@ try {
   await press("a");
   result.swapped = await page.getAttribute("text=A/B", "aria-pressed");
   await press("a");
-  await settle();
+  await settle(page);
   const whole = await drawn();
   await page.locator("#legend button").last().click();
-  await settle();
+  await settle(page);
   result.hidden = (await drawn()) !== whole;
 
   // timings are saved, and others opened
@@ -160,7 +153,4 @@ try {
 
   const phone = await open("#sentence", { viewport: { width: 360, height: 740 }, colorScheme: "dark", hasTouch: true });
   result.overflow = await phone.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-  console.log(JSON.stringify(result));
-} finally {
-  await browser.close();
-}
+});

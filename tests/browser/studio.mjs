@@ -5,7 +5,7 @@
 // A story is one of the functions below. Printed is JSON: `said` and `asked`, the errors and the requests
 // to other places of all this; the rest is the story's. FOLDER gets pictures, where one is named.
 import { createInterface } from "node:readline";
-import { WEBGL, launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, settle, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, story, folder] = process.argv.slice(2);
 
@@ -22,7 +22,6 @@ async function show(hash = "", options = {}) {
   return page;
 }
 
-const settle = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 const text = (page, selector) => page.textContent(selector);
 const saved = (page) => page.waitForFunction(() => document.querySelector("#save").textContent === "Saved");
 const unsaved = (page) => page.waitForFunction(() => /\d/.test(document.querySelector("#save").textContent));
@@ -85,9 +84,10 @@ const stories = {
     await page.evaluate(() => document.activeElement.blur());
     await page.keyboard.press("Space");
     const heard = [], faces = [rest];
-    for (let n = 0; n < 40 && (heard.length < 4 || Math.max(...faces.map((one) => differing(one, rest))) <= 20); n++) {
-      await page.waitForTimeout(150);
-      heard.push(await page.evaluate(() => parseFloat(document.querySelector("#clock").textContent.replace("−", "-"))));
+    for (let n = 0; n < 200 && (heard.length < 4 || Math.max(...faces.map((one) => differing(one, rest))) <= 20); n++) {
+      const before = await text(page, "#clock");
+      await page.waitForFunction((was) => document.querySelector("#clock").textContent !== was, before);
+      heard.push(parseFloat((await text(page, "#clock")).replace("−", "-")));
       faces.push(await pixels(page));
     }
     await page.keyboard.press("Space");
@@ -342,12 +342,12 @@ const stories = {
     const to = async (hash, selector) => {
       await page.evaluate((wanted) => { location.hash = wanted; }, hash);
       await page.waitForSelector(selector);
-      await page.waitForTimeout(500);
+      await settle(page);
     };
     await to("#bigrams", ".wanted button");
     await picture(page, "matrix");
     await to("#character", ".pose-sheet canvas");
-    await page.waitForTimeout(1500);
+    await page.waitForSelector("#faces figure[data-shaded]");
     await picture(page, "character");
     await to("#words", ".words, .empty");
     for (let n = 0; n < 3; n++) await page.keyboard.press(".");
@@ -498,8 +498,7 @@ const stories = {
       await page.emulateMedia({ colorScheme });
       for (const view of views) {
         await page.evaluate((name) => { location.hash = `#${name}`; }, view);
-        await page.waitForLoadState("networkidle");
-        await page.waitForTimeout(500);
+        await settle(page);
         await look(`${view} ${colorScheme}`);
       }
       for (const button of colorScheme === "dark" ? [] : ["#export", "#keys"]) {
@@ -603,7 +602,7 @@ const stories = {
       await page.setViewportSize({ width, height });
       for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"]) {
         await page.evaluate((name) => { location.hash = `#${name}`; }, view);
-        await page.waitForTimeout(200);
+        await settle(page);
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
         if (wide > 0) overflow.push([view, width, wide]);
         await picture(page, `${view.replace("/", "-")}-${width}`);

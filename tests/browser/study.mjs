@@ -84,7 +84,7 @@ try {
     await page.click("#next");
   }
   result.end = await page.textContent("#thanks");
-  await page.waitForTimeout(500);
+  await page.waitForFunction(() => document.querySelector("#sent").textContent.match(/^(The answers were|Save or copy)/));
   result.sent = await page.textContent("#sent");
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
   result.file = download.suggestedFilename();

@@ -34,4 +34,5 @@ def test_words_are_aligned_again_and_a_language_is_begun(tmp_path):
     assert "there is a language 'english' already" in used["refused"]
     assert used["title"].startswith("Elvish")
     assert used["open"] == "elvish"
+    assert used["told"].startswith("Began elvish: its pack is languages/elvish.yaml")
     assert (tmp_path / "languages/elvish.yaml").is_file()

@@ -416,3 +416,10 @@ def test_only_the_command_line_prints():
 def test_every_module_can_be_read_at_a_sitting():
     lines = {name: (PACKAGE / name).read_text("utf-8").count("\n") for name in modules()}
     assert not {name: count for name, count in lines.items() if count > 600}
+
+
+def test_no_script_of_the_browser_waits_for_a_clock():
+    scripts = {path.name: path.read_text("utf-8") for path in TESTS.glob("browser/*.mjs")}
+    waits = re.compile(r"waitForTimeout|setTimeout")
+    assert scripts
+    assert not [name for name, script in scripts.items() if waits.search(script)]

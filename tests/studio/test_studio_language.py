@@ -179,7 +179,8 @@ def test_a_language_is_begun_from_another_and_opens(tmp_path):
     made.open("english", "crab")
     caller = Caller(made)
     asked = {"name": "elvish", "base": "english", "tag": "qya"}
-    assert caller.post("language", asked).json == {"name": "elvish"}
+    begun = {"name": "elvish", "file": "languages/elvish.yaml"}
+    assert caller.post("language", asked).json == begun
     text = (tmp_path / "languages/elvish.yaml").read_text("utf-8")
     assert text == (
         "kind: language\nformat: 1\nname: elvish\ntag: qya\ntitle: Elvish\nextends: english\n"

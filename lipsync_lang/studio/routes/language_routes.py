@@ -53,7 +53,7 @@ def _table(workshop: Workshop) -> SoundTable:
 
 
 def begin(workshop: Workshop, request: StudioRequest) -> Json:
-    """Write a new language of the project, which extends another, and return its name.
+    """Write a new language of the project, which extends another, and return its name and file.
 
     Raises LipsyncError, and writes nothing, if the name or the code cannot be used.
     """
@@ -72,7 +72,7 @@ def begin(workshop: Workshop, request: StudioRequest) -> Json:
     refuse_outside(path, workshop.project)
     write_new(files)
     workshop.look_again()
-    return {"name": name}
+    return {"name": name, "file": workshop.shown(path)}
 
 
 def transcript(workshop: Workshop, request: StudioRequest) -> Json:

@@ -35,6 +35,7 @@ export class Portrait {
   /** Shade what little light reaches; the first picture does not wait for it. */
   shade() {
     this.face?.shade(this.moments);
+    this.figure.dataset.shaded = "";
   }
 
   /** @param {boolean} close */

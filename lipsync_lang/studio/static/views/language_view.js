@@ -169,6 +169,7 @@ export class LanguageView {
         await this.studio.open(begun.name, this.studio.state.character ?? "");
         opened.removeAttribute("open");
         name.value = tag.value = "";
+        this.studio.tell(`Began ${begun.name}: its pack is ${begun.file}`); // in the place of a refusal
       });
     });
     return opened;

@@ -269,6 +269,7 @@ export class SentenceView {
       `Timeline of: ${take.data.spoken.title}. ` +
         "Brackets choose a boundary, and arrows move it. The values are beside it.",
     );
+    this.at.figures.ariaBusy = "true";
     clearTimeout(this.later);
     this.later = setTimeout(() => this.#check(), CHECK_LATER);
     this.moved = true;
@@ -299,6 +300,7 @@ export class SentenceView {
         this.studio.player.pause();
         this.reveal(seconds);
       });
+      this.at.figures.ariaBusy = "false";
       this.timeline.stale = true;
       this.studio.wake();
     });
