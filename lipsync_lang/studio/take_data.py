@@ -73,7 +73,9 @@ def take_data(
     }
     if performer is not None:
         data |= {"language": performer.language, "character": performer.character}
-        data["mirrored"] = performer.compiled.mirrored
+        shown = set(animation.poses)
+        pairs = performer.compiled.mirrored.items()
+        data["mirrored"] = {both: sides for both, sides in pairs if shown.issuperset(sides)}
     if made is not None:
         data["making"] = made.data(pack)
     return data
