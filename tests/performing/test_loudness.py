@@ -262,3 +262,14 @@ def test_the_command_line_asks_for_it(cli, tmp_path):
     ended = cli("run", "--schedule", schedule, "-l", "english", "-c", "facefx", "--intensity", "1")
     assert ended.code == 2
     assert "has no recording, whose loudness" in ended.err
+
+
+def test_one_sound_with_other_times_or_settings_has_other_levels(performer):
+    def fresh(schedule):
+        return replace(schedule, audio=replace(schedule.audio))
+
+    moved = replace(VARIED, times=VARIED.times * 0.9)
+    for schedule, how in ((VARIED, {}), (moved, {}), (moved, {"intensity": 0.5}), (VARIED, {})):
+        again = performer.perform(schedule, **how)
+        assert np.array_equal(again.weights, performer.perform(fresh(schedule), **how).weights)
+    assert not np.array_equal(level(performer, VARIED).values, level(performer, moved).values)
