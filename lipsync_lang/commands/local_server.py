@@ -171,9 +171,9 @@ def _listening(host: str, port: int) -> "socket.socket":
         raise LipsyncError(what)
     try:
         listener = socket.create_server((host, port))
-        # The answer's head and body are two packets; without this, the second waits some 40 ms.
-        listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        return listener
     except OSError as error:
         what = f"--host {host} --port {port}: cannot be used: {error}; port 0 takes a free one"
         raise LipsyncError(what) from None
+    # The head and the body of an answer are two packets; without this, the second waits some 40 ms.
+    listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return listener
