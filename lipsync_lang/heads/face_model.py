@@ -78,8 +78,10 @@ class FaceModel:
 
     def shapes(self) -> dict[str, Floats]:
         """Read the displacement of each shape."""
+        gains = self.recipe["gains"]
         return {
-            name: sum((self._shift(f"{one}.obj") for one in files), np.zeros(()))
+            name: gains.get(name, 1)
+            * sum((self._shift(f"{one}.obj") for one in files), np.zeros(()))
             for name, files in self._sums().items()
         }
 

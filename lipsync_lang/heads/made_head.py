@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -80,18 +81,25 @@ def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
     rest = sum(weight * shapes[name] for name, weight in recipe["rest"].items())
     points = neutral.points + shift + rest
     surface = _surfaces(model)
-    seen = surface >= 0
     on = {
         name: _marked(neutral.triangles[surface == number], len(points))
         for number, name in enumerate(recipe["surfaces"])
     }
+    points[on["teeth"], 0] -= recipe["teeth_nearer"] * np.sign(points[on["teeth"], 0])
+    pupils = np.array([[rim[0], *pair] for rim in recipe["rims"] for pair in pairwise(rim[1:])])
+    seen = surface >= 0
+    triangles = np.concatenate([neutral.triangles[seen], pupils])
+    irises = np.full(len(pupils), list(recipe["surfaces"]).index("irises"))
+    surface = np.concatenate([surface[seen], irises])
     colors = painted(neutral.points, on, recipe)
-    body = Part("head", points, neutral.triangles[seen], WHITE, targets=shapes, colors=colors)
+    body = Part("head", points, triangles, WHITE, targets=shapes, colors=colors)
     poses = np.stack([points, points + sum(shapes[name] for name in recipe["watched"])])
-    web = Web(poses, body.triangles, surface[seen], colors, _worth(model, on))
-    extra = [_hairs("lashes", lashes(_lash_places(model), recipe["lash_rows"]), body, recipe)]
-    normals = smooth_normals(neutral.points, neutral.triangles[surface == 0])
-    extra.append(_hairs("brows", brows(neutral.points, normals, recipe), body, recipe))
+    web = Web(poses, triangles, surface, colors, _worth(model, on))
+    rows, strips = recipe["lash_rows"], recipe["lash_strips"]
+    extra = [_hairs("lashes", lashes(_lash_places(model), rows, strips), body, recipe)]
+    normals = smooth_normals(neutral.points, triangles[surface == 0])
+    hairs = brows(neutral.points, normals, recipe, wish.megabytes)
+    extra.append(_hairs("brows", hairs, body, recipe))
     if wish.hair is not None:
         extra.append(_worn(wish.hair, neutral.points, shift, recipe))
     return _fitted(body, web, extra, model, wish.megabytes)
@@ -184,7 +192,7 @@ def _hairs(name: str, strands: Strands, body: Part, recipe: Json) -> Part:
     normals = smooth_normals(body.positions, body.triangles)[strands.first]
     color = srgb(recipe["colors"][name])
     return Part(
-        name, positions, strands.triangles, color, 0.8, targets,
+        name, positions, strands.triangles, color, 1.0, targets,
         normals=normals, target_normals={}, double_sided=True,
     )  # fmt: skip
 

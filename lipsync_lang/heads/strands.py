@@ -3,6 +3,7 @@
 Each point of a strand is a mean of two points of the face plus an offset, so all shapes carry over.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,14 +12,14 @@ from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.heads.painting import BROW_REACH, brow_way
 from lipsync_lang.json_object import Json
 
-BROW_HAIRS = 200
-"""Hairs of both brows."""
+BROW_HAIRS_PER_MEGABYTE, MAX_BROW_HAIRS = 350, 1400
+"""Hairs of both brows: as many as a smaller head has room for, and the most."""
 
-HAIR_SIZE = (0.08, 0.6)
+HAIR_SIZE = (0.028, 0.42)
 """Width at the root and length of a hair of a brow, in centimetres."""
 
-LASH_WIDTH = 0.3
-"""Width of a lash at its root, as a share of the way to the next."""
+LASH_WIDTH = 0.13
+"""Width of a lash at its root, as a share of the way to the next of its strip."""
 
 
 class Strands(NamedTuple):
@@ -38,10 +39,11 @@ class Strands(NamedTuple):
         return found
 
 
-def lashes(places: Floats, rows: int) -> Strands:
+def lashes(places: Floats, rows: int, strips: Sequence[int]) -> Strands:
     """Split strips of lashes into strands by (V, 2) texture coordinates; other points have nan.
 
-    Each strip has `rows` rows of one height, the roots highest; strips lie below each other.
+    Each strip has `rows` rows of one height, the roots highest; strips lie below each other, and
+    those with the numbers `strips` are used, each a little beside the one before.
     """
     on = np.flatnonzero(np.isfinite(places[:, 0]))
     side = np.floor(2 * places[on, 0])
@@ -52,41 +54,47 @@ def lashes(places: Floats, rows: int) -> Strands:
         levels = np.unique(level[side == half])[::-1]
         lines = [on[(side == half) & (level == one)] for one in levels]
         lines = [line[np.argsort(places[line, 0])] for line in lines]
-        for top in range(0, len(lines) - rows + 1, rows):
-            root, middle, tip = (lines[top + row] for row in (0, rows // 2, rows - 1))
+        for shift, strip in zip(np.arange(0, 1, 1 / len(strips)), strips, strict=True):
+            root, middle, tip = (lines[rows * strip + row] for row in (0, rows // 2, rows - 1))
             for one, following in zip(range(len(root)), range(1, len(root)), strict=False):
-                start, wide = len(found), LASH_WIDTH
-                found += [(root[one], root[following], 0.0), (root[one], root[following], wide)]
+                start = len(found)
                 found += [
-                    (middle[one], middle[following], 0.8 * wide),
-                    (tip[one], tip[following], wide / 2),
+                    (row[one], row[following], shift + LASH_WIDTH * across)
+                    for row, across in (
+                        (root, 0), (root, 1), (middle, 0.9), (middle, 0.1), (tip, 0.5)
+                    )
+                ]  # fmt: skip
+                triangles += [
+                    (start, start + 1, start + 2),
+                    (start, start + 2, start + 3),
+                    (start + 3, start + 2, start + 4),
                 ]
-                triangles += [(start, start + 1, start + 2), (start, start + 2, start + 3)]
     first, second, share = (np.array(row) for row in zip(*found, strict=True))
     return Strands(first, second, share[:, None], np.zeros((len(first), 3)), np.array(triangles))
 
 
-def brows(points: Floats, normals: Floats, recipe: Json) -> Strands:
+def brows(points: Floats, normals: Floats, recipe: Json, megabytes: float) -> Strands:
     """Lay hairs on the brows: upright at the nose, flat towards the temple."""
     far, along = brow_way(points, recipe)
     near = np.flatnonzero((far < BROW_REACH) & (normals[:, 2] > 0))
+    count = min(int(megabytes * BROW_HAIRS_PER_MEGABYTE), MAX_BROW_HAIRS)
     draw = np.random.default_rng(0)
     thick = 1 - far[near] / BROW_REACH
-    chosen = draw.choice(near, BROW_HAIRS, p=thick / thick.sum())
+    chosen = draw.choice(near, count, p=thick / thick.sum())
     width, length = HAIR_SIZE
     side = np.sign(points[chosen, 0])[:, None]
     out = normals[chosen]
-    lean = (np.clip(1 - along[chosen], 0, 1) * 1.2 + 0.25 + 0.3 * draw.standard_normal(BROW_HAIRS))[
+    lean = (np.clip(1 - along[chosen], 0, 1) * 1.2 + 0.25 + 0.12 * draw.standard_normal(count))[
         :, None
     ]
     way = np.concatenate([side * np.sin(lean), np.cos(lean) - 0.25, 0 * lean], 1)
     way -= out * np.sum(way * out, axis=1, keepdims=True)
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     across = np.cross(out, way)
-    jitter = 0.1 * draw.standard_normal((BROW_HAIRS, 3))
+    jitter = 0.1 * draw.standard_normal((count, 3))
     jitter -= out * np.sum(jitter * out, axis=1, keepdims=True)
     root = jitter + 0.05 * out
-    tall = length * (0.6 + 0.5 * draw.random((BROW_HAIRS, 1)))
+    tall = length * (0.6 + 0.5 * draw.random((count, 1)))
     corners = [root - across * width / 2, root + across * width / 2, root + way * tall + 0.1 * out]
     follows = np.repeat(chosen, 3)
     offset = np.stack(corners, 1).reshape(-1, 3)

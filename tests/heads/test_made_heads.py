@@ -1,5 +1,6 @@
 """Heads from a face model: in one command, with all shapes, small; bad folders are named."""
 
+import numpy as np
 import pytest
 from ict_clone import hair_obj, write_clone
 from lanes import full
@@ -28,10 +29,21 @@ def test_a_clone_becomes_a_head_that_speaks(tmp_path):
     assert "Permission is hereby granted" in read.document["asset"]["extras"]["license"]
     found = read_outs(read)
     assert found["jawOpen"].aperture > 0.4
-    assert found["mouthPucker"].width < -0.02
+    assert found["mouthPucker"].width < -0.07
     assert found["tongueOut"].tongue_out > 0.3
     assert found["tongueOut"].tongue_up > 0.05  # it passes over the lower teeth
     assert found["tongueUp"].tongue_up > 0.1
+
+
+@full
+def test_one_cannot_see_through_the_pupils(tmp_path):
+    points = FaceModel(write_clone(tmp_path / "clone", identities=0), RECIPE).neutral.points
+    for rim, side in zip(RECIPE["rims"], (1, -1), strict=True):
+        across, up = (points[rim, :2] - np.array(RECIPE["eye"]["center"]) * (side, 1)).T
+        turns = np.diff(np.unwrap(np.arctan2(up, across)))
+        assert (turns > 0).all()  # against the clock, so the fan faces the front
+        assert np.hypot(across, up).max() < RECIPE["eye"]["pupil"] * RECIPE["eye"]["radius"]
+        assert points[rim, 2].min() > RECIPE["eye"]["front"]
 
 
 def test_a_folder_without_the_model_is_told(tmp_path):
