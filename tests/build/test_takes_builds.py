@@ -11,6 +11,7 @@ from lipsync_lang.build.shards import Shard
 from lipsync_lang.build.takes import read_takes
 from lipsync_lang.cli import main
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.players.takes import Archive
 
 SAID = ["L OW", "M AE P", "M EY L", "HH OW M", "L OW M", "M AE M", "P AE L"]
 ARCHIVE = "takes/facefx.takes"
@@ -76,6 +77,24 @@ def test_shards_of_lines_do_not_move():
     for bad in ("0/3", "4/3", "3", "a/b", "-1/3"):
         with pytest.raises(LipsyncError, match="such as 3/16"):
             Shard.parse(bad)
+
+
+def records(path):
+    """Return the bytes of each take as they stand in an archive."""
+    names = read_takes(path).takes
+    with Archive(path) as opened:
+        return {name: opened.data[slice(*opened.find(name))] for name in names}
+
+
+def test_a_build_after_one_bigram_performs_what_changed_and_copies_the_rest(game):
+    game.build()
+    before = records(game.folder / ARCHIVE)
+    game.bank(0.7)
+    built = game.build().built
+    after = records(game.folder / ARCHIVE)
+    changed = [name for name in after if after[name] != before[name]]
+    assert 0 < len(built) < len(SAID)
+    assert changed == [f"english/{one}" for one in built]
 
 
 def test_a_patch_after_one_bigram_holds_only_what_changed(game, capsys):
