@@ -27,7 +27,7 @@ FETCH_LINE = f'python -c "{FETCH_CODE}"'
 """Command that downloads it, from huggingface.co."""
 
 OTHER_MODEL = f"a model of 99 languages (484 MB, MIT licence): {FETCH_LINE}"
-"""What messages say of it."""
+"""Size, licence and command of that model, for messages."""
 
 loaded_models: dict[Path, Any] = {}
 """Models of this process by folder; a failed one is tried again."""
