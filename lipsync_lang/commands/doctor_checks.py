@@ -276,22 +276,33 @@ def engines() -> Iterator[CheckedPart]:
 
 @check
 def models() -> Iterator[CheckedPart]:
-    """Check the models of recognisers that are installed."""
-    if find_spec("faster_whisper") is not None:
-        from lipsync_lang.speech.hearing.recognise.whisper_models import (
-            FETCH_LINE,
-            check_folder,
-            shipped_model,
-        )
+    """Check the models of recognisers: those of the project, and the one that is installed."""
+    if find_spec("faster_whisper") is None:
+        return
+    from lipsync_lang.speech.hearing.recognise.whisper_models import (
+        OTHER_MODEL,
+        check_folder,
+        shipped_model,
+    )
+    from lipsync_lang.speech.hearing.sphinx.folder import is_whisper, project_models
 
+    part = "model of whisper"
+    own = [folder for folder in project_models() if is_whisper(folder)]
+    for folder in own:
         try:
-            folder = shipped_model()
             check_folder(folder)
         except SpeechError as error:
-            yield CheckedPart("model of whisper", MISSING, str(error))
+            yield CheckedPart(part, BROKEN, str(error))
         else:
-            other = f"one of 99 languages (484 MB, MIT licence): {FETCH_LINE}"
-            yield CheckedPart("model of whisper", OK, f"{os.fspath(folder)}; {other}")
+            yield CheckedPart(part, OK, f"--recogniser whisper:{folder}")
+    try:
+        folder = shipped_model()
+        check_folder(folder)
+    except SpeechError as error:
+        if not own:
+            yield CheckedPart(part, MISSING, str(error))
+    else:
+        yield CheckedPart(part, OK, os.fspath(folder) + ("" if own else f"; {OTHER_MODEL}"))
 
 
 @check

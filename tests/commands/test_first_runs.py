@@ -577,6 +577,24 @@ def test_a_whisper_without_a_model_is_told(monkeypatch):
     assert "whisper:FOLDER" in found.told
 
 
+def test_a_downloaded_whisper_is_listed_and_is_no_acoustic_model(monkeypatch, tmp_path):
+    from lipsync_lang.speech.hearing.recognise import whisper_models
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(doctor_checks, "find_spec", lambda _: True)
+    monkeypatch.setattr(whisper_models, "SHIPPED", {})
+    folder = tmp_path / "models" / "whisper-small"
+    folder.mkdir(parents=True)
+    for name in whisper_models.MODEL_FILES:
+        (folder / name).write_text("{}")
+    (found,) = doctor_checks.models()
+    assert (found.state, found.told) == ("ok", f"--recogniser whisper:{folder}")
+    assert not [one for one in doctor_checks.acoustic_models() if "whisper" in one.part]
+    (folder / "tokenizer.json").unlink()
+    (found,) = doctor_checks.models()
+    assert (found.state, "tokenizer.json missing" in found.told) == ("broken", True)
+
+
 @pytest.mark.parametrize(("text", "state"), [("echo ffmpeg version 7", "ok"), ("exit 3", "broken")])
 @pytest.mark.skipif(os.name != "posix", reason="the program here is a script of a shell")
 def test_an_ffmpeg_that_does_not_run_is_broken(monkeypatch, tmp_path, text, state):

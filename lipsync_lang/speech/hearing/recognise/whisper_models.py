@@ -24,7 +24,10 @@ FETCH_CODE = (
 """Python code that downloads a model of 99 languages into a folder, once."""
 
 FETCH_LINE = f'python -c "{FETCH_CODE}"'
-"""Command that downloads it: 484 MB from huggingface.co, under the MIT licence."""
+"""Command that downloads it, from huggingface.co."""
+
+OTHER_MODEL = f"a model of 99 languages (484 MB, MIT licence): {FETCH_LINE}"
+"""Size, licence and command of that model, for messages."""
 
 loaded_models: dict[Path, Any] = {}
 """Models of this process by folder; a failed one is tried again."""
@@ -100,8 +103,8 @@ def language_code(model: Any, stated: str, language: str) -> str:
     knows = f"only '{known[0]}'" if len(known) == 1 else f"{len(known)} others"
     raise SpeechError(
         f"this Whisper model does not know {language} ('{code}'), but {knows}; name the folder of "
-        "a model that does (`whisper:FOLDER`), or use `sound`, which needs no words; download a "
-        f"model of 99 languages (484 MB, MIT licence): {FETCH_LINE}"
+        "a model that does (`whisper:FOLDER`), or use `sound`, which needs no words; download "
+        f"{OTHER_MODEL}"
     )
 
 
@@ -111,7 +114,7 @@ def check_folder(folder: Path) -> None:
         what = "is a file" if folder.exists() else "there is no such folder"
         raise SpeechError(
             f"{folder}: {what}; `whisper:FOLDER` takes the folder of a Whisper model "
-            f"({', '.join(MODEL_FILES)}); download one: {FETCH_LINE}"
+            f"({', '.join(MODEL_FILES)}); download {OTHER_MODEL}"
         )
     missing = [name for name in MODEL_FILES if not (folder / name).is_file()]
     if missing:

@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.nearest_phonemes import ModelPhones
 
 MODEL_FOLDER = "models"
-"""The folder of a project with its acoustic models, each a folder."""
+"""The folder of a project with its models, each a folder."""
+
+WHISPER_FILE = "model.bin"
+"""A file of Whisper's models, which may be in that folder, too, and of no acoustic model."""
 
 LICENCE_FILES = ("LICENSE*", "LICENCE*", "COPYING*", "README*")
 """Patterns of files with a model's terms, the most telling first."""
@@ -156,12 +159,9 @@ def models_in(folder: Path) -> Models:
 
 def own_folder(name: str) -> Path | None:
     """Return the folder of a model that the user brought, named by its path or in the project."""
-    from lipsync_lang.packs.project import find_project
-
     if any(sign in name for sign in "/\\~"):
         return Path(name).expanduser().absolute()
-    project = find_project()
-    path = (project.parent if project else Path().absolute()) / MODEL_FOLDER / name
+    path = _model_folder() / name
     return path if name and path.is_dir() else None
 
 
@@ -198,10 +198,28 @@ def find_models(name: str | None) -> Models:
 
 def installed_models() -> Iterator[Models]:
     """Yield the models with a name: those of the project, and then those of pocketsphinx."""
+    spec = find_spec("pocketsphinx")
+    yield from (models_in(path) for path in project_models() if not is_whisper(path))
+    if spec and spec.origin:
+        yield from map(models_in, _folders(Path(spec.origin).parent / "model"))
+
+
+def project_models() -> list[Path]:
+    """Return the folders of all models of the project, or in the current folder without one."""
+    return _folders(_model_folder())
+
+
+def is_whisper(folder: Path) -> bool:
+    """Return True for a folder with a model of Whisper."""
+    return (folder / WHISPER_FILE).is_file()
+
+
+def _model_folder() -> Path:
     from lipsync_lang.packs.project import find_project
 
-    spec, project = find_spec("pocketsphinx"), find_project()
-    places = [(project.parent if project else Path().absolute()) / MODEL_FOLDER]
-    places += [Path(spec.origin).parent / "model"] if spec and spec.origin else []
-    for place in places:
-        yield from (models_in(path) for path in sorted(place.glob("*")) if path.is_dir())
+    project = find_project()
+    return (project.parent if project else Path().absolute()) / MODEL_FOLDER
+
+
+def _folders(place: Path) -> list[Path]:
+    return [path for path in sorted(place.glob("*")) if path.is_dir()]
