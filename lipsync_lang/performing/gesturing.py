@@ -137,7 +137,9 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
     return own.lay(place(own.shapes, scales, facts), start, len(times), fps)
 
 
-def _repeated(said: "PerformedLine", animation: "Animation") -> tuple[Floats, list[LaidGesture]]:
+def laid_gestures(
+    said: "PerformedLine", animation: "Animation"
+) -> tuple[Floats, list[LaidGesture]]:
     """Return the curves and the gestures of an animation, whose frames are all of its line."""
     performer, line = said.performer, said.settings["line"]
     scales = scales_of(performer.compiled, said.settings.get("gestures"), line)
@@ -154,7 +156,7 @@ def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
 
     It is empty for an animation without gestures.
     """
-    curves, laid = _repeated(said, animation)
+    curves, laid = laid_gestures(said, animation)
     if not curves.size:
         return ""
     own, minutes = said.performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
@@ -172,14 +174,14 @@ def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
 
 def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tuple[PoseAt, ...]:
     """Explain the amounts of the poses of gestures in a frame."""
-    curves, laid = _repeated(said, animation)
+    curves, laid = laid_gestures(said, animation)
     if not curves.size:
         return ()
     own, found = said.performer.gesture_set, []
     for number, pose in enumerate(own.poses):
         amount = float(curves[frame, number])
         why = ", ".join(
-            _told(own, one, animation)
+            told_gesture(own, one, animation)
             for one in laid
             if one.first <= frame < one.stop
             and any(pose == number for pose, _ in own.shapes[one.gesture.number].poses)
@@ -188,7 +190,7 @@ def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tupl
     return tuple(found)
 
 
-def _told(own: GestureSet, laid: LaidGesture, animation: "Animation") -> str:
+def told_gesture(own: GestureSet, laid: LaidGesture, animation: "Animation") -> str:
     """Describe a gesture of a frame: its trigger, its word, its height and its place."""
     placed, shape = laid.gesture, own.shapes[laid.gesture.number]
     fact = placed.fact + 1e-9
