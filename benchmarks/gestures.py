@@ -41,7 +41,7 @@ def laid(performer: ll.Performer, line: ll.Schedule) -> tuple[np.ndarray, Counte
     times = performer.perform(line, FPS).times
     (sounds,) = performer.labels.read([line])
     scales = [1.0] * len(performer.gesture_set.shapes)
-    curves, found = gesture_curves(performer, line, sounds, times, FPS, scales, None)
+    curves, found = gesture_curves(performer, line, sounds, times, FPS, scales)
     own = performer.gesture_set
     turns = curves[:, [channel["node"] is not None for channel in own.channels]]
     counts = Counter(own.shapes[one.gesture.number].name for one in found)

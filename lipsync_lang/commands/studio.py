@@ -25,7 +25,7 @@ def _add_studio(add: Add) -> None:
     )
     add_pair(studio_)
     add_values(studio_)
-    studio_.set_defaults(choosing=True)
+    studio_.set_defaults(choosing=True, gestures=None)
     studio_.add_argument("--tts", metavar="ENGINE", help="speech engine; none is silent")
     add_motion(studio_)
     add_serving(studio_)
@@ -39,6 +39,7 @@ def studio(options: Namespace) -> int:
 
     from lipsync_lang.commands.performing import motion_settings
     from lipsync_lang.packs.project import find_project
+    from lipsync_lang.performing.gesturing import ALL
     from lipsync_lang.studio.desk import Desk
     from lipsync_lang.studio.project_lines import ProjectLines
     from lipsync_lang.studio.workshop import Workshop
@@ -50,7 +51,7 @@ def studio(options: Namespace) -> int:
     workshop = Workshop(
         Path.cwd(), options.path, desk,
         motion=motion_settings(options.settings), engine=options.tts, cleaning=cleaning(options),
-        script=ProjectLines(find_project(), options.path),
+        gestures=options.gestures or ALL, script=ProjectLines(find_project(), options.path),
     )  # fmt: skip
     workshop.settings.fps = options.fps
     if options.language and options.character:

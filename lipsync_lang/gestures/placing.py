@@ -108,7 +108,7 @@ def place(
         if scale == 0:
             continue
         stated = [one for one in line.by_hand if one.number == number]
-        found += [one._replace(height=scale * one.height) for one in stated]
+        found += [one._replace(height=scale * one.height) for one in stated if one.height]
         drawn = _on_facts if gesture.on else _by_itself
         free = -1e9  # time from which the next one may begin
         for trigger, fact in drawn(number, gesture, line):

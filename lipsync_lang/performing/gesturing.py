@@ -5,9 +5,9 @@ Speech is not changed: each pose of a gesture is a column after those of speech.
 
 from bisect import bisect_left, bisect_right
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from zlib import crc32
 
 import numpy as np
@@ -128,25 +128,27 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
     times: Floats,
     fps: float,
     scales: list[float],
-    line: str | None,
+    by_hand: Sequence[PlacedGesture] = (),
 ) -> tuple[Floats, list[LaidGesture]]:
     """Return the curves of gestures over (T,) frames, (T, G), and the gestures."""
     own = performer.gesture_set
     start, end = float(times[0]), float(times[-1])
-    facts = line_facts(performer, schedule, sounds, (start, end), line)
+    facts = line_facts(performer, schedule, sounds, (start, end), by_hand)
     return own.lay(place(own.shapes, scales, facts), start, len(times), fps)
 
 
-def _repeated(said: "PerformedLine", animation: "Animation") -> tuple[Floats, list[LaidGesture]]:
+def laid_gestures(
+    said: "PerformedLine", animation: "Animation"
+) -> tuple[Floats, list[LaidGesture]]:
     """Return the curves and the gestures of an animation, whose frames are all of its line."""
     performer, line = said.performer, said.settings["line"]
     scales = scales_of(performer.compiled, said.settings.get("gestures"), line)
     if scales is None:
         return np.zeros((len(animation), 0)), []
-    (sounds,) = performer.labels.read([animation.schedule])
-    return gesture_curves(
-        performer, animation.schedule, sounds, animation.times, animation.fps, scales, line
-    )
+    schedule, times, fps = animation.schedule, animation.times, animation.fps
+    (sounds,) = performer.labels.read([schedule])
+    placed = placed_by_hand(performer, schedule, line, said.settings.get("placed"))
+    return gesture_curves(performer, schedule, sounds, times, fps, scales, placed)
 
 
 def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
@@ -154,7 +156,7 @@ def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
 
     It is empty for an animation without gestures.
     """
-    curves, laid = _repeated(said, animation)
+    curves, laid = laid_gestures(said, animation)
     if not curves.size:
         return ""
     own, minutes = said.performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
@@ -172,14 +174,14 @@ def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
 
 def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tuple[PoseAt, ...]:
     """Explain the amounts of the poses of gestures in a frame."""
-    curves, laid = _repeated(said, animation)
+    curves, laid = laid_gestures(said, animation)
     if not curves.size:
         return ()
     own, found = said.performer.gesture_set, []
     for number, pose in enumerate(own.poses):
         amount = float(curves[frame, number])
         why = ", ".join(
-            _told(own, one, animation)
+            told_gesture(own, one, animation)
             for one in laid
             if one.first <= frame < one.stop
             and any(pose == number for pose, _ in own.shapes[one.gesture.number].poses)
@@ -188,7 +190,7 @@ def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tupl
     return tuple(found)
 
 
-def _told(own: GestureSet, laid: LaidGesture, animation: "Animation") -> str:
+def told_gesture(own: GestureSet, laid: LaidGesture, animation: "Animation") -> str:
     """Describe a gesture of a frame: its trigger, its word, its height and its place."""
     placed, shape = laid.gesture, own.shapes[laid.gesture.number]
     fact = placed.fact + 1e-9
@@ -199,11 +201,11 @@ def _told(own: GestureSet, laid: LaidGesture, animation: "Animation") -> str:
     return f"{shape.name}: {trigger} {where}{placed.fact:.3f} s, {height}{shape.place}"
 
 
-def _seeds(schedule: "Schedule", line: str | None) -> tuple[list[float], list[int]]:
+def _seeds(schedule: "Schedule") -> tuple[list[float], list[int]]:
     """Return the start of each word, and a number for the words before each, and for all."""
     words = [(word.start, word.text) for word in schedule.words]
     words = words or [*zip(schedule.times.tolist(), schedule.labels, strict=False)]
-    seeds = [crc32((line or "").encode("utf-8", "surrogatepass"))]
+    seeds = [0]
     for _, text in words:
         seeds.append(crc32(text.encode("utf-8", "surrogatepass"), seeds[-1]))
     return [start for start, _ in words], seeds
@@ -214,7 +216,7 @@ def line_facts(
     schedule: "Schedule",
     sounds: "LabelSounds | None" = None,
     ends: tuple[float, float] | None = None,
-    line: str | None = None,
+    by_hand: Sequence[PlacedGesture] = (),
 ) -> LineFacts:
     """Return a line as far as its gestures ask for it.
 
@@ -222,7 +224,7 @@ def line_facts(
     ----------
     sounds : the sounds of its labels, if they are read already
     ends : times of its first and last frame; None for those of the schedule
-    line : name of the line in the character's file
+    by_hand : gestures that a person placed
     """
     own = performer.gesture_set
     if sounds is None:
@@ -239,29 +241,57 @@ def line_facts(
         facts |= _vowel_facts(performer, schedule, sounds)
     if "rise" in own.triggers and schedule.audio is not None:
         facts["rise"] = _rising(schedule.audio, phrases)
-    placed = _by_hand(performer, schedule, line)
-    return LineFacts(
-        *(ends or (schedule.start, schedule.end)), phrases, facts, *_seeds(schedule, line), placed
-    )
+    start, end = ends or (schedule.start, schedule.end)
+    return LineFacts(start, end, phrases, facts, *_seeds(schedule), by_hand)
 
 
-def _by_hand(performer: "Performer", schedule: "Schedule", line: str | None) -> list[PlacedGesture]:
-    """Return the gestures that the character's file places in a line."""
-    compiled, words = performer.compiled, schedule.words
-    own, found = performer.gesture_set, []
-    names = [shape.name for shape in own.shapes]
-    for stated in compiled.line_deliveries.get(line or "", {}).get("placed", ()):
-        at, word = stated.get("at"), stated.get("word")
+def placed_by_hand(
+    performer: "Performer",
+    schedule: "Schedule",
+    line: str | None,
+    asked: Iterable[Mapping[str, Any]] | None = None,
+) -> list[PlacedGesture]:
+    """Return the gestures that a call places in a line, or else the character's file.
+
+    Raises
+    ------
+    LipsyncError
+        A gesture or a word does not exist, or a field of a call is wrong.
+    """
+    words, own = schedule.words, performer.gesture_set
+    found, names = [], [shape.name for shape in own.shapes]
+    if asked is None:
+        asked = performer.compiled.line_deliveries.get(line or "", {}).get("placed", ())
+    else:
+        asked = [_by_hand(one) for one in asked]
+    for stated in asked:
+        name, word = stated["gesture"], stated.get("word")
+        if name not in names:
+            raise LipsyncError(f"unknown gesture '{name}'; {did_you_mean(name, names)}")
         if word is not None and word >= len(words):
             raise LipsyncError(
-                f"a gesture '{stated['gesture']}' of line '{line}' is at word {word}, counted from "
-                f"0, but the line has {len(words)} words"
+                f"a gesture '{name}' of line '{line}' is at word {word}, counted from 0, but the "
+                f"line has {len(words)} words"
             )
-        number = names.index(stated["gesture"])
-        fact = float(at if word is None else words[word].start)
+        number = names.index(name)
+        fact = float(stated["at"] if word is None else words[word].start + stated.get("after", 0))
         begin = fact - own.shapes[number].lead
         found.append(PlacedGesture(number, begin, stated.get("scale", 1.0), BY_HAND, fact))
     return found
+
+
+def _by_hand(stated: Mapping[str, Any]) -> dict[str, Any]:
+    """Check a gesture of a call, which has the fields of a character's file."""
+    from pydantic import ValidationError
+
+    from lipsync_lang.packs.models.gesture_models import GestureByHand
+
+    try:
+        return GestureByHand.model_validate(stated).model_dump(exclude_defaults=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise LipsyncError(f"a gesture by hand: {where}: {first['msg']}") from None
 
 
 def _vowel_facts(

@@ -31,7 +31,8 @@ class PerformedLine:
 
     def performance(self, animation: "Animation") -> "Performance":
         """Repeat the performance of an animation, with access to each stage."""
-        spoken = {name: value for name, value in self.settings.items() if name != "gestures"}
+        beside = {"gestures", "placed"}
+        spoken = {name: value for name, value in self.settings.items() if name not in beside}
         return self.performer.performance(animation.schedule, animation.fps, **spoken)
 
     def explain(self, animation: "Animation", seconds: float) -> "Explanation":

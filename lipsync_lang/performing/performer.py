@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -147,6 +147,7 @@ class Performer:
         dials: "DialLevels | None" = None,
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
+        placed: "Sequence[Mapping[str, Any]] | None" = None,
         bends: "Mapping[str, Points] | None" = None,
     ) -> Animation:
         """Animate a schedule.
@@ -165,6 +166,8 @@ class Performer:
         gestures : blinks, raised brows and nods of the pose set: ``all``, a text such as
             ``blink,accent:0.5``, or factors by name; each of their poses is a further column.
             None for no gestures
+        placed : gestures placed by hand instead of those of the line, as in a character's file:
+            ``[{"gesture": "nod", "word": 2, "scale": 0.5}]``
         bends : keys that are added to poses, such as ``{"jaw": [(0.4, 0.2)]}``: seconds and an
             amount from -1 to 1. It runs smoothly from key to key, and fades within 0.12 s at the
             ends. Constraints and limits hold
@@ -186,7 +189,7 @@ class Performer:
         """
         return self.perform_many(
             [schedule], fps, lines=[line], styles=styles, dials=dials, intensity=intensity,
-            gestures=gestures, bends=bends,
+            gestures=gestures, placed=placed, bends=bends,
         )[0]  # fmt: skip
 
     def perform_many(  # noqa: PLR0913 as `perform`
@@ -199,6 +202,7 @@ class Performer:
         dials: "DialLevels | None" = None,
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
+        placed: "Sequence[Mapping[str, Any]] | None" = None,
         bends: "Mapping[str, Points] | None" = None,
     ) -> list[Animation]:
         """Animate many schedules; each animation equals that of `perform` bit by bit.
@@ -209,7 +213,7 @@ class Performer:
         ----------
         schedules : timed phonemes of each line
         lines : name of the line of each schedule, for its edits and settings; None for no line
-        fps, styles, dials, intensity, gestures, bends : as in `perform`, the same for all
+        fps, styles, dials, intensity, gestures, placed, bends : as in `perform`, the same for all
 
         Raises
         ------
@@ -225,7 +229,7 @@ class Performer:
         """
         asked = {
             "styles": styles, "dials": dials, "intensity": intensity, "gestures": gestures,
-            "bends": bends,
+            "placed": placed, "bends": bends,
         }  # fmt: skip
         return animate(self, tuple(schedules), fps, lines, asked)
 

@@ -7,7 +7,8 @@ from typing import Any
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.resolver.compile import compile_pair
-from lipsync_lang.studio.workshop import LineSettings, Workshop, without_lines
+from lipsync_lang.studio.line_settings import LineSettings
+from lipsync_lang.studio.workshop import Workshop, without_lines
 
 
 def other_performer(workshop: Workshop, character: str) -> Performer:
@@ -22,7 +23,7 @@ def other_performer(workshop: Workshop, character: str) -> Performer:
 
 
 def performed_beside(workshop: Workshop, character: str) -> Animation | None:
-    """Perform the line on another character, with those styles, regions and poses that it has.
+    """Perform the line on another character, with what it has of the styles, regions and gestures.
 
     None if there is no line.
     """
@@ -30,14 +31,16 @@ def performed_beside(workshop: Workshop, character: str) -> Animation | None:
     if workshop.line is None:
         return None
     compiled, aside = performer.compiled, copy(workshop)
+    moves = {shape.name for shape in performer.gesture_set.shapes}
     aside.settings = LineSettings(
         stated.fps,
         styles=_among(stated.styles, compiled.style_names),
         dials=_among(stated.dials, compiled.regions),
         intensity=stated.intensity,
         bends=_among(stated.bends, compiled.poses),
+        placed=[one for one in stated.placed if one["gesture"] in moves],
     )
-    return aside.perform(performer)
+    return aside.perform_shown(performer)
 
 
 def _among(levels: Mapping[str, Any], known: Collection[str]) -> dict[str, Any]:

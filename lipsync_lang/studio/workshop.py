@@ -7,7 +7,7 @@ of one user, one call at a time.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, replace
 from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,8 +22,8 @@ from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import ABSENT, SplicedText
-from lipsync_lang.performing.delivery import in_words, second
 from lipsync_lang.performing.edits import corrected
+from lipsync_lang.performing.gesturing import ALL
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.resolver.compile import compile_pair
@@ -34,6 +34,7 @@ from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.bigram_home import bigram_home, known_style
 from lipsync_lang.studio.desk import Desk, PackEdit
 from lipsync_lang.studio.edited_pair import EditedPair
+from lipsync_lang.studio.line_settings import LineSettings, brief
 from lipsync_lang.studio.merging import Choices
 from lipsync_lang.studio.project_lines import ProjectLines
 from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
@@ -47,30 +48,19 @@ NAME_WORDS = 4
 LEAST_MOVE = 1e-5
 """Seconds by which a moved boundary differs."""
 
-CHANGES = ("styles", "dials", "bends", "intensity", "emphasis", "phonemes", "times")
+CHANGES = ("styles", "dials", "bends", "intensity", "emphasis", "phonemes", "times", "placed")
 """Fields of a line that a person changes; the others say which line it is."""
 
 OWN = ("path", "project")
 """Origins of folders with the user's packs."""
 
 
-@dataclass
-class LineSettings:
-    """Settings of the performed line; the fields are those of `Performer.perform`."""
-
-    fps: float = 60.0
-    line: str | None = None
-    styles: dict[str, Any] = field(default_factory=dict)
-    dials: dict[str, Any] = field(default_factory=dict)
-    intensity: float | None = None
-    bends: dict[str, list[list[float]]] = field(default_factory=dict)
-
-
 class Workshop:
     """An open pair and its line.
 
     `project` is the folder for new packs, and `paths` are searched first. `motion` are changed
-    settings of motion, or a preset, and `engine` replaces the speech engine of the language.
+    settings of motion, or a preset, and `engine` replaces the speech engine of the language. A line
+    is shown with `gestures`.
     """
 
     def __init__(  # noqa: PLR0913 a folder, packs, and settings of lines
@@ -82,11 +72,13 @@ class Workshop:
         motion: Mapping[str, object] | str | None = None,
         engine: str | None = None,
         cleaning: Cleaning = AS_WRITTEN,
+        gestures: str = ALL,
         script: ProjectLines | None = None,
     ) -> None:
         self.project, self.paths = project.absolute(), tuple(paths)
         self.desk = Desk(None) if desk is None else desk
         self.motion, self.engine, self.cleaning = motion, engine, cleaning
+        self.gestures = gestures
         self.language = self.character = ""
         self.settings = LineSettings()
         self.line: SpokenLine | None = None
@@ -371,25 +363,8 @@ class Workshop:
         used = whole.labels != self.line.opened.labels
         self.line.changes = changes if used else ()
         self.line.retime(whole)
-        styles, dials = (
-            {
-                name: (
-                    points[0][1]
-                    if len(points) == 1
-                    else [[round(second(name, at, whole), 5), level] for at, level in points]
-                )
-                for name, points in stated.get(kind, {}).items()
-            }
-            for kind in ("styles", "dials")
-        )
         known = self.name if self.name in compiled.line_edits else None
-        bends = {
-            pose: [[round(second(pose, at, whole), 5), amount] for at, amount in keys]
-            for pose, keys in stated.get("bends", {}).items()
-        }
-        self.settings = LineSettings(
-            self.settings.fps, known, styles, dials, stated.get("intensity"), bends
-        )
+        self.settings = LineSettings.of(stated, whole, self.settings.fps, known)
 
     def keep(self, title: str, tab: str = "", merge: str = "") -> None:
         """Make the changes of the open line one step, which undo reverts and saving writes."""
@@ -399,7 +374,7 @@ class Workshop:
         before = self._stated.get(self.name)
         now = self._statement(compiled.language)
         old = {
-            key: value if key == "bends" else _brief(value)
+            key: value if key == "bends" else brief(value)
             for key, value in (before or {}).items()
             if value
         }
@@ -422,17 +397,8 @@ class Workshop:
 
     def _statement(self, language: str) -> dict[str, Any]:
         """Return what a character's file states for the open line; `ABSENT` for nothing."""
-        line, settings = self.spoken, self.settings
+        line = self.spoken
         whole, opened = line.whole, line.unmoved
-        levels = [
-            {
-                name: [[in_words(at, whole), value] for at, value in level]
-                if isinstance(level, list)
-                else level
-                for name, level in table.items()
-            }
-            for table in (settings.styles, settings.dials)
-        ]
         pairs = zip(whole.words, opened.words, strict=True)
         emphasis = [
             [number, new.emphasis]
@@ -447,13 +413,7 @@ class Workshop:
         found = {
             "language": language,
             "text": self.text if self.script_line is None else None,
-            "styles": _brief(levels[0]),
-            "dials": _brief(levels[1]),
-            "bends": {
-                pose: [[in_words(at, whole), amount] for at, amount in keys]
-                for pose, keys in settings.bends.items()
-            },
-            "intensity": settings.intensity,
+            **self.settings.stated(whole),
             "emphasis": emphasis,
             "phonemes": [[first, list(was), list(now)] for first, was, now in line.changes],
             "times": times,
@@ -496,11 +456,17 @@ class Workshop:
         """Perform the shown part of the line, or another schedule of it, with any performer."""
         schedule, settings = schedule or self.spoken.part(self.part_seconds), self.settings
         loud = None if schedule.audio is None else settings.intensity
-        return (performer or self.performer).perform(
+        performer = performer or self.performer
+        return performer.perform(
             schedule, settings.fps, line=settings.line, styles=settings.styles or None,
             dials=settings.dials or None, intensity=loud, bends=settings.bends or None,
-            gestures=gestures,
+            gestures=gestures if performer.gesture_set.poses else None, placed=settings.placed,
         )  # fmt: skip
+
+    def perform_shown(self, performer: Performer | None = None) -> Animation:
+        """Perform the shown line with its gestures; a part of a long line has none."""
+        whole = self.schedule is self.spoken.whole
+        return self.perform(performer, gestures=self.gestures if whole else None)
 
     def lines(self) -> list[tuple[str, str]]:
         """Return the lines of the open language with their characters: of the script, or kept."""
@@ -587,14 +553,10 @@ class Workshop:
         return "/".join(parts)
 
 
-def _brief(value: Any) -> Any:
-    """Return levels with a number for a single point; other values stay."""
-    if not isinstance(value, dict):
-        return value
-    single = {name: level for name, level in value.items() if np.shape(level) == (1, 2)}
-    return value | {name: level[0][1] for name, level in single.items()}
-
-
 def without_lines(performer: Performer) -> Performer:
-    """Return a performer that leaves the delivery of lines to its caller."""
-    return replace(performer, compiled=replace(performer.compiled, line_deliveries={}))
+    """Return a performer that leaves lines to its caller, except the scales of their gestures."""
+    compiled = performer.compiled
+    scales = {
+        name: {"gestures": line["gestures"]} for name, line in compiled.line_deliveries.items()
+    }
+    return replace(performer, compiled=replace(compiled, line_deliveries=scales))

@@ -12,6 +12,7 @@ const { mouthOf } = await load("face/drawn_mouth");
 const { wave } = await load("line/player");
 const { onsets, snappedTo } = await load("timeline/onsets");
 const { withKey, withMoved } = await load("timeline/bend_points");
+const { placedAt, secondsOf, shownGestures, withMovedGesture, withoutGesture, withScaledGesture } = await load("timeline/gesture_places");
 const { transform } = await load("timeline/spectrogram");
 const { sphere } = await load("face/ambient");
 const { Take } = await load("line/take");
@@ -74,6 +75,36 @@ const units = {
     assert.deepEqual(withKey([[1, 0.5]], 2, 0.2), [[[1, 0.5], [1.12, 0], [1.88, 0], [2, 0.2]], 3]);
     assert.deepEqual(withKey([[2, 0.2]], 1, 0.5), [[[1, 0.5], [1.12, 0], [1.88, 0], [2, 0.2]], 0]);
     assert.deepEqual(withMoved([[1, 0], [2, 0]], 0, 3, -4), [[2, -1], [2, 0]]);
+  },
+  "a gesture keeps its place beside a word"() {
+    const spoken = { times: [0.2, 0.5, 0.9, 1.4], words: [["a", 0, 1], ["b", 1, 3]] };
+    for (const [seconds, word, after] of [[0.1, 0, -0.1], [0.2, 0, undefined], [0.45, 0, 0.25], [0.5, 1, undefined], [2, 1, 1.5]]) {
+      const one = placedAt("nod", seconds, 1, spoken);
+      assert.deepEqual([one.word, one.after, one.at, one.scale], [word, after, undefined, undefined]);
+      near([secondsOf(one, spoken)], [seconds]);
+    }
+    assert.deepEqual(placedAt("nod", 0.3, 0.5, { times: [0, 1], words: [] }), { gesture: "nod", at: 0.3, scale: 0.5 });
+    assert.equal(secondsOf({ gesture: "nod", at: 0.3 }, spoken), 0.3);
+  },
+  "gestures by hand keep those by rule away"() {
+    const spoken = { times: [0, 1, 2, 3], words: [["a", 0, 1], ["b", 1, 2], ["c", 2, 3]] };
+    const kinds = [{ name: "nod", lead: 0.1, seconds: 0.5, room: 0.5 }];
+    const ruled = { name: "nod", at: 1, begin: 0.9, scale: 0.7, why: "stress", hand: -1 }, took = { kinds, rows: [ruled] };
+    const show = (placed) => shownGestures(took, placed, spoken).map((one) => [one.at, one.scale, one.hand]);
+    assert.deepEqual(show([]), [[1, 0.7, -1]]);
+    assert.deepEqual(show([{ gesture: "nod", word: 2 }]), [[2, 1, 0], [1, 0.7, -1]]);
+    assert.deepEqual(show([{ gesture: "nod", at: 1.4 }]), [[1.4, 1, 0]]);
+    assert.deepEqual(show([{ gesture: "blink", at: 1 }]), [[1, 0.7, -1]], "a gesture that is off has no place");
+    const [own] = shownGestures(took, [], spoken), [moved, hand] = withMovedGesture([], own, 2.5, spoken);
+    near([own.begin, own.end], [0.9, 1.4]);
+    assert.deepEqual(moved, [{ gesture: "nod", word: 1, scale: 0 }, { gesture: "nod", word: 2, after: 0.5, scale: 0.7 }]);
+    assert.equal(hand, 1);
+    const again = shownGestures(took, moved, spoken)[hand];
+    assert.deepEqual(withMovedGesture(moved, again, 0, spoken), [[moved[0], { gesture: "nod", word: 0, scale: 0.7 }], 1]);
+    assert.deepEqual(withScaledGesture(moved, again, 1, spoken), [[moved[0], { gesture: "nod", word: 2, after: 0.5 }], 1]);
+    assert.deepEqual(withScaledGesture([], own, 2, spoken), [[{ gesture: "nod", word: 1, scale: 2 }], 0]);
+    assert.deepEqual(withoutGesture([], own, spoken), [[moved[0]], 0]);
+    assert.deepEqual(withoutGesture(moved, again, spoken), [[moved[0]], -1]);
   },
   "a transform finds the frequency of a tone"() {
     const real = Float32Array.from({ length: 64 }, (_, n) => Math.cos((2 * Math.PI * 5 * n) / 64)), imaginary = new Float32Array(64);

@@ -1,6 +1,7 @@
 """Gestures: placed by the facts of a line, the same in every build, within bounds and speed."""
 
 import json
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -15,7 +16,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.gestures.laying import GestureSet
 from lipsync_lang.gestures.pitch import pitches
 from lipsync_lang.gestures.placing import LineFact, LineFacts, PlacedGesture, place
-from lipsync_lang.performing.gesturing import gesture_curves
+from lipsync_lang.performing.gesturing import gesture_curves, placed_by_hand
 from lipsync_lang.schedules.schedule import Audio, Word
 
 BLINK = [[0, 0], [0.08, 1], [0.12, 1], [0.26, 0]]
@@ -201,7 +202,7 @@ def test_emphasis_draws_the_brows(performer):
     (sounds,) = performer.labels.read([marked])
     times = np.arange(0, 6, 1 / 60)
     scales = [1.0] * len(performer.gesture_set.shapes)
-    _, laid = gesture_curves(performer, marked, sounds, times, 60, scales, None)
+    _, laid = gesture_curves(performer, marked, sounds, times, 60, scales)
     facts = [one.gesture.fact for one in laid if one.gesture.trigger == "emphasis"]
     near = [at for at in facts if abs(at - marked.words[5].start) <= 0.5]
     assert all(marked.words[5].start <= at < marked.words[5].end for at in near)
@@ -218,7 +219,7 @@ def test_a_raised_voice_gives_height(performer):
     heard = replace(schedule, audio=Audio(sound, rate))
     (sounds,) = performer.labels.read([heard])
     scales = [1.0] * len(performer.gesture_set.shapes)
-    laid = gesture_curves(performer, heard, sounds, np.arange(0, 6, 1 / 60), 60, scales, None)[1]
+    laid = gesture_curves(performer, heard, sounds, np.arange(0, 6, 1 / 60), 60, scales)[1]
     nods = [one.gesture for one in laid if one.gesture.trigger == "stress"]
     high = [one.height for one in nods if 2 < one.fact < 2.5]
     low = [one.height for one in nods if one.fact < 1.5]
@@ -309,7 +310,8 @@ def triggers(performer, schedule, line=None, times=None):
     (sounds,) = performer.labels.read([schedule])
     scales = [1.0] * len(performer.gesture_set.shapes)
     times = np.arange(0, schedule.end, 1 / 60) if times is None else times
-    _, laid = gesture_curves(performer, schedule, sounds, times, 60, scales, line)
+    by_hand = placed_by_hand(performer, schedule, line)
+    _, laid = gesture_curves(performer, schedule, sounds, times, 60, scales, by_hand)
     names = [shape.name for shape in performer.gesture_set.shapes]
     return [(names[one.gesture.number], one.gesture.trigger, one.gesture.fact) for one in laid]
 
@@ -375,6 +377,59 @@ def test_a_person_places_gestures_at_times_and_words(by_hand):
     assert not own.perform(said(), line="hi", gestures="blink")["nod"].any()
     with pytest.raises(LipsyncError, match="'nod' of line 'hi' is at word 99, counted from 0"):
         by_hand({"gesture": "nod", "word": 99}).perform(said(), line="hi", gestures="all")
+
+
+def test_a_gesture_by_hand_stands_beside_its_word(by_hand):
+    start = said().words[2].start
+    found = triggers(by_hand({"gesture": "blink", "word": 2, "after": -0.2}), said(), "hi")
+    assert ("blink", "by hand", pytest.approx(start - 0.2)) in found
+
+
+def test_a_gesture_of_no_scale_leaves_out_what_comes_by_rule(performer, by_hand):
+    before = triggers(performer, said())
+    name, _, at = gone = next(one for one in before if one[0] == "nod")
+    own = by_hand({"gesture": name, "at": at, "scale": 0})
+    left = triggers(own, said(), "hi")
+    assert sorted([*left, gone]) == sorted(before), "the others stay where they are"
+    curves = own.perform(said(), line="hi", gestures="all")["nod"]
+    usual = performer.perform(said(), gestures="all")["nod"]
+    changed = np.flatnonzero(curves != usual) / 60
+    assert len(changed)
+    assert at - 0.1 < changed.min()
+    assert changed.max() < at + 0.6
+
+
+def test_a_call_places_gestures_instead_of_the_line(by_hand):
+    own = by_hand({"gesture": "nod", "at": 1.0})
+    placed = [{"gesture": "nod", "word": 3, "scale": 0.5}]
+    called, stated = (
+        one.perform(said(), line="hi", gestures="nod", **more)
+        for one, more in ((own, {"placed": placed}), (by_hand(*placed), {}))
+    )
+    assert called.weights.tobytes() == stated.weights.tobytes()
+    plain = own.perform(said(), line="hi", gestures="nod", placed=[])
+    assert plain.weights.tobytes() == by_hand().perform(said(), gestures="nod").weights.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("one", "why"),
+    [
+        ({"gesture": "nodd", "at": 1}, "unknown gesture 'nodd'; did you mean 'nod'?"),
+        ({"gesture": "nod"}, "either `at` seconds, or at a `word`"),
+        ({"gesture": "nod", "at": 1, "after": 1}, "`after` needs the `word`"),
+        ({"gesture": "nod", "at": "now"}, "a gesture by hand: at: "),
+        ({"gesture": "nod", "at": 1, "scale": 9}, "a gesture by hand: scale: "),
+        ({"gesture": "nod", "word": 99}, "at word 99"),
+    ],
+)
+def test_faulty_gestures_by_hand_are_refused(performer, one, why):
+    with pytest.raises(LipsyncError, match=re.escape(why)):
+        performer.perform(said(), gestures="all", placed=[one])
+
+
+def test_a_named_line_has_the_gestures_of_one_without_a_name(performer, by_hand):
+    named = by_hand().perform(said(), line="hi", gestures="all")
+    assert named.weights.tobytes() == performer.perform(said(), gestures="all").weights.tobytes()
 
 
 def test_a_line_rests_after_its_end_and_goes_on_breathing(performer):

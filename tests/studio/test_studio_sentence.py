@@ -154,6 +154,7 @@ def test_another_line_has_nothing_of_the_line_before(caller, workshop):
         "styles": {},
         "intensity": None,
         "bends": {},
+        "placed": [],
     }
     workshop.take_up(replace(LINE, audio=sound), "ma be")
     jaw = workshop.settings.dials.pop("jaw")

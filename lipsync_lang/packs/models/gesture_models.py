@@ -145,8 +145,10 @@ class GestureByHand(Strict):
     """Seconds in the line at which it begins, for a gesture with `lead` by so much earlier."""
     word: Annotated[int, Field(ge=0)] | None = None
     """The word at whose beginning it is placed, counted from 0; or `at`."""
+    after: Annotated[float, Field(ge=-60, le=60)] = 0.0
+    """Seconds after the beginning of the word; below 0, before it."""
     scale: GestureScale = 1.0
-    """Scale of this one."""
+    """Scale of this one; 0 is none, and keeps those away that come by rule."""
 
     @model_validator(mode="after")
     def _somewhere(self) -> Self:
@@ -155,6 +157,8 @@ class GestureByHand(Strict):
             raise PydanticCustomError(
                 "P115", what, {"field": "gesture" if self.at is None else "at"}
             )
+        if self.word is None and self.after:
+            raise PydanticCustomError("P115", "`after` needs the `word`", {"field": "after"})
         return self
 
 

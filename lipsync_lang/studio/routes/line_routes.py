@@ -11,6 +11,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.json_object import Json
+from lipsync_lang.performing.gesturing import ALL
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performed_line import performer_of
 from lipsync_lang.performing.performer import Performer
@@ -21,6 +22,8 @@ from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.beside import other_performer, performed_beside
 from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.studio.gesture_data import gesture_data
+from lipsync_lang.studio.line_settings import LineSettings
 from lipsync_lang.studio.routes.requests import (
     MAX_PATH_DIGITS,
     MAX_TITLE_CHARS,
@@ -32,7 +35,7 @@ from lipsync_lang.studio.routes.requests import (
     whole_number,
 )
 from lipsync_lang.studio.take_data import curves_data, figures_data, take_data
-from lipsync_lang.studio.workshop import LineSettings, Workshop
+from lipsync_lang.studio.workshop import Workshop
 
 SOUND_MARGIN_SECONDS = 1.0
 """Seconds of sound to send before and after a line."""
@@ -134,6 +137,7 @@ def _settings(stated: Any) -> LineSettings:
             f"settings must be an object with fields among {', '.join(sorted(known))}"
         )
     given = LineSettings(**{key: value for key, value in stated.items() if value is not None})
+    listed(given.placed, "placed")
     numbers = [given.fps, *([] if given.intensity is None else [given.intensity])]
     levels = [given.styles, given.dials, given.bends]
     for table in levels:
@@ -178,12 +182,12 @@ def whole(workshop: Workshop) -> PackedResponse:
 def takes(workshop: Workshop, against: Any) -> PackedResponse:
     """Return the take, and the take to compare it with."""
     pack = ArrayPack()
-    made = [_take(workshop.perform(), workshop.performer, pack, "")]
+    made = [_take(workshop.perform_shown(), workshop.performer, pack, "")]
     if isinstance(against, str) and against:
         from lipsync_lang.quality.baselines import BASELINES
 
         if against == SAVED:
-            other = workshop.perform(workshop.saved)
+            other = workshop.perform_shown(workshop.saved)
         elif against in BASELINES:
             schedule = workshop.spoken.part(workshop.part_seconds)
             other = BASELINES[against](workshop.performer, schedule, workshop.settings.fps)
@@ -208,7 +212,8 @@ def _take(animation: Animation, own: Performer, pack: ArrayPack, name: str) -> J
     rigged = (performer or own).rigged(animation)
     channels = None if rigged is animation else curves_data(rigged, pack)
     data = take_data(animation, performer, pack)
-    return data | {"name": name, "face": 0, "channels": channels}
+    data |= {"name": name, "face": 0, "channels": channels, "gestures": gesture_data(animation)}
+    return data
 
 
 def face(workshop: Workshop, _: StudioRequest) -> PackedResponse:
@@ -230,7 +235,9 @@ def beside(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 
 def _rest(performer: Performer) -> Animation:
-    return performer.perform(Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1])))
+    """Perform rest, with the columns of gestures."""
+    schedule = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
+    return performer.perform(schedule, gestures=ALL)
 
 
 def _faced(performer: Performer, animation: Animation, pack: ArrayPack) -> PackedResponse:

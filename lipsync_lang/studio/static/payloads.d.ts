@@ -79,6 +79,39 @@ export interface Making {
   dials: { name: string; poses: number[]; level: Float32Array }[];
 }
 
+/** A gesture that is on: seconds before its fact, its length, and the room that it keeps. */
+export interface GestureKind {
+  name: string;
+  lead: number;
+  seconds: number;
+  room: number;
+}
+
+/** A gesture of a take: the time of its fact, and its number among those placed by hand, or -1. */
+export interface GestureRow {
+  name: string;
+  at: number;
+  begin: number;
+  scale: number;
+  why: string;
+  hand: number;
+}
+
+export interface Gestures {
+  poses: string[];
+  kinds: GestureKind[];
+  rows: GestureRow[];
+}
+
+/** A gesture as a character's file places it: at a time, or beside a word. */
+export interface GestureByHand {
+  gesture: string;
+  at?: number;
+  word?: number;
+  after?: number;
+  scale?: number;
+}
+
 export interface TakeData extends Curves {
   name: string;
   face: number;
@@ -95,6 +128,8 @@ export interface TakeData extends Curves {
   making?: Making;
   /** Channels of a rig, whose poses are the take's. */
   channels: Curves | null;
+  /** Gestures of a line in the studio; null without columns of gestures. */
+  gestures?: Gestures | null;
 }
 
 export interface Skin {
@@ -210,6 +245,8 @@ export interface Settings {
   /** Keys of poses: seconds and the amount that is added. */
   bends?: Record<string, [number, number][]>;
   intensity?: number | null;
+  /** Gestures placed by hand. */
+  placed?: GestureByHand[];
 }
 
 /** A line that was opened or performed; the fields from `sound` on are those of a line just opened. */

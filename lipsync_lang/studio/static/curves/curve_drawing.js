@@ -2,9 +2,9 @@
 
 import { valuesAt } from "./bspline.js";
 import { chosenPoints, clamp } from "./curve_points.js";
+import { drawn } from "../shell/drawings.js";
 import { ticks } from "../timeline/scales.js";
 
-const NS = "http://www.w3.org/2000/svg";
 /** Pixels around the plot: left, top, right, bottom. */
 const MARGIN = [34, 26, 12, 22];
 /** Widest view: times, then values; and the closest zoom. */
@@ -19,19 +19,6 @@ const MARKERS = [
 
 /** @typedef {import("./curve_points.js").Curves} Curves @typedef {import("./bspline.js").Point} Point */
 /** @typedef {{kind: "point" | "curve" | "boundary" | "handle" | "plot", pose: string, index: number}} Hit */
-
-/**
- * @param {string} name
- * @param {Record<string, string | number>} traits
- * @param {...Node} content
- * @returns {SVGElement}
- */
-export function drawn(name, traits = {}, ...content) {
-  const element = /** @type {SVGElement} */ (document.createElementNS(NS, name));
-  put(element, traits);
-  element.append(...content);
-  return element;
-}
 
 /** @param {Element} element @param {Record<string, string | number>} traits */
 function put(element, traits) {
@@ -194,7 +181,7 @@ export class CurveDrawing {
       /** @type {string} */ text,
       /** @type {string} */ anchor,
       kind = "",
-    ) => parts.push(drawn("text", { x, y, "text-anchor": anchor, class: kind }, document.createTextNode(text)));
+    ) => parts.push(drawn("text", { x, y, "text-anchor": anchor, class: kind }, text));
     for (const time of ticks(Math.max(0, view[0]), Math.min(1, view[1]), Math.max(2, (right - left) / 90))) {
       parts.push(drawn("line", { x1: this.x(time), x2: this.x(time), y1: top, y2: base }));
       label(this.x(time), base + 15, String(time), "middle");

@@ -73,7 +73,7 @@ function local(node, weights) {
   let rotation = node.rotation;
   const translation = [...node.translation];
   for (const { channel, turn, shift } of node.moves) {
-    const level = weights[channel];
+    const level = weights[channel] ?? 0;
     if (turn) {
       const half = (level * RADIANS) / 2;
       const share = Math.sin(half) / (Math.hypot(...turn) || 1);
@@ -141,7 +141,7 @@ export class FaceShape {
     const shaped = Float32Array.from(this.bases[number]);
     for (const { channels, rest, scale, points, deltas } of part.shapes) {
       let weight = channels.length ? -Infinity : rest;
-      for (const channel of channels) weight = Math.max(weight, weights[channel]);
+      for (const channel of channels) weight = Math.max(weight, weights[channel] ?? 0); // a plain take has no gestures
       if (!weight) continue;
       const step = weight * scale;
       for (let n = 0; n < points.length; n++) {

@@ -84,9 +84,10 @@ export class Take {
     return Float32Array.from(this.data.curves, (curve) => level(curve, frame));
   }
 
-  /** Rows that move at any time. @returns {string[]} */
+  /** Rows that move at any time; gestures that have a lane have no rows. @returns {string[]} */
   get moving() {
-    return [...this.rows].flatMap(([name, { curve }]) => (curve.moves ? [name] : []));
+    const beside = new Set((this.data.gestures?.poses ?? []).flatMap((name) => [name, `rig: ${name}`]));
+    return [...this.rows].flatMap(([name, { curve }]) => (curve.moves && !beside.has(name) ? [name] : []));
   }
 
   /** @param {number} seconds @returns {number} the phoneme of the schedule, or -1 outside */

@@ -1,5 +1,6 @@
 /** The dialog of a conflict: curves of both sides over each other, and a choice for each entry. */
 
+import { drawn } from "./drawings.js";
 import { made } from "./elements.js";
 import { bspline } from "../curves/bspline.js";
 
@@ -9,13 +10,6 @@ import { bspline } from "../curves/bspline.js";
 const SIDES = /** @type {[Side, string][]} */ ([["mine", "mine"], ["theirs", "the file's"]]);
 /** Size of a picture in its own units, and the number of steps of a smooth curve. */
 const WIDE = 320, HIGH = 110, STEPS = 64;
-
-/** @param {string} name @param {Record<string, string | number>} traits */
-function drawn(name, traits) {
-  const one = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, value] of Object.entries(traits)) one.setAttribute(key, String(value));
-  return one;
-}
 
 /** @param {unknown} value @returns {value is [number, number][]} */
 function pointed(value) {

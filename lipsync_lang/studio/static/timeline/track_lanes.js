@@ -1,5 +1,6 @@
 /** Tracks of a line above its timeline: points of seconds and level, dragged, added and deleted. */
 
+import { drawn } from "../shell/drawings.js";
 import { made } from "../shell/elements.js";
 import { levelAt, movedPoint, pointsOf, withoutPoint, withPoint } from "./level_points.js";
 
@@ -8,17 +9,9 @@ const TALL = 46, PAD = 7, DOT = 5;
 const REACH = 11;
 /** Steps of a point moved by keys: seconds and value. */
 const STEP = [0.01, 0.05];
-const SPACE = "http://www.w3.org/2000/svg";
 
 /** @typedef {import("./level_points.js").Level} Level */
 /** @typedef {{kind: "dials" | "styles", name: string, level: Level, most: number, usual: number}} Track */
-
-/** @param {string} name @param {Record<string, string | number>} traits @returns {SVGElement} */
-function drawn(name, traits) {
-  const one = document.createElementNS(SPACE, name);
-  for (const [key, value] of Object.entries(traits)) one.setAttribute(key, String(value));
-  return one;
-}
 
 /** Lanes of tracks that share the time axis of a timeline. */
 export class TrackLanes {
@@ -80,7 +73,8 @@ export class TrackLanes {
   draw() {
     const { timeline } = this;
     if (!timeline.shown) return;
-    this.place.style.setProperty("--left", `${timeline.narrow ? 0 : timeline.left}px`);
+    this.place.style.setProperty("--left", `${this.#left}px`);
+    this.place.classList.toggle("narrow", timeline.narrow);
     for (const { track, svg } of this.lanes) {
       const wide = this.#wide, level = pointsOf(track.level, timeline.start, timeline.end);
       const at = level.map(([seconds, value]) => [this.#x(seconds), this.#y(track, value)]);

@@ -115,29 +115,41 @@ export class DeliveryPanel {
   }
 
   /**
-   * @param {string} key
-   * @param {string} name
-   * @param {number} most
-   * @param {(value: number, done: boolean) => void} set
-   * @param {...HTMLElement} more
+   * @param {string} key @param {string} name @param {number} most
+   * @param {(value: number, done: boolean) => void} set @param {...HTMLElement} more
    */
   #slider(key, name, most, set, ...more) {
-    const traits = { min: "0", max: String(most), step: "0.05" };
-    const slider = /** @type {HTMLInputElement} */ (made("input", { type: "range", "aria-label": name, ...traits }));
-    const number = /** @type {HTMLInputElement} */ (
-      made("input", { type: "number", "aria-label": `${name}, as a number`, ...traits })
-    );
-    slider.addEventListener("input", () => { number.value = slider.value; set(Number(slider.value), false); });
-    slider.addEventListener("change", () => set(Number(slider.value), true));
-    number.addEventListener(
-      "change",
-      () => number.value !== "" && set(Math.min(most, Math.max(0, Number(number.value))), true),
-    );
-    this.shows.set(key, (value, note) => {
+    const { node, show } = dial(name, most, set, ...more);
+    this.shows.set(key, show);
+    return node;
+  }
+}
+
+/**
+ * Make a slider with a number beside it, and what shows a value in both.
+ * @param {string} name
+ * @param {number} most
+ * @param {(value: number, done: boolean) => void} set
+ * @param {...HTMLElement} more
+ */
+export function dial(name, most, set, ...more) {
+  const traits = { min: "0", max: String(most), step: "0.05" };
+  const slider = /** @type {HTMLInputElement} */ (made("input", { type: "range", "aria-label": name, ...traits }));
+  const number = /** @type {HTMLInputElement} */ (
+    made("input", { type: "number", "aria-label": `${name}, as a number`, ...traits })
+  );
+  slider.addEventListener("input", () => { number.value = slider.value; set(Number(slider.value), false); });
+  slider.addEventListener("change", () => set(Number(slider.value), true));
+  number.addEventListener(
+    "change",
+    () => number.value !== "" && set(Math.min(most, Math.max(0, Number(number.value))), true),
+  );
+  return {
+    node: made("div", { class: "dial" }, made("span", { dir: "auto", title: name }, name), slider, number, ...more),
+    show: (/** @type {number | null} */ value, /** @type {string} */ note) => {
       number.placeholder = note;
       if (document.activeElement !== number) number.value = value === null ? "" : String(Number(value.toFixed(2)));
       if (document.activeElement !== slider) slider.value = String(value ?? most / 2);
-    });
-    return made("div", { class: "dial" }, made("span", { dir: "auto", title: name }, name), slider, number, ...more);
-  }
+    },
+  };
 }

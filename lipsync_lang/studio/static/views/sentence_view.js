@@ -2,6 +2,7 @@
 
 import { BendHands } from "./bend_hands.js";
 import { DeliveryPanel } from "./delivery_panel.js";
+import { GestureHands } from "./gesture_hands.js";
 import { made } from "../shell/elements.js";
 import { withWord } from "../timeline/level_points.js";
 import { fileButton, LineFiles } from "./line_files.js";
@@ -42,10 +43,12 @@ export class SentenceView {
         part("canvas", { id: "overview", "aria-hidden": "true", hidden: "" })
       ),
       lanes: part("div", { class: "lanes" }),
+      gestures: part("div", { class: "gestures", hidden: "" }),
       legend: part("ul", { id: "legend", "aria-label": "Stages: press one to hide it" }),
       moment: part("p", { id: "moment", "aria-live": "polite" }),
       bigrams: part("ul", { id: "bigrams" }),
       poses: part("ul", { id: "poses" }),
+      gesture: part("section", { class: "word", "aria-label": "Chosen gesture", hidden: "" }),
       phoneme: part("section", { class: "word", "aria-label": "Chosen phoneme", hidden: "" }),
       word: part("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
       line: part("div"),
@@ -99,6 +102,7 @@ export class SentenceView {
     this.lanes = new TrackLanes(this.at.lanes, this.timeline, {
       set: (track, level, done) => this.setLevel(track, level, done),
     });
+    this.gestures = new GestureHands(this, at.gestures, at.gesture);
     this.panel = new DeliveryPanel(this.at.word, this.at.line, {
       set: (track, level, done) => this.setLevel(track, level, done),
       setWord: (track, value, done) => this.#setWord(track, value, done),
@@ -169,7 +173,7 @@ export class SentenceView {
       made("span", { class: "group", role: "group", "aria-label": "Picture of the sound" },
         ...this.pictures),
       this.original, this.swapButton, this.at.parts);
-    const figures = this.at.figures;
+    const { at } = this, { figures } = at;
     figures.append(
       this.at.judged,
       this.at.missed,
@@ -180,6 +184,7 @@ export class SentenceView {
       { class: "why", "aria-label": "Values and reasons" },
       this.at.word,
       this.at.phoneme,
+      this.at.gesture,
       this.at.moment,
       this.at.bigrams,
       this.at.poses,
@@ -188,7 +193,7 @@ export class SentenceView {
     );
     this.whole.append(
       tools,
-      made("div", { class: "lines" }, this.at.overview, this.at.lanes, this.at.canvas, this.at.legend),
+      made("div", { class: "lines" }, at.overview, at.lanes, at.canvas, at.gestures, at.legend),
       aside,
     );
     this.nothing.append(
@@ -284,7 +289,7 @@ export class SentenceView {
     this.overview.shape = [];
     this.timeline.boundary = this.timeline.word = this.timeline.phoneme = -1;
     this.phonemes.dragging = false;
-    this.bends.chosen = null;
+    this.bends.chosen = this.gestures.chosen = null;
     this.labelled = false;
     this.open = new Set(this.tracks().filter((one) => typeof one.level !== "number").map(keyOf));
   }
@@ -314,7 +319,10 @@ export class SentenceView {
     if (this.moved) this.#stretch();
     this.timeline.draw(seconds);
     this.overview.draw(seconds);
-    if (this.moved) this.lanes.draw();
+    if (this.moved) {
+      this.lanes.draw();
+      this.gestures.lane.draw();
+    }
     this.moved = false;
     this.values.draw(take.frameAt(seconds), player.playing);
   }
@@ -326,7 +334,8 @@ export class SentenceView {
       timeline.tall = 0;
       return;
     }
-    const used = timeline.top + at.legend.offsetHeight + at.lanes.offsetHeight + at.overview.offsetHeight + BELOW;
+    const beside = [at.legend, at.lanes, at.gestures, at.overview];
+    const used = beside.reduce((sum, one) => sum + one.offsetHeight, timeline.top + BELOW);
     timeline.tall = Math.max(
       ROW,
       Math.min(MOST_ROW, Math.floor((room.clientHeight - used) / Math.max(1, timeline.line.rows.length))),
@@ -397,12 +406,14 @@ export class SentenceView {
   // Phonemes and words
 
   /**
-   * @param {{boundary?: number, word?: number, phoneme?: number, until?: number}} what is chosen; the rest no longer is
+   * @param {{boundary?: number, word?: number, phoneme?: number, until?: number,
+   *   gesture?: import("../timeline/gesture_places.js").Shown | null}} what is chosen; the rest no longer is
    * @param {boolean} [heard] once, as well
    */
-  choose({ boundary = -1, word = -1, phoneme = -1, until = phoneme }, heard = false) {
+  choose({ boundary = -1, word = -1, phoneme = -1, until = phoneme, gesture = null }, heard = false) {
     if (heard) this.studio.hear({ word, phoneme });
     this.bends.chosen = null;
+    this.gestures.chosen = gesture;
     Object.assign(this.timeline, { boundary, word, phoneme, until });
     this.timeline.stale = true;
     this.#levels();
@@ -450,6 +461,7 @@ export class SentenceView {
     );
     this.phonemePanel.show(this.phonemes.chosen);
     this.lanes.show(tracks.filter((one) => this.open.has(keyOf(one))));
+    this.gestures.show();
   }
 
   /** @param {Track} track */
