@@ -36,6 +36,7 @@ from lipsync_lang.speech.speaking.speaker import Speaker
 
 RATE = 16_000
 FAR_SECONDS = 0.1
+LABEL_SUFFIXES = {*TIMING_SUFFIXES} - {".txt"}
 CLOSURE = "bmp"
 """The common phoneme of pressed lips."""
 
@@ -50,8 +51,8 @@ class Labelled(NamedTuple):
 def labelled(folder: Path, notation: str | None) -> Iterator[Labelled]:
     """Yield the recordings of a folder that have labels and a text; name those that do not."""
     for sound in sorted(p for p in folder.rglob("*") if p.suffix.lower() in AUDIO_SUFFIXES):
-        beside = (sound.with_suffix(end) for end in TIMING_SUFFIXES if end != ".txt")
-        labels = next(filter(Path.exists, beside), None)
+        beside = (one for one in sorted(sound.parent.iterdir()) if one.stem == sound.stem)
+        labels = next((one for one in beside if one.suffix.lower() in LABEL_SUFFIXES), None)
         if labels is None:
             print(f"{sound}: has no labels beside it", file=sys.stderr)
             continue

@@ -17,7 +17,6 @@ from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech.hearing import alignment
-from lipsync_lang.speech.hearing.align import pocketsphinx_aligner
 from lipsync_lang.speech.hearing.align.aligners import ALIGNERS, BatchAligner
 from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import WordReader, unfit
 from lipsync_lang.speech.hearing.alignment import (
@@ -27,6 +26,7 @@ from lipsync_lang.speech.hearing.alignment import (
     aligned,
     finished,
 )
+from lipsync_lang.speech.hearing.sphinx import line_search
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES, features
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
@@ -338,9 +338,9 @@ def test_a_text_lost_in_short_windows_is_sought_in_anchored_ones(
     monkeypatch, short, long, frames, kept
 ):
     found = iter([short, long])
-    monkeypatch.setattr(pocketsphinx_aligner, "lay", lambda *_, **__: next(found))
+    monkeypatch.setattr(line_search, "lay", lambda *_, **__: next(found))
     models = find_models("en-us")
-    assert pocketsphinx_aligner.laid(models, np.zeros((frames, 3, 13)), []) == kept
+    assert line_search.laid(models, np.zeros((frames, 3, 13)), []) == kept
 
 
 LONG_TEXT = (

@@ -7,8 +7,8 @@ from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import DOUBTFUL
-from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import TextErrors
 from lipsync_lang.speech.hearing.alignment import aligned
+from lipsync_lang.speech.hearing.sphinx.text_errors import TextErrors
 from lipsync_lang.speech.speaking.speaker import Speaker
 
 pytest.importorskip("pocketsphinx")

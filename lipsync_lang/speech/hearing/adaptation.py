@@ -16,7 +16,7 @@ import numpy as np
 from lipsync_lang.errors import OutputError, SpeechError
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech.hearing import progress
-from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import WordReader, laid, unfit
+from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import WordReader, unfit
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import AcousticModel
 from lipsync_lang.speech.hearing.sphinx.adapting import (
     AlignedFrames,
@@ -25,6 +25,7 @@ from lipsync_lang.speech.hearing.sphinx.adapting import (
     means_of,
 )
 from lipsync_lang.speech.hearing.sphinx.folder import Models
+from lipsync_lang.speech.hearing.sphinx.line_search import laid
 from lipsync_lang.speech.hearing.sphinx.scheduling import line_confidence, prepared
 from lipsync_lang.speech.results import raised
 from lipsync_lang.speech.sound import read_audio

@@ -9,7 +9,6 @@ from functools import cached_property, partial
 from itertools import repeat
 from typing import TYPE_CHECKING
 
-from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.g2p.tokens import plain
@@ -20,25 +19,14 @@ from lipsync_lang.speech.hearing.sphinx.acoustic_model import STATES
 from lipsync_lang.speech.hearing.sphinx.decoders import decoded_words
 from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.speech.hearing.sphinx.folder import Models, find_models
-from lipsync_lang.speech.hearing.sphinx.forced import (
-    WINDOW_FRAMES,
-    HeardPhoneme,
-    centred,
-    lay,
-)
+from lipsync_lang.speech.hearing.sphinx.line_search import found_line
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
     Saying,
     confidence,
     doubts,
-    line_confidence,
     listed,
     prepared,
     timed_labels,
-)
-from lipsync_lang.speech.hearing.sphinx.text_errors import (
-    MIN_WORDS,
-    TextErrors,
-    UnwrittenSpeech,
 )
 from lipsync_lang.speech.results import batches, raised, tried
 from lipsync_lang.speech.sound import SPEECH_RATE
@@ -50,7 +38,6 @@ if TYPE_CHECKING:
 
     from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
     from lipsync_lang.phonology.labels import Value
-    from lipsync_lang.speech.hearing.sphinx.forced import Pronunciations
     from lipsync_lang.speech.speaking.speaker import Speaker
     from lipsync_lang.speech.speaking.transcripts import Transcript
 
@@ -59,9 +46,6 @@ MAX_HEARD_SAMPLES = 15 * SPEECH_RATE
 
 MAX_SHOWN_TEXT = 60
 """Maximum characters of a text in a message."""
-
-MOVED_CONFIDENCE = 0.25
-"""Greatest confidence of a line with a word that fits better elsewhere."""
 
 MIN_AGREEMENT = 0.12
 """Share of phonemes borne out by the sound that chance alone reaches."""
@@ -109,24 +93,15 @@ class PocketsphinxAligner(BatchAligner):
         audio = one[0]()
         sound = prepared(audio)
         ways = [saying.ways for saying in sayings]
-        hearings = [*models.model.front_end.hearings(sound)]
-        tries = [(laid(models, one, ways) or [], one) for one in hearings]
-        heard, features = max(tries, key=lambda one: line_confidence(one[0]))
+        heard, sure, moved, unwritten = found_line(models, sound, ways)
         if not heard:
             raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
-        agreeing, sure = confidence(models, heard), line_confidence(heard)
-        told: list[str] = []
-        unwritten: list[UnwrittenSpeech] = []
-        if sure >= DOUBTFUL and len(features) <= WINDOW_FRAMES and len(ways) >= MIN_WORDS:
-            texts = [saying.text for saying in sayings]
-            errors = TextErrors(models.model, centred(features, heard), ways, heard)
-            moved, unwritten = errors.moved_word(), errors.unwritten()
-            if moved is not None:
-                sure = min(sure, MOVED_CONFIDENCE)
-                told.append(moved.told(texts))
-            if unwritten:
-                places = listed([one.told(texts) for one in unwritten])
-                told.append(f"a word may be said that the text does not have: {places}")
+        agreeing = confidence(models, heard)
+        texts = [saying.text for saying in sayings]
+        told = [] if moved is None else [moved.told(texts)]
+        if unwritten:
+            places = listed([one.told(texts) for one in unwritten])
+            told.append(f"a word may be said that the text does not have: {places}")
         if (
             reader.own
             and models.language_model
@@ -167,18 +142,6 @@ def models_of(name: str | None) -> Models:
         known = model_phones()
         name = known.model if known else None
     return find_models(name)
-
-
-def laid(
-    models: Models, sound: Floats, words: "Sequence[Pronunciations]"
-) -> list[HeardPhoneme] | None:
-    """Align words in short windows, and again in anchored ones if these lose the text."""
-    heard = lay(models.model, sound, words)
-    sure = line_confidence(heard) if heard else 0.0
-    if sure >= DOUBTFUL or len(sound) <= WINDOW_FRAMES:
-        return heard
-    again = lay(models.model, sound, words, anchored=True)
-    return again if again and line_confidence(again) > sure else heard
 
 
 def unfit(audio: Audio, phonemes: int) -> str:
