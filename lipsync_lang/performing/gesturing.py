@@ -203,9 +203,9 @@ def _seeds(schedule: "Schedule", line: str | None) -> tuple[list[float], list[in
     """Return the start of each word, and a number for the words before each, and for all."""
     words = [(word.start, word.text) for word in schedule.words]
     words = words or [*zip(schedule.times.tolist(), schedule.labels, strict=False)]
-    seeds = [crc32((line or "").encode("utf-8", "surrogatepass"))]
+    seeds = [seed_after(0, line or "")]
     for _, text in words:
-        seeds.append(crc32(text.encode("utf-8", "surrogatepass"), seeds[-1]))
+        seeds.append(seed_after(seeds[-1], text))
     return [start for start, _ in words], seeds
 
 
@@ -230,10 +230,10 @@ def line_facts(
     phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
     facts = {
         "phrase_end": [LineFact(end) for _, end in phrases],
-        "pause": [LineFact(min((a + b) / 2, a + PAUSE_SETTLED_SECONDS)) for a, b in pauses],
+        "pause": [LineFact(pause_fact(a, b)) for a, b in pauses],
     }
     for word in schedule.words if own.words else ():
-        for trigger in own.words.get(word.text.casefold().replace("’", "'").strip(MARKS), ()):
+        for trigger in word_facts(own, word.text):
             facts.setdefault(trigger, []).append(LineFact(word.start))
     if own.triggers & {"stress", "emphasis"}:
         facts |= _vowel_facts(performer, schedule, sounds)
@@ -243,6 +243,21 @@ def line_facts(
     return LineFacts(
         *(ends or (schedule.start, schedule.end)), phrases, facts, *_seeds(schedule, line), placed
     )
+
+
+def word_facts(own: GestureSet, word: str) -> tuple[str, ...]:
+    """Return the facts that a word of the language is."""
+    return own.words.get(word.casefold().replace("’", "'").strip(MARKS), ())
+
+
+def pause_fact(begin: float, end: float) -> float:
+    """Return the time of the fact of a pause."""
+    return min((begin + end) / 2, begin + PAUSE_SETTLED_SECONDS)
+
+
+def seed_after(seed: int, text: str) -> int:
+    """Return the number of the words so far, with one more."""
+    return crc32(text.encode("utf-8", "surrogatepass"), seed)
 
 
 def _by_hand(performer: "Performer", schedule: "Schedule", line: str | None) -> list[PlacedGesture]:
@@ -288,7 +303,7 @@ def _vowel_facts(
         if word.emphasis:
             for at, number in enumerate(vowels):
                 rises[at] += MARKED_PROMINENCE * (word.first <= number < word.stop)
-    out = [every[number] for number in _stand_out(begins, rises)]
+    out = [every[number] for number in stand_out(begins, rises)]
     return {"stress": every if marked else [], "emphasis": out}
 
 
@@ -342,7 +357,7 @@ def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
     return rises
 
 
-def _stand_out(times: list[float], rises: list[float]) -> list[int]:
+def stand_out(times: list[float], rises: list[float]) -> list[int]:
     """Return the vowels that no other near them exceeds; of equals the first stands out."""
     found = []
     for number, (time, rise) in enumerate(zip(times, rises, strict=True)):
