@@ -17,6 +17,9 @@ DRAWING_SECONDS = 0.5
 OPENING_SECONDS = 0.9
 """Time at the beginning of a line whose words tell it from other lines."""
 
+ROUNDED_COUNT = 1e-6
+"""Difference of two numbers of gestures that is rounding."""
+
 _MASK = 0xFFFFFFFF
 
 
@@ -120,9 +123,20 @@ def place(
     ----------
     scales : factor of each gesture; 0 leaves it out
     """
-    kinds = enumerate(zip(gestures, scales, strict=True))
-    every = (placing(number, gesture, scale, line) for number, (gesture, scale) in kinds if scale)
-    return [one for kind in every for one in kind if one is not None]
+    found: list[PlacedGesture] = []
+    seed = line.seed(line.start + OPENING_SECONDS)
+    spoken = sum([end - begin for begin, end in line.phrases])
+    silent = line.end - line.start - spoken
+    for number, (gesture, scale) in enumerate(zip(gestures, scales, strict=True)):
+        if gesture.on:
+            absent = not any(map(line.facts.get, gesture.on))
+        else:  # most gaps are longer than a line
+            in_speech, in_silence = gesture.rates or (0.0, 0.0)
+            most = (spoken * in_speech + silent * in_silence) / 60 + ROUNDED_COUNT
+            absent = _passed(number, gesture, seed) > most
+        if scale and (line.by_hand or not absent):
+            found += filter(None, placing(number, gesture, scale, line))
+    return found
 
 
 def placing(
@@ -177,9 +191,8 @@ def _by_itself(
     They pass in a clock that runs with the rate of the moment.
     """
     in_speech, in_silence = (rate / 60 for rate in gesture.rates or (0.0, 0.0))
-    seed, salt = line.seed(line.start + OPENING_SECONDS), 2 * number
-    # the line begins at a random place within a gap, and long gaps cover more places
-    passed = _uniform(seed, salt + 97) * _gap(seed, salt, gesture.spread, gesture.spread / 2)
+    salt = 2 * number
+    passed = _passed(number, gesture, line.seed(line.start + OPENING_SECONDS))
     free = at = line.start
     clock = 0.0
     while at < line.end:
@@ -202,6 +215,15 @@ def _by_itself(
             free = max(free, fact.seconds + gesture.room)
             salt += 1000
             passed += _gap(line.seed(time), salt, gesture.spread, -gesture.spread / 2)
+
+
+def _passed(number: int, gesture: GestureShape, seed: int) -> float:
+    """Draw the time in the clock of the first gesture, for the words of the line's beginning.
+
+    A line begins at a random place within a gap, and long gaps cover more places.
+    """
+    salt = 2 * number
+    return _uniform(seed, salt + 97) * _gap(seed, salt, gesture.spread, gesture.spread / 2)
 
 
 def _gap(seed: int, salt: int, spread: float, shift: float) -> float:

@@ -3,9 +3,9 @@
 Speech is not changed: each pose of a gesture is a column after those of speech.
 """
 
-from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Mapping
+from functools import lru_cache
 from math import inf
 from typing import TYPE_CHECKING
 from zlib import crc32
@@ -247,7 +247,13 @@ def line_facts(
 
 def word_facts(own: GestureSet, word: str) -> tuple[str, ...]:
     """Return the facts that a word of the language is."""
-    return own.words.get(word.casefold().replace("’", "'").strip(MARKS), ())
+    return own.words.get(_plain(word), ())
+
+
+@lru_cache(maxsize=4096)
+def _plain(word: str) -> str:
+    """Return a word of a transcript as language packs list it."""
+    return word.casefold().replace("’", "'").strip(MARKS)
 
 
 def pause_fact(begin: float, end: float) -> float:
@@ -361,8 +367,14 @@ def stand_out(times: list[float], rises: list[float]) -> list[int]:
     """Return the vowels that no other near them exceeds; of equals the first stands out."""
     found = []
     for number, (time, rise) in enumerate(zip(times, rises, strict=True)):
-        first = bisect_left(times, time - DRAWING_SECONDS)
-        stop = bisect_right(times, time + DRAWING_SECONDS)
-        if rise > max(rises[first:number], default=-inf) and rise >= max(rises[number:stop]):
+        before, after = number - 1, number + 1
+        while before >= 0 and times[before] >= time - DRAWING_SECONDS and rises[before] < rise:
+            before -= 1
+        if before >= 0 and times[before] >= time - DRAWING_SECONDS:
+            continue
+        last = time + DRAWING_SECONDS
+        while after < len(times) and times[after] <= last and rises[after] <= rise:
+            after += 1
+        if after == len(times) or times[after] > last:
             found.append(number)
     return found
