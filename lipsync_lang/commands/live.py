@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from lipsync_lang.live.sound_bytes import Pcm
     from lipsync_lang.live.sound_sources import SoundFeed
     from lipsync_lang.live.web_socket import Session
+    from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.performer import Performer
 
 MAX_LINE_BYTES = 64 * 1024
@@ -102,6 +103,7 @@ def live(options: Namespace) -> int:
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.live_voice import LiveVoice
     from lipsync_lang.live.web_socket import Session
+    from lipsync_lang.performing.gesturing import ALL
     from lipsync_lang.speech.sound import SPEECH_RATE
 
     addresses = [parse_address(one) for one in dict.fromkeys(options.to or [STANDARD_OUTPUT])]
@@ -119,7 +121,8 @@ def live(options: Namespace) -> int:
     delay = stream.delay
     if source is not None or options.page:  # a model that is missing is told here
         delay = listen(options.rate or SPEECH_RATE).delay
-    open_gestures = _gestures(options, performer)
+    asked = options.gestures or (ALL if options.page else None)
+    open_gestures = _gestures(asked, performer, fps)
     player = LivePlayer(
         performer, fps, [], how, voice=voice, gestures=open_gestures(), wait=voice.wait
     )
@@ -129,7 +132,10 @@ def live(options: Namespace) -> int:
     poses = stream.poses + (performer.gesture_set.poses if player.gestures else ())
     greeting = {"poses": poses, "fps": fps, "delay": round(delay, 4)}
     session = Session(
-        greeting, speaker.say, lambda notation: performer.stream(fps, notation=notation, **how),
+        greeting, speaker.say,
+        lambda notation, moving: performer.stream(
+            fps, notation=notation, gestures=asked if moving else None, **how
+        ),
         listen, voice, open_gestures,
     )  # fmt: skip
     if options.page:
@@ -139,16 +145,17 @@ def live(options: Namespace) -> int:
     return SOUND
 
 
-def _gestures(options: Namespace, performer: "Performer") -> "Callable[[], LiveGestures | None]":
-    """Return a function that opens gestures: those asked for, and on the page all."""
+def _gestures(
+    asked: "GestureScales | None", performer: "Performer", fps: float
+) -> "Callable[[], LiveGestures | None]":
+    """Return a function that opens the gestures asked for."""
     from lipsync_lang.live.live_gestures import LiveGestures
-    from lipsync_lang.performing.gesturing import ALL, scales_of
+    from lipsync_lang.performing.gesturing import scales_of
 
-    asked = options.gestures or (ALL if options.page else None)
     scales = scales_of(performer.compiled, asked)
     if scales is None:
         return lambda: None
-    return lambda: LiveGestures(performer.gesture_set, scales, options.fps)
+    return lambda: LiveGestures(performer.gesture_set, scales, fps)
 
 
 def _serve_page(options: Namespace, performer: "Performer", session: "Session") -> None:

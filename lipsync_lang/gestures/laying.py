@@ -153,42 +153,55 @@ class GestureSet:
         laid: list[LaidGesture] = []
         guarded: set[int] = set()
         for gesture in placed:
-            number = gesture.number
-            peak, before, block = self.laid(number, fps)
-            asked = round((gesture.begin + peak - start) * fps) - before
-            first = min(max(asked, 1), count - 1 - len(block))
-            if first < 1 or abs(first - asked) > SHIFT_SECONDS * fps:
+            found = self.fitted(gesture, start, count, fps)
+            if found is None:
                 continue
-            stop = first + len(block)
+            number, (first, stop) = gesture.number, found
             mates = self.mates[number]
             if gesture.height > 1 or any(
                 one.first <= stop and first <= one.stop and one.gesture.number in mates
                 for one in laid
             ):
                 guarded.update(pose for pose, _ in self.shapes[number].poses)
+            block = self.laid(number, fps).block
             out[first:stop] += block if gesture.height == 1 else gesture.height * block
             laid.append(LaidGesture(gesture, first, stop))
         if guarded:
-            poses = sorted(guarded)
-            summed = out[:, poses]
-            kept = self._guard(summed, poses, fps)
-            # a frame that is slow anyway keeps its bits, whatever comes later
-            out[:, poses] = np.where(np.abs(kept - summed) < ROUNDED_AMOUNT, summed, kept)
+            self.guard(out, sorted(guarded), fps, (0, 0))
         return out, laid
 
-    def _guard(self, curves: Floats, poses: list[int], fps: float) -> Floats:
-        """Keep sums of gestures, (T, len(poses)), to the bounds and the speed of their poses.
+    def fitted(
+        self, gesture: PlacedGesture, start: float, count: int, fps: float
+    ) -> tuple[int, int] | None:
+        """Return the first frame of a gesture and the one after its last; None if it is left out.
+
+        The parameters are those of `lay`.
+        """
+        peak, before, block = self.laid(gesture.number, fps)
+        asked = round((gesture.begin + peak - start) * fps) - before
+        first = min(max(asked, 1), count - 1 - len(block))
+        fits = first >= 1 and abs(first - asked) <= SHIFT_SECONDS * fps
+        return (first, first + len(block)) if fits else None
+
+    def guard(self, curves: Floats, poses: list[int], fps: float, beyond: tuple[int, int]) -> None:
+        """Keep sums of gestures, (T, G), to the bounds and the speed of some of their poses.
 
         The mean of the smallest slow curve above and the largest below is slow, and is the curve
         itself where that is slow. So is the middle one of it and two ramps from rest.
+
+        Parameters
+        ----------
+        beyond : frames from rest to the first of these, and from the last one to rest
         """
+        summed, step = curves[:, poses], self.speed[poses] / fps
         low, high = self.low[poses], self.high[poses]
-        bound = np.clip(curves, low, high)
-        slope = np.arange(len(bound))[:, None] * (self.speed[poses] / fps)
+        bound = np.clip(summed, low, high)
+        slope = np.arange(len(bound))[:, None] * step
         slow = (_below(bound, slope) - _below(-bound, slope)) / 2
-        ramp = np.minimum(slope, slope[::-1])
-        out: Floats = np.clip(slow, np.maximum(-ramp, low), np.minimum(ramp, high))
-        return out
+        ramp = np.minimum(slope + beyond[0] * step, slope[::-1] + beyond[1] * step)
+        kept = np.clip(slow, np.maximum(-ramp, low), np.minimum(ramp, high))
+        # a frame that is slow anyway keeps its bits, whatever comes later
+        curves[:, poses] = np.where(np.abs(kept - summed) < ROUNDED_AMOUNT, summed, kept)
 
 
 def _below(curves: Floats, slope: Floats) -> Floats:

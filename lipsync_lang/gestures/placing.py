@@ -5,9 +5,10 @@ gestures in every build, and a changed word leaves those before it where they we
 more than a second ahead: a fact draws gestures from `DRAWING_SECONDS`, and may lead by as much.
 """
 
-from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
-from math import cos, exp, log, pi, sqrt
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import cos, exp, inf, log, pi, sqrt
 from typing import NamedTuple
 
 DRAWING_SECONDS = 0.5
@@ -15,6 +16,9 @@ DRAWING_SECONDS = 0.5
 
 OPENING_SECONDS = 0.9
 """Time at the beginning of a line whose words tell it from other lines."""
+
+ROUNDED_COUNT = 1e-6
+"""Difference of two numbers of gestures that is rounding."""
 
 _MASK = 0xFFFFFFFF
 
@@ -60,25 +64,41 @@ class LineFact(NamedTuple):
     """Rise of the voice, from 0 to 1; 1 without sound."""
 
 
-class LineFacts(NamedTuple):
-    """A line as far as gestures know it."""
+@dataclass(slots=True)
+class LineFacts:
+    """A line as far as gestures know it; one that goes on grows in place."""
 
     start: float
     end: float
-    phrases: Sequence[tuple[float, float]]
-    """Beginning and end of each stretch of speech between pauses."""
-    facts: Mapping[str, Sequence[LineFact]]
+    """Time of the last frame; infinite while it is unknown."""
+    phrases: list[tuple[float, float]]
+    """Beginning and end of each stretch of speech between pauses; the last end may be infinite."""
+    facts: dict[str, list[LineFact]]
     """Facts by trigger, in order of time."""
-    starts: Sequence[float]
+    starts: list[float]
     """Start of each word."""
-    seeds: Sequence[int]
+    seeds: list[int]
     """A number for the words up to each word; one more than there are words."""
     by_hand: "Sequence[PlacedGesture]" = ()
     """Gestures that a person placed."""
+    until: float = inf
+    """Time up to which gestures can be placed; all facts are known `DRAWING_SECONDS` farther."""
 
     def seed(self, seconds: float) -> int:
         """Return the number of the words that have begun by a time."""
         return self.seeds[bisect_right(self.starts, seconds + 1e-9)]
+
+    def change(self, seconds: float) -> tuple[float, bool]:
+        """Return the time at which speech or silence ends after a time, and True for speech."""
+        number = bisect_right(self.phrases, (seconds, inf))
+        if number and seconds < self.phrases[number - 1][1]:
+            return self.phrases[number - 1][1], True
+        return (self.phrases[number][0] if number < len(self.phrases) else self.end), False
+
+    def between(self, trigger: str, first: float, last: float) -> list[LineFact]:
+        """Return the facts of a trigger between two times, both included."""
+        found = self.facts.get(trigger, [])
+        return found[bisect_left(found, (first,)) : bisect_right(found, (last, inf))]
 
 
 class PlacedGesture(NamedTuple):
@@ -97,79 +117,114 @@ class PlacedGesture(NamedTuple):
 def place(
     gestures: Sequence[GestureShape], scales: Sequence[float], line: LineFacts
 ) -> list[PlacedGesture]:
-    """Return the gestures of a line, each kind in order of time.
+    """Return the gestures of a whole line, each kind in order of time.
 
     Parameters
     ----------
     scales : factor of each gesture; 0 leaves it out
     """
     found: list[PlacedGesture] = []
+    seed = line.seed(line.start + OPENING_SECONDS)
+    spoken = sum([end - begin for begin, end in line.phrases])
+    silent = line.end - line.start - spoken
     for number, (gesture, scale) in enumerate(zip(gestures, scales, strict=True)):
-        if scale == 0:
-            continue
-        stated = [one for one in line.by_hand if one.number == number]
-        found += [one._replace(height=scale * one.height) for one in stated if one.height]
-        drawn = _on_facts if gesture.on else _by_itself
-        free = -1e9  # time from which the next one may begin
-        for trigger, fact in drawn(number, gesture, line):
-            begin = fact.seconds - gesture.lead
-            near = stated and any(abs(begin - one.begin) < gesture.room for one in stated)
-            if begin >= free and not near:
-                height = fact.height if gesture.by_pitch else 1.0
-                found.append(PlacedGesture(number, begin, scale * height, trigger, fact.seconds))
-                free = begin + gesture.room
+        if gesture.on:
+            absent = not any(map(line.facts.get, gesture.on))
+        else:  # most gaps are longer than a line
+            in_speech, in_silence = gesture.rates or (0.0, 0.0)
+            most = (spoken * in_speech + silent * in_silence) / 60 + ROUNDED_COUNT
+            absent = _passed(number, gesture, seed) > most
+        if scale and (line.by_hand or not absent):
+            found += filter(None, placing(number, gesture, scale, line))
     return found
+
+
+def placing(
+    number: int, gesture: GestureShape, scale: float, line: LineFacts
+) -> Iterator[PlacedGesture | None]:
+    """Yield the gestures of a kind in order of time, and None where the line must be known farther.
+
+    Parameters
+    ----------
+    scale : factor of the gesture, above 0
+    """
+    stated = [one for one in line.by_hand if one.number == number]
+    for one in stated:
+        if one.height:  # one that is taken away has none
+            yield one._replace(height=scale * one.height)
+    room = gesture.room
+    free = -inf  # time from which the next one may begin
+    for found in (_on_facts if gesture.on else _by_itself)(number, gesture, line):
+        if found is None:
+            yield None
+            continue
+        fact, trigger = found
+        begin = fact.seconds - gesture.lead
+        near = stated and any(abs(begin - one.begin) < room for one in stated)
+        if begin >= free and not near:
+            height = fact.height if gesture.by_pitch else 1.0
+            yield PlacedGesture(number, begin, scale * height, trigger, fact.seconds)
+            free = begin + room
 
 
 def _on_facts(
     number: int, gesture: GestureShape, line: LineFacts
-) -> Iterator[tuple[str, LineFact]]:
-    """Yield the facts with the gesture."""
-    for fact, trigger in _at(gesture.on, line):
-        if gesture.share >= 1 or _uniform(line.seed(fact.seconds), number) < gesture.share:
-            yield trigger, fact
-
-
-def _at(triggers: Sequence[str], line: LineFacts) -> list[tuple[LineFact, str]]:
-    """Return the facts of some triggers in order of time."""
-    return sorted((fact, name) for name in triggers for fact in line.facts.get(name, ()))
+) -> Iterator[tuple[LineFact, str] | None]:
+    """Yield the facts with the gesture, and None where the line must be known farther."""
+    passed = -inf
+    while passed < inf:
+        until = line.until
+        found = [(one, name) for name in gesture.on for one in line.between(name, passed, until)]
+        for fact, trigger in sorted(found) if len(gesture.on) > 1 else found:
+            if fact.seconds > passed and (
+                gesture.share >= 1 or _uniform(line.seed(fact.seconds), number) < gesture.share
+            ):
+                yield fact, trigger
+        passed = until
+        yield None
 
 
 def _by_itself(
     number: int, gesture: GestureShape, line: LineFacts
-) -> Iterator[tuple[str, LineFact]]:
-    """Yield times whose gaps are log-normal, in a clock that runs with the rate of the moment."""
-    at, clock = _clock(gesture.rates or (0.0, 0.0), line)
-    drawing = _at(gesture.at, line)
-    seed, salt = line.seed(line.start + OPENING_SECONDS), 2 * number
-    # the line begins at a random place within a gap, and long gaps cover more places
-    passed = _uniform(seed, salt + 97) * _gap(seed, salt, gesture.spread, gesture.spread / 2)
-    free = line.start
-    while passed < clock[-1]:
-        part = bisect_right(clock, passed) - 1
-        share = (passed - clock[part]) / (clock[part + 1] - clock[part])
-        time = at[part] + share * (at[part + 1] - at[part])
-        near = [
-            (abs(fact.seconds - time), fact, trigger)
-            for fact, trigger in drawing
-            if fact.seconds >= free and abs(fact.seconds - time) <= DRAWING_SECONDS
-        ]
-        _, fact, trigger = min(near, default=(0.0, LineFact(time), ""))
-        yield trigger, fact
-        free = max(free, fact.seconds + gesture.room)
-        salt += 1000
-        passed += _gap(line.seed(time), salt, gesture.spread, -gesture.spread / 2)
+) -> Iterator[tuple[LineFact, str] | None]:
+    """Yield times whose gaps are log-normal, and None where the line must be known farther.
+
+    They pass in a clock that runs with the rate of the moment.
+    """
+    in_speech, in_silence = (rate / 60 for rate in gesture.rates or (0.0, 0.0))
+    salt = 2 * number
+    passed = _passed(number, gesture, line.seed(line.start + OPENING_SECONDS))
+    free = at = line.start
+    clock = 0.0
+    while at < line.end:
+        until, speaking = line.change(at)
+        rate = in_speech if speaking else in_silence
+        time = at + (passed - clock) / rate if rate else inf
+        if min(time, until) > line.until:
+            yield None
+        elif time >= until:
+            at, clock = until, clock + (until - at) * rate
+        else:
+            near = [
+                (abs(fact.seconds - time), fact, trigger)
+                for trigger in gesture.at
+                for fact in line.between(trigger, time - DRAWING_SECONDS, time + DRAWING_SECONDS)
+                if fact.seconds >= free
+            ]
+            _, fact, trigger = min(near, default=(0.0, LineFact(time), ""))
+            yield fact, trigger
+            free = max(free, fact.seconds + gesture.room)
+            salt += 1000
+            passed += _gap(line.seed(time), salt, gesture.spread, -gesture.spread / 2)
 
 
-def _clock(rates: tuple[float, float], line: LineFacts) -> tuple[list[float], list[float]]:
-    """Return times at which the rate changes, and the mean number of gestures until each."""
-    at, clock = [line.start], [0.0]
-    edges = [edge for phrase in line.phrases for edge in phrase]
-    for number, until in enumerate((*edges, line.end)):
-        if until > at[-1]:
-            clock.append(clock[-1] + (until - at[-1]) * rates[number % 2 == 0] / 60)
-            at.append(until)
-    return at, clock
+def _passed(number: int, gesture: GestureShape, seed: int) -> float:
+    """Draw the time in the clock of the first gesture, for the words of the line's beginning.
+
+    A line begins at a random place within a gap, and long gaps cover more places.
+    """
+    salt = 2 * number
+    return _uniform(seed, salt + 97) * _gap(seed, salt, gesture.spread, gesture.spread / 2)
 
 
 def _gap(seed: int, salt: int, spread: float, shift: float) -> float:

@@ -8,9 +8,11 @@ client is a JSON object with one of these:
 
 - `text`: a text to speak for all receivers, after the texts before it;
 - `sound`: the rate and format of the samples that follow;
-- `phonemes`: rows of label, start and end in seconds (null while it lasts), `known_until`, `revise`
-  and `finish: true`, for a stream of this client. The answer contains its new final frames;
-  the next message after `finish` opens a new stream. `finish` also ends a voice.
+- `phonemes`: rows of label, start and end in seconds (null while it lasts), `known_until`,
+  `ends_at`, `revise` and `finish: true`, for a stream of this client. The answer contains its new
+  final frames; the next message after `finish` opens a new stream. `finish` also ends a voice. The
+  message that opens a stream may ask for `gestures: true`, those of the line; its answer has their
+  `delay`.
 
 The answer to a message that cannot be read is `error`, and the message has no other effect.
 """
@@ -48,7 +50,10 @@ MAX_PHONEME_ROWS = 2000
 MAX_OWN_SECONDS = 600.0
 """Longest phoneme or pause from a client: a message cannot request an hour of frames."""
 
-FIELDS = ("text", "sound", "phonemes", "known_until", "revise", "finish", "notation")
+FIELDS = (
+    "text", "sound", "phonemes", "known_until", "ends_at", "revise", "finish", "notation",
+    "gestures",
+)  # fmt: skip
 ROW = len(("label", "start", "end"))
 
 OWN_ORIGIN = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
@@ -72,6 +77,8 @@ class Client:
     def __init__(self, session: "Session") -> None:
         self.session = session
         self.stream: Stream | None = None
+        self.moving = False
+        """True if the stream has the gestures of its line."""
         self.gestures = session.open_gestures()
         self.sound = ClientSound(session.open_listener, session.voice, self.gestures)
 
@@ -118,8 +125,18 @@ class Client:
             if notation is not None and not isinstance(notation, str):
                 what = "`notation` must be a string: the name of a notation of the language"
                 raise LipsyncError(what)
-            self.stream = self.session.open_stream(notation)
+            self.moving = self._moving(asked.get("gestures", False))
+            self.stream = self.session.open_stream(notation, self.moving)
+        elif asked.get("gestures", self.moving) is not self.moving:
+            raise LipsyncError("`gestures` belongs to the first message of a stream")
         return self._feed(self.stream, asked)
+
+    def _moving(self, asked: object) -> bool:
+        if not isinstance(asked, bool):
+            raise LipsyncError("`gestures` must be true or false")
+        if asked and self.gestures is None:
+            raise LipsyncError("this session has no gestures; start it with --gestures all")
+        return asked
 
     def _feed(self, stream: Stream, asked: dict[str, Any]) -> dict[str, Any]:
         if "revise" in asked:
@@ -135,6 +152,8 @@ class Client:
         for label, start, end in rows:
             _refuse_long(stream, start if end is None else end)
             stream.feed(label, start, end)
+        if "ends_at" in asked:
+            stream.ends_at(asked["ends_at"])
         if "known_until" in asked:
             _refuse_long(stream, asked["known_until"])
             stream.known_until(asked["known_until"])
@@ -142,8 +161,10 @@ class Client:
             stream.finish()
         final = stream.frames()
         lips = [*map(LiveFrame, final.times.tolist(), final.weights)]
-        frames = map(as_row, beside(self.gestures, lips))
+        frames = map(as_row, lips if self.moving else beside(self.gestures, lips))
         answer = {"frames": [*frames], "known": stream.known}
+        if self.moving:
+            answer["delay"] = round(stream.delay, 4)
         if stream.finished:
             self.stream = None
         return answer
@@ -166,8 +187,8 @@ class Session:
     """First message to a client: the names of the poses, and the frames per second."""
     say: Callable[[str], int]
     """Queue a text; return the number of texts before it."""
-    open_stream: Callable[[str | None], Stream]
-    """Open a stream in a notation."""
+    open_stream: Callable[[str | None, bool], Stream]
+    """Open a stream in a notation, with or without the gestures of its line."""
     open_listener: OpenListener
     voice: "LiveVoice"
     """The voice that all receivers follow."""

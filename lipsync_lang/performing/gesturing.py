@@ -3,9 +3,9 @@
 Speech is not changed: each pose of a gesture is a column after those of speech.
 """
 
-from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from math import inf
 from typing import TYPE_CHECKING, Any
 from zlib import crc32
@@ -207,7 +207,7 @@ def _seeds(schedule: "Schedule") -> tuple[list[float], list[int]]:
     words = words or [*zip(schedule.times.tolist(), schedule.labels, strict=False)]
     seeds = [0]
     for _, text in words:
-        seeds.append(crc32(text.encode("utf-8", "surrogatepass"), seeds[-1]))
+        seeds.append(seed_after(seeds[-1], text))
     return [start for start, _ in words], seeds
 
 
@@ -232,10 +232,10 @@ def line_facts(
     phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
     facts = {
         "phrase_end": [LineFact(end) for _, end in phrases],
-        "pause": [LineFact(min((a + b) / 2, a + PAUSE_SETTLED_SECONDS)) for a, b in pauses],
+        "pause": [LineFact(pause_fact(a, b)) for a, b in pauses],
     }
     for word in schedule.words if own.words else ():
-        for trigger in own.words.get(word.text.casefold().replace("’", "'").strip(MARKS), ()):
+        for trigger in word_facts(own, word.text):
             facts.setdefault(trigger, []).append(LineFact(word.start))
     if own.triggers & {"stress", "emphasis"}:
         facts |= _vowel_facts(performer, schedule, sounds)
@@ -243,6 +243,27 @@ def line_facts(
         facts["rise"] = _rising(schedule.audio, phrases)
     start, end = ends or (schedule.start, schedule.end)
     return LineFacts(start, end, phrases, facts, *_seeds(schedule), by_hand)
+
+
+def word_facts(own: GestureSet, word: str) -> tuple[str, ...]:
+    """Return the facts that a word of the language is."""
+    return own.words.get(_plain(word), ())
+
+
+@lru_cache(maxsize=4096)
+def _plain(word: str) -> str:
+    """Return a word of a transcript as language packs list it."""
+    return word.casefold().replace("’", "'").strip(MARKS)
+
+
+def pause_fact(begin: float, end: float) -> float:
+    """Return the time of the fact of a pause."""
+    return min((begin + end) / 2, begin + PAUSE_SETTLED_SECONDS)
+
+
+def seed_after(seed: int, text: str) -> int:
+    """Return the number of the words so far, with one more."""
+    return crc32(text.encode("utf-8", "surrogatepass"), seed)
 
 
 def placed_by_hand(
@@ -318,7 +339,7 @@ def _vowel_facts(
         if word.emphasis:
             for at, number in enumerate(vowels):
                 rises[at] += MARKED_PROMINENCE * (word.first <= number < word.stop)
-    out = [every[number] for number in _stand_out(begins, rises)]
+    out = [every[number] for number in stand_out(begins, rises)]
     return {"stress": every if marked else [], "emphasis": out}
 
 
@@ -372,12 +393,18 @@ def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
     return rises
 
 
-def _stand_out(times: list[float], rises: list[float]) -> list[int]:
+def stand_out(times: list[float], rises: list[float]) -> list[int]:
     """Return the vowels that no other near them exceeds; of equals the first stands out."""
     found = []
     for number, (time, rise) in enumerate(zip(times, rises, strict=True)):
-        first = bisect_left(times, time - DRAWING_SECONDS)
-        stop = bisect_right(times, time + DRAWING_SECONDS)
-        if rise > max(rises[first:number], default=-inf) and rise >= max(rises[number:stop]):
+        before, after = number - 1, number + 1
+        while before >= 0 and times[before] >= time - DRAWING_SECONDS and rises[before] < rise:
+            before -= 1
+        if before >= 0 and times[before] >= time - DRAWING_SECONDS:
+            continue
+        last = time + DRAWING_SECONDS
+        while after < len(times) and times[after] <= last and rises[after] <= rise:
+            after += 1
+        if after == len(times) or times[after] > last:
             found.append(number)
     return found

@@ -22,6 +22,7 @@ from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, S
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.pipeline.track import trigrams_in
+from lipsync_lang.schedules.schedule import SILENCE
 
 UNSURE_SECONDS = 0.1
 """Assumed length of the last phoneme until its end is known; no final frame depends on it."""
@@ -43,6 +44,20 @@ class HeardLabel(NamedTuple):
     """True if any label that arrived with it has a mark of stress."""
     whole: float | None = None
     """Start of the word from which the label cannot be separated."""
+    text: str = SILENCE
+    """The label as it was fed."""
+
+
+class FedWord(NamedTuple):
+    """A word of the line, for its gestures."""
+
+    number: int
+    """Number of the first label of the word."""
+    stop: int
+    """Number of the label after it."""
+    start: float
+    text: str
+    emphasised: bool
 
 
 class HeardWord(NamedTuple):
@@ -96,6 +111,8 @@ class HeardLabels:
     sources: list[int] = field(default_factory=list)
     """Number of the label of each common phoneme."""
     words: list[HeardWord] = field(default_factory=list)
+    spoken: list[FedWord] = field(default_factory=list)
+    """All words."""
     vowels: list[Vowel] = field(default_factory=list)
     befores: list[tuple[int | None, bool]] = field(default_factory=list)
     """State of stress before each label."""
@@ -159,8 +176,9 @@ class HeardLabels:
             self.sources.pop()
         while self.vowels and self.vowels[-1].number == number:
             self.vowels.pop()
-        while self.words and self.words[-1].number >= number:
-            self.words.pop()
+        for words in (self.words, self.spoken):
+            while words and words[-1].number >= number:
+                words.pop()
         self.until = label.start
         if not self.forgotten and all(sound == self.silence for sound in self.sounds):
             self.opening = None
@@ -247,6 +265,8 @@ class HeardLabels:
             del self.vowels[0]
         while self.words and self.words[0].ramp[-1] < seconds:
             del self.words[0]
+        while self.spoken and self.spoken[0].stop <= self.first:
+            del self.spoken[0]
 
     def clear(self, silence_reach: float, *, linear: bool, emphasis: bool) -> float:
         """Return the time before which bigrams and dials are known.

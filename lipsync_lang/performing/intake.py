@@ -10,7 +10,7 @@ import numpy as np
 from lipsync_lang.errors import LipsyncError, ScheduleError, did_you_mean
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.edits import overlays
-from lipsync_lang.performing.heard import HeardLabel, HeardWord
+from lipsync_lang.performing.heard import FedWord, HeardLabel, HeardWord
 from lipsync_lang.performing.stress import RAMP_SECONDS
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.schedules.schedule import Schedule
@@ -61,9 +61,11 @@ class Intake:
             mark = reader.notation(one).stress(label)
             self.known[label] = reader.values(one)[0], mark
         value, mark = self.known[label]
-        return self._heard(start, end, value, mark)._replace(marked=mark is not None)
+        return self._heard(label, start, end, value, mark)._replace(marked=mark is not None)
 
-    def part(self, part: Schedule, moved: float) -> tuple[list[HeardLabel], list[HeardWord]]:
+    def part(
+        self, part: Schedule, moved: float
+    ) -> tuple[list[HeardLabel], list[HeardWord], list[FedWord]]:
         """Read a part of a schedule; its words count the labels of the part."""
         reader, compiled = self.performer.labels, self.performer.compiled
         named = part if part.notation is not None else replace(part, notation=self.notation)
@@ -72,8 +74,10 @@ class Intake:
         marked = any(mark is not None for mark in marks)
         times = (part.times + moved).tolist()
         labels = [
-            self._heard(start, end, value, mark)._replace(marked=marked)
-            for (start, end), value, mark in zip(pairwise(times), values, marks, strict=True)
+            self._heard(text, start, end, value, mark)._replace(marked=marked)
+            for text, (start, end), value, mark in zip(
+                part.labels, pairwise(times), values, marks, strict=True
+            )
         ]
         silent = [not label.kind for label in labels]
         words = []
@@ -84,15 +88,19 @@ class Intake:
                 for index in range(word.first, word.stop):
                     labels[index] = labels[index]._replace(whole=times[word.first])
             words += [] if found is None else [found]
-        return labels, words
+        spoken = [
+            FedWord(word.first, word.stop, times[word.first], word.text, bool(word.emphasis))
+            for word in part.words
+        ]
+        return labels, words, spoken
 
     def _heard(
-        self, start: float, end: float | None, value: "Value", mark: int | None
+        self, text: str, start: float, end: float | None, value: "Value", mark: int | None
     ) -> HeardLabel:
         reader = self.performer.labels
         sounds = tuple((reader.number(name), share) for name, share in value)
         kind = reader.kind(sounds[0][0]) if sounds else ""
-        return HeardLabel(start, end, sounds, kind, mark)
+        return HeardLabel(start, end, sounds, kind, mark, text=text)
 
     def _word(
         self, part: Schedule, word: "Word", silent: list[bool], moved: float

@@ -256,10 +256,15 @@ class LabelReader:
         marks = sounds.marks
         if not marks.size or marks.max() < 0:
             return marks[:0]
-        firsts = np.zeros(len(marks), np.intp)
-        # backwards, so that the first sound of a label is written last, and stays
-        firsts[sounds.source[::-1]] = sounds.ids[::-1]
-        return stresses_of(marks, self._manners[firsts])
+        # one read of the pair: another thread may replace it
+        known, found = self._stressed[0]
+        if known is not sounds:
+            firsts = np.zeros(len(marks), np.intp)
+            # backwards, so that the first sound of a label is written last, and stays
+            firsts[sounds.source[::-1]] = sounds.ids[::-1]
+            found = stresses_of(marks, self._manners[firsts])
+            self._stressed[0] = sounds, found
+        return found
 
     def notation(self, schedule: Schedule) -> Notation:
         """Return the notation of the schedule: as stated, or the most likely one."""
@@ -284,6 +289,11 @@ class LabelReader:
                 f"{did_you_mean(name, self.notations)}"
             )
         return self.notations[name]
+
+    @cached_property
+    def _stressed(self) -> list[tuple[LabelSounds | None, Ints]]:
+        """The line whose stresses were read last: the dial and the gestures both ask for them."""
+        return [(None, np.zeros(0, np.intp))]
 
     @cached_property
     def own_notations(self) -> dict[str, Notation]:

@@ -243,6 +243,7 @@ class Performer:
         stress: bool | None = None,
         emphasis: bool = False,
         late: "Late" = "refuse",
+        gestures: "GestureScales | None" = None,
     ) -> "Stream":
         """Open a stream, which takes phonemes as they become known and returns final frames.
 
@@ -261,6 +262,8 @@ class Performer:
             level 1, so give True if single labels may begin without one
         emphasis : True if some words may have emphasis
         late : `refuse` a phoneme that starts before the known time ends, or `shorten` it
+        gestures : as in `perform` for a schedule without sound; `Stream.delays` has their delay,
+            which is shorter if `Stream.ends_at` states the end of the line
 
         Raises
         ------
@@ -277,7 +280,7 @@ class Performer:
 
         return Stream(
             self, checked_rate(fps), notation=notation, styles=styles, dials=dials, stress=stress,
-            emphasis=emphasis, late=late,
+            emphasis=emphasis, late=late, gestures=gestures,
         )  # fmt: skip
 
     def listen(

@@ -21,15 +21,18 @@ import numpy as np
 
 from lipsync_lang.errors import LipsyncError, ScheduleError, refuse_other
 from lipsync_lang.performing.delivery import delivery
+from lipsync_lang.performing.gesturing import scales_of
 from lipsync_lang.performing.heard import HeardLabels
 from lipsync_lang.performing.intake import Intake, refuse_jump, second
 from lipsync_lang.performing.stream_frames import StreamFrames
+from lipsync_lang.performing.stream_gestures import StreamGestures
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
 from lipsync_lang.pipeline.perform import BLOCK, FinalFrames
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.delivery import DialLevels
+    from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.rigs.channel import Channel
 
@@ -69,6 +72,7 @@ class Stream:
         stress: bool | None = None,
         emphasis: bool = False,
         late: Late = "refuse",
+        gestures: "GestureScales | None" = None,
     ) -> None:
         refuse_other("late", late, Late)
         self.performer, self.fps, self.late = performer, fps, late
@@ -82,8 +86,12 @@ class Stream:
         if compiled.intensity is not None and motion.stress and stress is not False:
             levels = stress_levels(compiled.intensity, motion.stress)
         self._heard = HeardLabels(compiled.tables.silence, levels, bool(stress))
+        scales = scales_of(compiled, gestures)
+        self._gestures = scales and StreamGestures(performer.gesture_set, scales, fps)
+        self._end: float | None = None
+        """End of the line, as stated."""
         self._given = 0
-        self._made = np.zeros((0, len(self.channels)))
+        self._made = np.zeros((0, len(performer.shown_channels(self._frames.tables))))
 
     @property
     def poses(self) -> tuple[str, ...]:
@@ -93,7 +101,8 @@ class Stream:
     @property
     def channels(self) -> "tuple[Channel, ...]":
         """Channel of each pose on a model."""
-        return self.performer.shown_channels(self._frames.tables)
+        spoken = self.performer.shown_channels(self._frames.tables)
+        return spoken + (self.performer.gesture_channels if self._gestures else ())
 
     @property
     def delays(self) -> dict[str, float]:
@@ -103,7 +112,14 @@ class Stream:
             found["stress"] = 2 * STRESS_REACH_SECONDS
         elif self._intake.emphasis:
             found["emphasis"] = RAMP_SECONDS
-        return found | self._frames.ahead.stages
+        found |= self._frames.ahead.stages
+        if self._gestures:
+            reach = self._gestures.reach
+            needed = reach.ahead
+            if self._end is None:
+                needed = max(needed, reach.ending)
+            found["gestures"] = max(needed - sum(found.values()), 0.0)
+        return found
 
     @property
     def delay(self) -> float:
@@ -146,6 +162,7 @@ class Stream:
         """Number of labels, sounds, levels and frames in memory; it stays small for hours."""
         heard, made = self._heard, self._made
         kept = len(heard.labels) + len(heard.sounds) + len(heard.words) + len(heard.vowels)
+        kept += len(heard.spoken) + (self._gestures.held if self._gestures else 0)
         return kept + len(self._intake.known) + len(made)
 
     def feed(
@@ -209,6 +226,25 @@ class Stream:
         if at > until:
             self._heard.lasts(at)
 
+    def ends_at(self, seconds: float) -> None:
+        """State the end of the line, with its silence, before its phonemes are known.
+
+        Gestures need it: each is placed only where it fits before the end. Without it, frames wait
+        until the line is known as much farther as the longest gesture lasts.
+
+        Raises
+        ------
+        ScheduleError
+            The seconds are not a finite number.
+        LipsyncError
+            Another end was stated, or the stream is finished.
+        """
+        self._refuse_finished()
+        at = second("ends_at", seconds)
+        if self._end not in (None, at):
+            raise LipsyncError(f"the end of the line was stated as {self._end:g} s already")
+        self._end = at
+
     def revise(self, seconds: float) -> None:
         """Remove the phonemes from a time on, so that others can be fed.
 
@@ -230,7 +266,7 @@ class Stream:
         # a copy, since the frames may turn out to depend on what is removed
         other = self._heard.apart()
         other.take_back(at)
-        if self._given and self._frames.settled(other) < self._given:
+        if self._given and self._settled(other) < self._given:
             shown = self._frames.seconds(self._heard, self._given - 1)
             raise LipsyncError(
                 f"frames until {shown:.3f} s were returned and depend on the phonemes from {at:g} "
@@ -246,7 +282,8 @@ class Stream:
         Raises
         ------
         LipsyncError
-            No phoneme was fed, or the end of the last phoneme is unknown.
+            No phoneme was fed, the end of the last phoneme is unknown, or the line does not end as
+            stated, in silence.
         """
         if self.finished:
             return
@@ -260,6 +297,15 @@ class Stream:
                     f"the phoneme from {last.start:g} s has no end; give its end with `known_until`"
                 )
             heard.end(heard.until)
+        if self._end is not None and (
+            abs(heard.until - self._end) > SNAP_SECONDS
+            or self._frames.counted(heard) != self._frames.counted(heard, self._end)
+        ):
+            least = self.performer.motion.silence_reach
+            raise LipsyncError(
+                f"the line ends at {heard.until:g} s, but was stated to end at {self._end:g} s "
+                f"after a silence of {least:g} s; add silence (`known_until`), or state its end"
+            )
         self._frames.finish(heard)
 
     def frames(self, until: float | None = None) -> FinalFrames:
@@ -281,28 +327,45 @@ class Stream:
             parts.append(frames.weights(heard, at, min(at + BLOCK, final)))
             at += len(parts[-1])
         made = parts[0] if len(parts) == 1 else np.concatenate(parts)
+        moved = None
+        if self._gestures:
+            first, count = frames.seconds(heard, 0), frames.count
+            if self._end is not None and stop > begin:
+                count = frames.counted(heard, self._end)
+            moved = self._gestures.curves(heard, first, begin, stop, count, ended=self.finished)
         if stop > begin:
             heard.returned(frames.seconds(heard, stop + frames.ahead.ahead))
             self._given, self._made = stop, made[stop - begin :]
             frames.forget(heard, stop)
-        return FinalFrames(frames.laid(heard, begin, stop).times(), made[: stop - begin])
+        times, weights = frames.laid(heard, begin, stop).times(), made[: stop - begin]
+        return FinalFrames(times, weights if moved is None else np.hstack((weights, moved)))
 
     @property
     def final(self) -> int:
         """Number of final frames from the first on, including returned ones."""
-        return max(self._frames.settled(self._heard), self._given)
+        return max(self._settled(self._heard), self._given)
+
+    def _settled(self, heard: HeardLabels) -> int:
+        final = self._frames.settled(heard)
+        if not (final and self._gestures) or self.finished:
+            return final
+        start = self._frames.seconds(heard, 0)
+        return min(final, self._gestures.settled(heard, start, ending=self._end is not None))
 
     def _feed_part(self, part: Schedule, moved: float) -> None:
-        labels, words = self._intake.part(part, moved)
+        labels, words, spoken = self._intake.part(part, moved)
         whole = any(label.whole is not None for label in labels)
         begun = self._begin(part.source, labels[0].start, labels[-1].end, whole=whole)
         if begun is None:
             return
-        number = self._heard.number
-        for label in labels:
-            if label.end is None or label.end > begun:
-                self._heard.add(label._replace(start=max(label.start, begun)))
-        self._heard.words += [word._replace(number=number + word.number) for word in words]
+        kept = [label for label in labels if label.end is None or label.end > begun]
+        first = self._heard.number - (len(labels) - len(kept))
+        for label in kept:
+            self._heard.add(label._replace(start=max(label.start, begun)))
+        self._heard.words += [word._replace(number=first + word.number) for word in words]
+        self._heard.spoken += [
+            word._replace(number=first + word.number, stop=first + word.stop) for word in spoken
+        ]
 
     def _begin(
         self, here: str, start: float, end: float | None, *, whole: bool = False

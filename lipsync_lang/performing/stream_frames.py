@@ -91,8 +91,13 @@ class StreamFrames:
         """Count all frames of a stream that ends with the labels so far."""
         if self.lead is None:
             self.lead = self._lead_in(heard)
-        closing = heard.closing(self.motion.silence_reach)
-        self.count = self.lead + self.ahead.stop(heard.until - heard.start, closing)
+        self.count = self.counted(heard)
+
+    def counted(self, heard: HeardLabels, end: float | None = None) -> int:
+        """Count the frames of a stream that ends with the labels so far, or in silence at `end`."""
+        reach = self.motion.silence_reach
+        until, closing = (heard.until, heard.closing(reach)) if end is None else (end, reach)
+        return (self.lead or 0) + self.ahead.stop(until - heard.start, closing)
 
     def _lead_in(self, heard: HeardLabels) -> int:
         opening = heard.opening

@@ -93,7 +93,7 @@ def test_a_pause_nearby_draws_a_blink():
 def test_a_gesture_by_hand_stands_for_those_near_it():
     blink = stated("blink", on=["pause"], apart=0.5)
     by_hand = (PlacedGesture(0, 1.1, 1.0, "by hand", 1.1),)
-    facts = line(pause=[0.9, 1.4, 3.0])._replace(by_hand=by_hand)
+    facts = replace(line(pause=[0.9, 1.4, 3.0]), by_hand=by_hand)
     assert sorted(placed(blink, facts)) == pytest.approx([1.1, 3.0])
 
 

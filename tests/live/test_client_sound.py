@@ -22,7 +22,7 @@ def session():
     performer = ll.resolve("english", "facefx")
     made = LiveVoice(FakeListener, 60, print)
     return Session(
-        {}, lambda _: 0, lambda notation: performer.stream(60, notation=notation or "arpabet"),
+        {}, lambda _: 0, lambda notation, _: performer.stream(60, notation=notation or "arpabet"),
         lambda rate, delay: FakeListener(rate, 0.08 if delay is None else delay), made,
     )  # fmt: skip
 

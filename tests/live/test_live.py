@@ -326,7 +326,7 @@ def client(performer):
     voice = LiveVoice(performer.listen, 60, print)
     made = Client(
         Session(
-            {}, say, lambda notation: performer.stream(60, notation=notation or "arpabet"),
+            {}, say, lambda notation, _: performer.stream(60, notation=notation or "arpabet"),
             lambda rate, delay: FakeListener(rate, delay or 0.08), voice,
         )
     )  # fmt: skip
@@ -442,7 +442,7 @@ def server(performer):
     said = []
     greeting = {"poses": performer.poses}
     session = Session(
-        greeting, lambda text: said.append(text) or 0, lambda _: performer.stream(),
+        greeting, lambda text: said.append(text) or 0, lambda *_: performer.stream(),
         lambda rate, delay: FakeListener(rate, delay or 0.08), LiveVoice(FakeListener, 60, print),
     )  # fmt: skip
     made = WebSocketOutlet(LiveAddress("ws", "127.0.0.1", 0), session)

@@ -64,10 +64,42 @@ def test_a_spoken_text_has_its_gestures_and_the_same_lips(performer):
     assert (moved <= own.high).all()
 
 
-def test_clients_get_gestures_beside_their_own_frames(performer):
+def client_of(performer, open_gestures):
+    def stream(notation, moving):
+        gestures = "all" if moving else None
+        return performer.stream(60, notation=notation or "arpabet", stress=True, gestures=gestures)
+
     voice = LiveVoice(performer.listen, 60, print)
-    stream = lambda notation: performer.stream(60, notation=notation or "arpabet")  # noqa: E731
-    client = Client(Session({}, len, stream, performer.listen, voice, lambda: opened(performer)))
+    return Client(Session({}, len, stream, performer.listen, voice, open_gestures))
+
+
+def test_a_client_may_ask_for_the_gestures_of_its_line(performer):
+    client = client_of(performer, lambda: opened(performer))
+    words = ("M", "AA1", "M", "AH0", "T", "IY1", "S", "OW1", "D", "AH0")
+    line = ll.Schedule((*words * 4, "_"), np.arange(42) * 0.12, notation="arpabet")
+    rows = [*zip(line.labels, line.times[:-1].tolist(), line.times[1:].tolist(), strict=True)]
+    first = client.answer(json.dumps({"gestures": True, "ends_at": 5.5, "phonemes": rows[:20]}))
+    assert 1 < first["delay"] < 2
+    again = client.answer(json.dumps({"gestures": False}))
+    assert "first message of a stream" in again["error"]
+    last = client.answer(json.dumps({"phonemes": rows[20:], "known_until": 5.5, "finish": True}))
+    found = [frame["weights"] for frame in first["frames"] + last["frames"]]
+    assert first["frames"]
+    ended = ll.Schedule(line.labels, [*line.times[:-1], 5.5], notation="arpabet")
+    whole = performer.perform(ended, gestures="all")
+    assert np.abs(np.array(found) - whole.weights).max() < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("asked", "match"), [("yes", "must be true or false"), (True, "start it with --gestures all")]
+)
+def test_gestures_that_a_client_cannot_have_are_refused(performer, asked, match):
+    client = client_of(performer, lambda: None)
+    assert match in client.answer(json.dumps({"gestures": asked, "phonemes": []}))["error"]
+
+
+def test_clients_get_gestures_beside_their_own_frames(performer):
+    client = client_of(performer, lambda: opened(performer))
     rows = [*zip(LINE.labels, LINE.times[:-1].tolist(), LINE.times[1:].tolist(), strict=True)]
     answer = client.answer(json.dumps({"phonemes": rows, "finish": True}))
     counts = {len(frame["weights"]) for frame in answer["frames"]}
