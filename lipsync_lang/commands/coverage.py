@@ -88,6 +88,11 @@ def _add_coverage(add: Add) -> None:
         "--against", metavar="OLD.json", type=Path,
         help="show the changes since an older JSON report",
     )  # fmt: skip
+    coverage_.add_argument(
+        "--gestures", metavar="NAME[:FACTOR],...",
+        help="count these gestures of the pose set, at estimated times: all, or such as blink,nod "
+        "[the project's, or none]",
+    )  # fmt: skip
     coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
     add_values(coverage_)
     add_path(coverage_)
@@ -150,6 +155,7 @@ def _counted(options: Namespace) -> "Coverage":
         found = count(
             _shown(chain(lines, heard), shown), part.languages, options.character,
             paths=options.path, minutes=options.minutes, weights=weights, cast=options.cast,
+            gestures=options.gestures,
         )  # fmt: skip
         counted.append((part, found))
     of = Counter(name for _, one in counted for name in {each.language for each in one.reports})

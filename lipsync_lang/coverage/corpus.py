@@ -25,6 +25,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.speaker_faces import SpeakerFaces
 from lipsync_lang.phonology.g2p.tokens import PAUSES, pieces
 from lipsync_lang.pipeline.track import trigrams_in
+from lipsync_lang.speech.speaking.joining import estimate
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -32,8 +33,10 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from lipsync_lang.arrays import Ints
+    from lipsync_lang.coverage.gesture_tally import GestureTally
     from lipsync_lang.lines import Line
     from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.schedules.schedule import Schedule
     from lipsync_lang.speech.speaking.transcripts import Transcript
 
 BATCH_LINES = 1000
@@ -136,6 +139,8 @@ class Reading(NamedTuple):
     """Predicate of the lines to count; None for all."""
     letters: "Iterable[str]" = ()
     """Letters of the language; empty if unknown."""
+    tallies: "Sequence[GestureTally]" = ()
+    """Counts of gestures, which the lines are added to."""
 
 
 LinePhonemes = tuple[list[int], list[str]]
@@ -146,7 +151,7 @@ class Count:
     """Phonemes and bigrams of lines in one language."""
 
     def __init__(self, reading: Reading) -> None:
-        performer, scripts, takes, letters = reading
+        performer, scripts, takes, letters, self._tallies = reading
         self._takes: Takes = takes or (lambda _: True)
         self._performer = replace(performer, unknown="rest", shades=False)
         self._speaker = self._performer.speaker
@@ -265,7 +270,14 @@ class Count:
             for label in (label for word in words for label in word.labels):
                 if label in missing:
                     self.unmapped.add(label, place)
+        if self._tallies and words:
+            manner, notations = self._speaker.manner, self._speaker.notations
+            self._tally(estimate(transcript, manner, notations[manner.notation]))
         return self._ids(transcript), [text for word in words for text in word.text.split()]
+
+    def _tally(self, schedule: "Schedule") -> None:
+        for tally in self._tallies:
+            tally.add(schedule)
 
     def _ids(self, transcript: "Transcript") -> list[int]:
         ids = [self._numbers[name] for name in transcript.phonemes]
@@ -280,6 +292,7 @@ class Count:
         missing = {n for n, label in enumerate(schedule.labels) if notation.find(label) is None}
         for number in sorted(missing):
             self.unmapped.add(schedule.labels[number], line.place)
+        self._tally(schedule)
         ids, _, source = self._performer.common_phonemes(schedule)
         said = [
             BREAK if number == SILENT and label in missing else number

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 from lipsync_lang.coverage.column_joining import shared_of
 from lipsync_lang.coverage.corpus import Pages, Reading, count
 from lipsync_lang.coverage.entry_words import letters_of
+from lipsync_lang.coverage.gesture_tally import GestureTally
 from lipsync_lang.coverage.report import Coverage
 from lipsync_lang.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.coverage.scripts import scripts_of
@@ -20,6 +22,7 @@ from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
+    from lipsync_lang.performing.gesturing import GestureScales
 
 
 def coverage(  # noqa: PLR0913 two names, and options by keyword
@@ -31,6 +34,7 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     minutes: float = 5.0,
     weights: Mapping[str, float] | None = None,
     cast: Mapping[str, Sequence[str]] | None = None,
+    gestures: "GestureScales | None" = None,
 ) -> Coverage:
     """Count the bigrams that lines need, and compare them with the bigrams of characters.
 
@@ -43,6 +47,7 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     weights : weights of languages in the total, by name; the default is 1
     cast : the characters of each speaker, who speak that speaker's lines alone; all other lines are
         those of `character`. None if every character speaks every line
+    gestures : gestures to count, as `Performer.perform` takes them; None for no count
 
     Raises
     ------
@@ -62,10 +67,11 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     pairs = [(resolve(one, face, paths=folders, gaps="rest"), str(face)) for one, face in chosen]
     searched = {performer.language: performer.paths for performer, _ in pairs}
     packs = {name: Library(own).language(name).model for name, own in searched.items()}
+    tallies = [GestureTally.of(replace(one, unknown="rest"), gestures) for one, _ in pairs]
     readings: list[Reading] = []
     keys: list[tuple[object, ...]] = []
     reading_of: list[int] = []
-    for performer, face in pairs:
+    for (performer, face), tally in zip(pairs, tallies, strict=True):
         speakers = faces and {who for who, names in faces.stated.items() if face in names}
         compiled = performer.compiled
         key = compiled.manner, compiled.words, compiled.report.trigrams.keys(), speakers
@@ -74,7 +80,10 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
             keys.append(key)
             pack = packs[performer.language]
             readings.append(Reading(performer, scripts_of(pack), takes, letters_of(pack)))
-        reading_of.append(keys.index(key))
+        at = keys.index(key)
+        reading_of.append(at)
+        if tally is not None:
+            readings[at] = readings[at]._replace(tallies=(*readings[at].tallies, tally))
     with closing(Pages()) as pages:
         corpus, counts = count(lines, readings, pages, faces)
         if not corpus.lines:
@@ -83,8 +92,10 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
             )
         figures = [CountFigures(one, pages) for one in counts]
         reports = tuple(
-            report_of(performer, figures[at], minutes, packs[performer.language].title)
-            for (performer, _), at in zip(pairs, reading_of, strict=True)
+            report_of(performer, figures[at], minutes, packs[performer.language].title).model_copy(
+                update={"gestures": () if tally is None else tally.needs()}
+            )
+            for (performer, _), at, tally in zip(pairs, reading_of, tallies, strict=True)
             if faces is None or counts[at].lines
         )
     return Coverage(

@@ -99,6 +99,17 @@ class TrigramNeed(Fact):
     """The first lines with this trigram."""
 
 
+class GestureNeed(Fact):
+    """A gesture that comes by rule in the lines."""
+
+    gesture: str
+    count: int
+    a_minute: float
+    """Times a minute of the lines, at their own times or estimated ones."""
+    facts: dict[str, int]
+    """Number of them by the fact that drew them, such as `stress`."""
+
+
 class Sentence(Fact):
     """A line with bigrams that are not authored."""
 
@@ -146,6 +157,8 @@ class CoverageReport(Fact):
     """Drawn trigrams, most frequent first; unused ones have a count of 0."""
     entries: tuple[EntryWord, ...] = ()
     """Words that the language may misread, and that have no entry in its `words`."""
+    gestures: tuple[GestureNeed, ...] = ()
+    """Gestures that were asked for, in the order of the pose set."""
 
     @property
     def label(self) -> str:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         Coverage,
         CoverageChanges,
         CoverageReport,
+        GestureNeed,
         Tally,
     )
 
@@ -143,6 +144,7 @@ def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
     if report.entries:
         words = [f"{one.what} ({one.count}, {_WHY[one.why]})" for one in report.entries]
         yield f"words that deserve an entry in `words` of the language: {_few(words)}"
+    yield from _gestures(report.gestures)
     shown = report.sentences if everything else report.sentences[:MAX_TEXT_SENTENCES]
     if shown:
         yield f"{_count(len(report.sentences), 'line')} that use every unauthored bigram:"
@@ -150,6 +152,16 @@ def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
         yield f"  {one.place}: {one.text or '(timed phonemes)'} ({len(one.bigrams)} new)"
     if len(shown) < len(report.sentences):
         yield f"  ... and {len(report.sentences) - len(shown)} more; --all lists them"
+
+
+def _gestures(needs: "Sequence[GestureNeed]") -> Iterator[str]:
+    if needs:
+        yield "gestures, at estimated times unless lines have their own:"
+    rows = [("gesture", "count", "a minute", "at")] if needs else []
+    for one in needs:
+        facts = ", ".join(f"{fact.replace('_', ' ')} {n:,}" for fact, n in one.facts.items())
+        rows.append((one.gesture, f"{one.count:5,}", f"{one.a_minute:8.1f}", facts))
+    yield from (f"  {row}" for row in columns(rows))
 
 
 def _since(since: "CoverageChanges") -> list[str]:

@@ -311,8 +311,10 @@ export class CharacterView {
   #spoken() {
     const { take, player } = this.studio;
     if (!take) return {};
-    const weights = take.posesAt(take.frameAt(player.time));
-    return Object.fromEntries(take.poses.map((name, n) => [name, Math.round(weights[n] * 100) / 100]));
+    const frame = take.frameAt(player.time);
+    return Object.fromEntries(
+      this.studio.state.poses.map(({ name }) => [name, Math.round(take.weight(name, frame) * 100) / 100]),
+    );
   }
 
   /** While the line is shown, the sliders move with it. */
