@@ -2,11 +2,11 @@
 
     python docs/draw_gallery.py [--only NAME ...] [FOLDER]
 
-A pose set with a model is filmed on its own model. A pose set of drawings is drawn as a simple
-face in two dimensions. Every other pose set has no model of its own, so its weights move the FaceFX
-head: a fit over the targets of both sets finds the FaceFX poses that each of its poses is worth.
-The bars always show the weights of the pose set itself. Needs the extras `speech` and
-`video`, and scipy. The pictures and films go into docs/images, or into another folder.
+A pose set with a model is filmed on its own model, with its gestures. A pose set of drawings is
+drawn as a simple face in two dimensions. Every other pose set has no model of its own, so its
+weights move the FaceFX head: a fit over the targets of both sets finds the FaceFX poses that each
+of its poses is worth. The bars always show the weights of the pose set itself. Needs the extras
+`speech` and `video`, and scipy. The pictures and films go into docs/images, or into another folder.
 """  # noqa: INP001 a script, not a package
 
 from __future__ import annotations
@@ -242,12 +242,14 @@ def words(schedule: ll.Schedule, seconds: float) -> Image.Image:
 
 def frames(name: str, schedule: ll.Schedule) -> tuple[float, list[Image.Image]]:
     """Draw a pose set that says the line; return the time of the first frame, and all frames."""
-    animation = ll.resolve(LANGUAGE, name).perform(schedule, fps=60)
+    performer = ll.resolve(LANGUAGE, name)
+    animation = performer.perform(schedule, fps=60)
     times = np.arange(animation.times[0], animation.times[-1], 1 / FPS)
     if name in DRAWN:
         faces = drawn(animation, times, DRAWN[name])
     else:
-        faces = filmed(animation if animation.model else lent(animation, name), times)
+        own = performer.perform(schedule, fps=60, gestures="all") if animation.model else None
+        faces = filmed(own or lent(animation, name), times)
     pages = []
     for seconds, shown in zip(times, faces, strict=True):
         page = Image.new("RGB", (WIDTH, HEIGHT), PAPER)
