@@ -128,7 +128,6 @@ READERS = {
 def holds(name):
     def check(content, animation):
         near = 0.5 / animation.fps if name == "moho" else 0.005
-        near += 0.0005 * len(animation.times) if name == "renpy" else 0  # waits add up
         found, wanted = READERS[name](content, animation), held(animation, "rest")
         assert [shape for _, _, shape in found] == [shape.name for shape in wanted]
         for (start, end, _), shape in zip(found, wanted, strict=True):
