@@ -98,3 +98,10 @@ def arithmetic(request, monkeypatch):
     """Run the stages in the compiled kernel, if there is one, or in numpy."""
     if request.param == "numpy":
         monkeypatch.setattr(kernel, "compiled", None)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Change to an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

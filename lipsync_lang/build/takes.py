@@ -73,31 +73,24 @@ def read_takes(path: Path) -> TakesFile:
             if not stream.read(1):
                 raise OutputError(f"{path}: is empty; {MEND_TAKES}")
             with mmap(stream.fileno(), 0, access=ACCESS_READ) as data:
-                return _decoded(data)
+                return _decoded(path, data)
     except OSError as error:
         raise OutputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (ValueError, IndexError, OverflowError, struct.error) as error:
         raise OutputError(f"{path}: is a damaged archive ({error}); {MEND_TAKES}") from None
-    except _OtherFileError as error:
-        raise OutputError(f"{path}: {error}") from None
 
 
-class _OtherFileError(Exception):
-    """The file is not of this format or version."""
-
-
-def _decoded(data: mmap) -> TakesFile:
+def _decoded(path: Path, data: mmap) -> TakesFile:
     if data[:8] != TAKES_MAGIC:
-        raise _OtherFileError(f"is not an archive of takes; {MEND_TAKES}")
+        raise OutputError(f"{path}: is not an archive of takes; {MEND_TAKES}")
     if len(data) < TAKES_HEADER.size:
         raise ValueError("its header ends early")
     _, version, kind, count, slots, poses, index, takes, end, head, body, base, result = (
         TAKES_HEADER.unpack_from(data)
     )
     if version != TAKES_VERSION:
-        raise _OtherFileError(
-            f"has version {version}, and this program reads {TAKES_VERSION}; update it"
-        )
+        what = f"has version {version}, and this program reads {TAKES_VERSION}; update it"
+        raise OutputError(f"{path}: {what}")
     if end != len(data):
         raise ValueError(f"it has {len(data):,} bytes of {end:,}")
     if not TAKES_HEADER.size <= index <= takes <= end or takes - index != slots * INDEX_SLOT.size:

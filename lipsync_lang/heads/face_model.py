@@ -25,12 +25,6 @@ NAMED_MISSING_FILES = 3
 """Number of missing files that a message names."""
 
 
-def recipe_names() -> list[str]:
-    """List the recipes by name."""
-    found = files(__package__).joinpath("recipes").iterdir()
-    return sorted(Path(one.name).stem for one in found if one.name.endswith(".yaml"))
-
-
 def read_recipe(name: str) -> Json:
     """Read a recipe by name."""
     text = files(__package__).joinpath("recipes", f"{name}.yaml").read_text("utf-8")

@@ -33,9 +33,6 @@ HEAD_CRC_AT = 48
 MOST_SECONDS = 1e6
 MOST_WEIGHT = 1e9
 
-BLEND_MODES = ("max", "add", "replace")
-"""Ways to combine speech with the game's own expression."""
-
 
 class TakesError(ValueError):
     """An archive is damaged, of another version, or not an archive."""

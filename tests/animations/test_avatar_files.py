@@ -3,10 +3,10 @@
 import json
 import struct
 from dataclasses import replace
-from io import BytesIO
 
 import numpy as np
 import pytest
+from file_bytes import bytes_of
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
@@ -16,12 +16,6 @@ from lipsync_lang.rigs.channel import Channel
 SCHEDULE = ll.Schedule(
     ("M", "AA1", "P", "OW1", "_"), (0, 0.1, 0.5, 0.6, 1.0, 1.2), notation="arpabet"
 )
-
-
-def bytes_of(animation):
-    out = BytesIO()
-    WRITERS["vrma"].write(animation, out)
-    return out.getvalue()
 
 
 def from_vrma(content, _):
@@ -68,14 +62,14 @@ READ_BACK = {"vrma": as_vrma}
 
 def test_mouths_of_vrm_are_presets_and_other_shapes_are_custom():
     animation = ll.resolve("english", "vrm").perform(SCHEDULE)
-    content = bytes_of(animation)
+    content = bytes_of("vrma", animation)
     as_vrma(content, animation)
     (length,) = struct.unpack_from("<I", content, 12)
     document = json.loads(content[20 : 20 + length])
     kinds = document["extensions"]["VRMC_vrm_animation"]["expressions"]
     assert [*kinds] == ["preset"]
     assert [*kinds["preset"]] == ["aa", "ih", "ou", "ee", "oh"]
-    own = bytes_of(ll.resolve("english", "arkit").perform(SCHEDULE))
+    own = bytes_of("vrma", ll.resolve("english", "arkit").perform(SCHEDULE))
     assert b'"custom"' in own
     assert b'"preset"' not in own
 
@@ -85,13 +79,13 @@ def test_a_bone_is_left_out_and_that_is_told():
     channels = (Channel("aa", node="Jaw", rotation=(1, 0, 0)), *animation.columns[1:])
     boned = replace(animation, channels=channels)
     assert "a .vrma has nothing for aa" in [*WRITERS["vrma"].remarks(boned)]
-    assert "aa" not in from_vrma(bytes_of(boned), boned)
+    assert "aa" not in from_vrma(bytes_of("vrma", boned), boned)
 
 
 @pytest.mark.parametrize("keys", [None, 0.02])
 def test_keys_are_joined_by_straight_lines(keys):
     animation = ll.resolve("english", "vrm").perform(SCHEDULE)
     export = replace(animation.export, key_error=keys)
-    found = from_vrma(bytes_of(replace(animation, export=export)), animation)
+    found = from_vrma(bytes_of("vrma", replace(animation, export=export)), animation)
     shown = np.interp(animation.times, *found["aa"])
     assert np.abs(shown - animation["aa"]).max() <= (keys or ERROR) + 1e-4

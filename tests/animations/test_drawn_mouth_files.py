@@ -2,12 +2,13 @@
 
 import json
 from dataclasses import replace
-from io import BytesIO, StringIO
+from io import StringIO
 from itertools import pairwise, product
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from file_bytes import bytes_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -46,12 +47,6 @@ def plain(weights, fps=20, start=0.0, end=None, *, poses=None, offset=0.0, **res
     export = ExportSettings(offset)
     schedule = ll.Schedule(("_",), (0.0, end))
     return Animation(times, poses, weights, fps, schedule, export=export, **rest)
-
-
-def bytes_of(name, animation):
-    out = BytesIO()
-    WRITERS[name].write(animation, out)
-    return out.getvalue()
 
 
 # Reading back: (start, end, shape)
@@ -133,7 +128,6 @@ READERS = {
 def holds(name):
     def check(content, animation):
         near = 0.5 / animation.fps if name == "moho" else 0.005
-        near += 0.0005 * len(animation.times) if name == "renpy" else 0  # waits add up
         found, wanted = READERS[name](content, animation), held(animation, "rest")
         assert [shape for _, _, shape in found] == [shape.name for shape in wanted]
         for (start, end, _), shape in zip(found, wanted, strict=True):

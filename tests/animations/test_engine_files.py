@@ -4,7 +4,7 @@ import csv
 import json
 import re
 from dataclasses import replace
-from io import BytesIO, StringIO
+from io import StringIO
 from itertools import pairwise
 from xml.etree import ElementTree as ET
 
@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import yaml
 from face_models import face
+from file_bytes import bytes_of
 from lanes import swept
 from small_models import glb
 
@@ -37,12 +38,6 @@ SCHEDULE = ll.Schedule(
 
 def performed(character="arkit", fps=60):
     return ll.resolve("english", character).perform(SCHEDULE, fps=fps)
-
-
-def bytes_of(name, animation):
-    out = BytesIO()
-    WRITERS[name].write(animation, out)
-    return out.getvalue()
 
 
 def remarks(name, animation):

@@ -3,20 +3,19 @@
 import json
 import re
 from dataclasses import replace
-from io import BytesIO
 from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import yaml
+from file_bytes import bytes_of
 from hypothesis import given
 from hypothesis import strategies as st
 from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import ExportSettings
-from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.fitted_keys import CONTACT_TOLERANCE, fit
 from lipsync_lang.animations.keys import curves
 from lipsync_lang.animations.readers.glb import read_glb
@@ -41,12 +40,6 @@ def animation(tmp_path_factory):
 
 def shown(times, spline):
     return sample(times[spline.frames], spline, times)
-
-
-def content_of(name, animation):
-    out = BytesIO()
-    WRITERS[name].write(animation, out)
-    return out.getvalue()
 
 
 # The fit
@@ -271,7 +264,7 @@ LINES = {"unreal", "smartbody", "usd"}
 @pytest.mark.parametrize("name", TANGENTS)
 def test_formats_with_tangents_stay_within_the_error(name, error, animation):
     chosen = replace(animation, export=ExportSettings(key_error=error))
-    found = list(TANGENTS[name](content_of(name, chosen), chosen))
+    found = list(TANGENTS[name](bytes_of(name, chosen), chosen))
     assert {pose for pose, _, _ in found} == set(animation.poses)
     for pose, values, _ in found:
         assert np.abs(values - animation[pose]).max() <= error + 1e-4, pose
@@ -286,9 +279,9 @@ def test_formats_with_tangents_stay_within_the_error(name, error, animation):
 
 @pytest.mark.parametrize("name", sorted(LINES))
 def test_formats_without_tangents_have_fewer_lines(name, animation):
-    coarse = content_of(name, replace(animation, export=ExportSettings(key_error=0.02)))
+    coarse = bytes_of(name, replace(animation, export=ExportSettings(key_error=0.02)))
     assert len(coarse) < 0.9 * len(
-        content_of(name, replace(animation, export=ExportSettings(key_error=0.001)))
+        bytes_of(name, replace(animation, export=ExportSettings(key_error=0.001)))
     )
 
 
@@ -304,7 +297,7 @@ def test_lines_of_a_table_stay_within_the_error(animation):
 def test_times_in_maya_are_frames_of_a_named_rate_or_seconds(fps, unit, animation):
     rated = animation.source.performer.perform(animation.schedule, fps)
     chosen = replace(rated, export=ExportSettings(key_error=0.01, offset=1.5))
-    content = content_of("maya", chosen)
+    content = bytes_of("maya", chosen)
     assert f"timeUnit {unit};".encode() in content
     for pose, values, _ in maya(content, chosen):
         assert np.abs(values - chosen[pose]).max() <= 0.01 + 1e-4, pose
@@ -313,11 +306,11 @@ def test_times_in_maya_are_frames_of_a_named_rate_or_seconds(fps, unit, animatio
 def test_names_in_maya_are_those_of_attributes(animation):
     channels = (animation.columns[0]._replace(name="jaw open"), *animation.columns[1:])
     odd = replace(animation, channels=channels, model=None, export=ExportSettings(key_error=0.01))
-    assert b"anim jaw_open jaw_open face 0 0 0;" in content_of("maya", odd)
+    assert b"anim jaw_open jaw_open face 0 0 0;" in bytes_of("maya", odd)
 
 
 def test_a_model_has_one_spline_for_the_shapes_of_a_mesh(animation):
-    content = content_of("glb", replace(animation, export=ExportSettings(key_error=0.02)))
+    content = bytes_of("glb", replace(animation, export=ExportSettings(key_error=0.02)))
     document = json.loads(content[20 : 20 + int.from_bytes(content[12:16], "little")])
     [take] = document["animations"]
     [sampler] = take["samplers"]
@@ -344,7 +337,7 @@ def test_an_error_out_of_range_is_refused_before_anything_is_written(error, anim
     assert not path.exists()
     for name in (*TANGENTS, *LINES):
         with pytest.raises(ll.LipsyncError, match=OUT_OF_RANGE):
-            content_of(name, replace(animation, export=ExportSettings(key_error=error)))
+            bytes_of(name, replace(animation, export=ExportSettings(key_error=error)))
 
 
 def test_an_animation_is_still_a_mapping_of_curves(animation):

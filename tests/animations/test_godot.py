@@ -8,11 +8,11 @@ import shutil
 import subprocess
 import time
 from dataclasses import replace
-from io import BytesIO
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from file_bytes import bytes_of
 from lanes import full
 from pages import follow_here
 from places import ROOT, TESTS
@@ -37,12 +37,6 @@ MIX_SECONDS = 0.1
 """Tolerance of a sound's position, since Godot mixes in blocks."""
 
 ODD = ('a "quoted" one', "back\\slash", "a:colon", "ein Mündchen", "]]>", "a/b", "{}", "100%")
-
-
-def bytes_of(animation):
-    out = BytesIO()
-    WRITERS["godot"].write(animation, out)
-    return out.getvalue()
 
 
 def performed(character="facefx", fps=60, **rest):
@@ -102,7 +96,7 @@ def test_a_tres_has_its_form():
     weights = np.array([[0.0], [0.5], [1.0], [1.0]])
     schedule = ll.Schedule(("_",), (0, 0.2))
     animation = Animation(np.arange(-1, 3) / 10, ("open",), weights, 10, schedule)
-    assert bytes_of(animation).decode() == (
+    assert bytes_of("godot", animation).decode() == (
         '[gd_resource type="Animation" format=2]\n'
         "\n"
         "[resource]\n"
@@ -126,7 +120,7 @@ def test_a_tres_has_its_form():
 
 def test_an_offset_is_where_the_sound_begins():
     animation = noise(("open",), export=ExportSettings(offset=2.5))
-    text = bytes_of(animation).decode()
+    text = bytes_of("godot", animation).decode()
     assert "\nmetadata/audio_start = 2.5\n" in text
     assert f"\nlength = {2.5 + 19 / 30:.6f}\n" in text
 
@@ -135,7 +129,7 @@ def test_shapes_of_several_meshes_are_under_their_nodes(tmp_path):
     model = glb(tmp_path / "face.glb", Head=("Open", "Wide"), **{"Teeth.001": ("Open",)})
     animation = noise(("open", "wide"), model=model)
     paths = ["Head:blend_shapes/Open", "Head:blend_shapes/Wide", "Teeth001:blend_shapes/Open"]
-    assert sorted(from_tres(bytes_of(animation), animation)) == paths
+    assert sorted(from_tres(bytes_of("godot", animation), animation)) == paths
 
 
 def test_what_a_tres_cannot_hold_is_told():
@@ -148,10 +142,10 @@ def test_what_a_tres_cannot_hold_is_told():
     columns = (Channel("open"), Channel("nod", node="neck", rotation=(1, 0, 0)))
     mixed = noise(("open", "nod"), channels=columns)
     assert remarks(mixed) == ["Godot has nothing for nod"]
-    assert list(from_tres(bytes_of(mixed), mixed)) == [".:blend_shapes/open"]
+    assert list(from_tres(bytes_of("godot", mixed), mixed)) == [".:blend_shapes/open"]
     alone = replace(mixed, poses=("nod",), weights=mixed.weights[:, 1:], channels=columns[1:])
     with pytest.raises(OutputError, match="only bones move"):
-        bytes_of(alone)
+        bytes_of("godot", alone)
 
 
 # A real Godot

@@ -3,14 +3,13 @@
 import re
 from dataclasses import replace
 from html import unescape
-from io import BytesIO
 
 import numpy as np
 import pytest
+from file_bytes import bytes_of
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
-from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.errors import OutputError
 
 every_form = pytest.mark.parametrize("name", ["srt", "vtt"])
@@ -27,9 +26,7 @@ def spoken(words=WORDS, offset=0.0, times=(0, 0.1, 0.25, 0.5, 0.7504, 1.0)):
 
 
 def text_of(name, animation):
-    out = BytesIO()
-    WRITERS[name].write(animation, out)
-    return out.getvalue().decode("utf-8")
+    return bytes_of(name, animation).decode("utf-8")
 
 
 def read(name, text):

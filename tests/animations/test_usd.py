@@ -3,10 +3,10 @@
 import re
 from dataclasses import replace
 from importlib.util import find_spec
-from io import BytesIO
 
 import numpy as np
 import pytest
+from file_bytes import bytes_of
 from small_models import glb
 
 import lipsync_lang as ll
@@ -67,12 +67,6 @@ def SkelRoot "Root" (
 }
 """
 """A model for the written animation, with its shapes in another order."""
-
-
-def bytes_of(animation):
-    out = BytesIO()
-    WRITERS["usd"].write(animation, out)
-    return out.getvalue()
 
 
 def performed(character="facefx", fps=60, **rest):
@@ -136,7 +130,7 @@ def test_a_usda_has_its_form():
     weights = np.array([[0.0, 1.0], [0.125, 1e-9], [1.0, 1 / 3]])
     schedule = ll.Schedule(("_",), (0, 0.2))
     animation = Animation(np.arange(-1, 2) / 24, ("open", 'a "b"'), weights, 24, schedule)
-    assert bytes_of(animation).decode() == (
+    assert bytes_of("usd", animation).decode() == (
         "#usda 1.0\n"
         "(\n"
         '    defaultPrim = "Speech"\n'
@@ -164,29 +158,29 @@ def test_a_usda_has_its_form():
 @pytest.mark.parametrize("offset", [0.0, 3600.0, 1.0037])
 def test_a_time_code_is_a_frame_at_any_rate(fps, offset):
     animation = performed(fps=fps, export=ExportSettings(offset))
-    holds(bytes_of(animation), animation)
+    holds(bytes_of("usd", animation), animation)
 
 
 def test_shapes_are_called_as_the_model_calls_them(tmp_path):
     model = glb(tmp_path / "face.glb", Head=("Open", "Wide"), Teeth=("Open",))
     animation = noise(("open", "wide"), model=model)
-    assert list(from_usda(bytes_of(animation), animation)) == ["Open", "Wide"]
+    assert list(from_usda(bytes_of("usd", animation), animation)) == ["Open", "Wide"]
 
 
 def test_a_shape_that_moves_apart_on_two_meshes_is_refused():
     columns = (Channel("open", mesh="Head"), Channel("open", mesh="Teeth"))
     with pytest.raises(OutputError, match="open: moves differently on different meshes"):
-        bytes_of(noise(("open", "open"), channels=columns))
+        bytes_of("usd", noise(("open", "open"), channels=columns))
 
 
 def test_bones_are_left_out_and_that_is_told():
     columns = (Channel("open"), Channel("nod", node="neck", rotation=(1, 0, 0)))
     mixed = noise(("open", "nod"), channels=columns)
     assert list(WRITERS["usd"].remarks(mixed)) == ["a .usda has nothing for nod"]
-    assert list(from_usda(bytes_of(mixed), mixed)) == ["open"]
+    assert list(from_usda(bytes_of("usd", mixed), mixed)) == ["open"]
     alone = replace(mixed, poses=("nod",), weights=mixed.weights[:, 1:], channels=columns[1:])
     with pytest.raises(OutputError, match="only bones move"):
-        bytes_of(alone)
+        bytes_of("usd", alone)
 
 
 # The library of USD

@@ -28,13 +28,6 @@ LINE = [
 ]
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """Folder of a project, as the current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def new(cli, *arguments):
     """Make a character, and return the messages and the pack."""
     ended = cli("characters", "new", *arguments)

@@ -46,13 +46,6 @@ tests:
 """
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """A project's folder, which is the current one."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def put(folder, name, text):
     """Write a language into a project."""
     path = folder / "languages" / f"{name}.yaml"

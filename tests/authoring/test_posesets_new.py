@@ -20,13 +20,6 @@ from lipsync_lang.rigs.driver import bare
 from lipsync_lang.rigs.shape_matching import places
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """Folder of a project, as the current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def new(cli, *arguments):
     """Make a pose set, and return the messages and the pack."""
     ended = cli("posesets", "new", *arguments)

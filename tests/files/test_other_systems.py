@@ -12,13 +12,13 @@ import ntpath
 import os
 import subprocess
 import sys
-from functools import cache
 from pathlib import Path, PureWindowsPath
 
 import as_windows
 import pytest
 from build_project import Game
 from lanes import full
+from test_house import modules
 
 import lipsync_lang as ll
 from lipsync_lang.build import output_paths
@@ -31,14 +31,6 @@ PACKAGE = Path(ll.__file__).parent
 SCRIPT = Path(as_windows.__file__)
 
 # What the source may say
-
-
-@cache
-def trees():
-    """Return the syntax tree of every module."""
-    found = sorted(PACKAGE.rglob("*.py"))
-    assert found, "a sweep over nothing passes"
-    return {path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_bytes()) for path in found}
 
 
 POSIX_ONLY = {
@@ -84,7 +76,7 @@ def posix_names(tree):
 
 
 def test_no_module_uses_what_windows_lacks_without_a_way_around():
-    found = {(name, used) for name, tree in trees().items() for used in posix_names(tree)}
+    found = {(name, used) for name, tree in modules().items() for used in posix_names(tree)}
     assert found == set(ALLOWED)
 
 
@@ -116,7 +108,7 @@ def test_every_text_states_its_encoding():
     names = ("read_text", "write_text", "run", "Popen", "check_output", "fdopen", "open")
     loose = [
         f"{name}:{node.lineno}"
-        for name, tree in trees().items()
+        for name, tree in modules().items()
         for called, node, words in calls(tree, *names)
         if in_text_mode(called, node, words)
     ]
@@ -126,7 +118,7 @@ def test_every_text_states_its_encoding():
 def test_every_writer_of_text_states_how_lines_end():
     found = [
         (name, node, words)
-        for name, tree in trees().items()
+        for name, tree in modules().items()
         for _, node, words in calls(tree, "TextIOWrapper", "TemporaryFile")
         if words or len(node.args) > 1
     ]
@@ -137,7 +129,7 @@ def test_every_writer_of_text_states_how_lines_end():
 def test_every_rename_tries_again_while_a_scanner_reads():
     found = [
         f"{name}:{node.lineno}"
-        for name, tree in trees().items()
+        for name, tree in modules().items()
         for called, node, words in calls(tree, "rename", "replace", "renames", "move")
         if ast.unparse(node.func) in {"os.rename", "os.replace", "shutil.move"}
         or (

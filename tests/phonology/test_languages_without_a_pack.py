@@ -8,6 +8,7 @@ import pytest
 from lanes import full
 from packs_tree import put
 from shipped import LIBRARY
+from test_ipa import COMMON, ROUND
 
 import lipsync_lang as ll
 from lipsync_lang.packs.automatic import IPA_ENGINES, automatic
@@ -16,31 +17,9 @@ from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.performing.label_remarks import label_remarks
-from lipsync_lang.phonology.ipa import Features
 from lipsync_lang.phonology.labels import Notation, recognise
-from lipsync_lang.phonology.nearest import NearestPhonemes
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
-
-COMMON = LIBRARY.common().model
-
-
-MODEL = LIBRARY.ipa().model
-
-
-DATA = MODEL.model_dump(mode="json", by_alias=True)
-
-
-FEATURES = Features(DATA)
-
-
-def near(*adds, **rest):
-    """Common phonemes of a language with additions to the base."""
-    names = (*COMMON.base, *adds)
-    return NearestPhonemes(FEATURES, {name: COMMON.phonemes[name].ipa for name in names}, **rest)
-
-
-BASE, ROUND = near(), near("yu")
 
 
 def schedule(*labels, **rest):

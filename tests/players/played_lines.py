@@ -1,16 +1,15 @@
 """Lines that every player plays, and the comparison of their weights."""
 
 import subprocess
-from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from file_bytes import bytes_of
 from places import ROOT, TESTS
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
-from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.players.takes import Archive, Player, TakesError
 
 PLAYERS = ROOT / "lipsync_lang" / "players"
@@ -37,9 +36,7 @@ def speech(random, frames=None):
 
 
 def take(animation):
-    out = BytesIO()
-    WRITERS["player"].write(animation, out)
-    return out.getvalue()
+    return bytes_of("player", animation)
 
 
 def played(steps):

@@ -5,13 +5,14 @@ import json
 import re
 from dataclasses import replace
 from html import unescape
-from io import BytesIO, StringIO
+from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from file_bytes import bytes_of
 from glb_files import document_of, mesh, model_of, parts
 from test_avatar_files import from_vrma
 from test_coverage_page import Reader
@@ -104,12 +105,6 @@ def odd(name, tmp_path):
         model.write_bytes(model_of(document_of(mesh("]]>\n\"'", ODD))))
         animation = replace(animation, model=model)
     return animation
-
-
-def written(name, animation):
-    out = BytesIO()
-    WRITERS[name].write(animation, out)
-    return out.getvalue()
 
 
 def table(content, animation):
@@ -233,16 +228,16 @@ def test_every_writer_is_swept():
 @odd_writers
 def test_odd_names_stay_what_they_are_and_break_nothing(name, tmp_path):
     animation = odd(name, tmp_path)
-    names = NAMES[name](written(name, animation), animation)
+    names = NAMES[name](bytes_of(name, animation), animation)
     assert names
     if name not in OWN_SHAPES:
         assert names == list(CHANGED.get(name, ODD))
 
 
 def test_what_was_spoken_is_told_by_rhubarbs_files(tmp_path):
-    told = json.loads(written("rhubarb-json", odd("rhubarb-json", tmp_path)))
+    told = json.loads(bytes_of("rhubarb-json", odd("rhubarb-json", tmp_path)))
     assert told["metadata"]["soundFile"] == SPOKEN.source
-    root = ET.fromstring(written("rhubarb-xml", odd("rhubarb-xml", tmp_path)))  # noqa: S314 ours
+    root = ET.fromstring(bytes_of("rhubarb-xml", odd("rhubarb-xml", tmp_path)))  # noqa: S314 ours
     kept = SPOKEN.source.replace("\x00", "\ufffd").replace("\x07", "\ufffd")
     assert root.find("metadata/soundFile").text == kept.replace("\r", "\n")
 

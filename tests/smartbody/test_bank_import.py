@@ -49,11 +49,7 @@ Shape open 6 0.30142 -0.0031 0.71463 0.27182 1.0062 0
 """  # noqa: W291 as it is written
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    """Change to an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.fixture(scope="module")

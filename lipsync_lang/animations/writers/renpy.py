@@ -7,6 +7,7 @@ sound is cut.
 """
 
 import re
+from itertools import pairwise
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
@@ -29,8 +30,10 @@ def write_renpy(animation: Animation, out: TextIO) -> None:
     name = re.sub(r"\W+", "_", animation.title.casefold()).strip("_") or "line"
     name = name if name.isascii() else f"line_{name.encode().hex()[:32]}"
     pictures = [*shapes, shapes[-1]._replace(name=animation.neutral or RENPY_REST)]
-    rows = [f'    "images/mouth/{_picture(shape.name)}.png"\n' for shape in pictures]
-    waits = [f"    {shape.end - shape.start:.3f}\n" for shape in shapes]
+    files = [re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", shape.name) for shape in pictures]
+    rows = [f'    "images/mouth/{file}.png"\n' for file in files]
+    ends = [0, *(round(1000 * shape.end) for shape in shapes)]
+    waits = [f"    {(end - start) / 1000:.3f}\n" for start, end in pairwise(ends)]
     out.write(f"image mouth {name}:\n")
     out.writelines(row + wait for row, wait in zip(rows, [*waits, ""], strict=True))
     words = " ".join(word.text for word in animation.schedule.words) or animation.title
@@ -41,7 +44,3 @@ def write_renpy(animation: Animation, out: TextIO) -> None:
         f'    "{words.translate(RENPY_ESCAPES)}"\n'
         "    return\n"
     )
-
-
-def _picture(name: str) -> str:
-    return re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", name)
