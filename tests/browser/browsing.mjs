@@ -40,6 +40,31 @@ export async function settle(page) {
   }
 }
 
+/** Addresses of the studio's views, with what each shows once it is loaded. */
+export const VIEWS = {
+  "sentence": "#timeline",
+  "bigrams": "td[data-pair]",
+  "bigrams/aa-bmp": ".curve-plot g.front [data-index]",
+  "character": ".pose-sheet canvas",
+  "character/targets": "[data-phoneme]",
+  "character/rules": ".ranks li",
+  "character/model": ".drop",
+  "words": "nav.own button",
+  "coverage": ".quality li",
+  "language": ".sounds li",
+};
+
+/** Go to a view of the studio, and wait until it is loaded and its small faces are drawn. */
+export async function visit(page, view) {
+  await page.evaluate((name) => { location.hash = `#${name}`; }, view);
+  await page.waitForSelector(`body[data-view='${view.split("/")[0]}'] ${VIEWS[view]}`, { state: "attached", timeout: 30000 });
+  await page.waitForFunction(() => [...document.querySelectorAll(".pose-sheet canvas")].every((one) => {
+    const blank = Object.assign(document.createElement("canvas"), { width: one.width, height: one.height });
+    return !one.checkVisibility() || one.toDataURL() !== blank.toDataURL();
+  }));
+  await settle(page);
+}
+
 /** Return a function that opens a view of the studio at an address, watched, once it is ready. */
 export const studio = (browser, address, said, asked) => async (view = "", options = {}) => {
   const page = await browser.newPage({ viewport: { width: 1366, height: 768 }, ...options });

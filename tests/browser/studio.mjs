@@ -5,7 +5,7 @@
 // A story is one of the functions below. Printed is JSON: `said` and `asked`, the errors and the requests
 // to other places of all this; the rest is the story's. FOLDER gets pictures, where one is named.
 import { createInterface } from "node:readline";
-import { WEBGL, launch, settle, watch } from "./browsing.mjs";
+import { VIEWS, WEBGL, launch, settle, visit, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, story, folder] = process.argv.slice(2);
 
@@ -493,12 +493,10 @@ const stories = {
       const seen = await page.evaluate(() => globalThis.axe.run());
       for (const one of seen.violations) found.push([name, one.id, one.impact, ...one.nodes.slice(0, 3).map((node) => node.html.slice(0, 160))]);
     };
-    const views = ["sentence", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"];
     for (const colorScheme of ["light", "dark"]) {
       await page.emulateMedia({ colorScheme });
-      for (const view of views) {
-        await page.evaluate((name) => { location.hash = `#${name}`; }, view);
-        await settle(page);
+      for (const view of Object.keys(VIEWS)) {
+        await visit(page, view);
         await look(`${view} ${colorScheme}`);
       }
       for (const button of colorScheme === "dark" ? [] : ["#export", "#keys"]) {
@@ -600,9 +598,8 @@ const stories = {
     }
     for (const [width, height] of [[1366, 768], [3840, 2160], [800, 1000], [390, 844], [900, 600], [844, 390]]) {
       await page.setViewportSize({ width, height });
-      for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"]) {
-        await page.evaluate((name) => { location.hash = `#${name}`; }, view);
-        await settle(page);
+      for (const view of Object.keys(VIEWS)) {
+        await visit(page, view);
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
         if (wide > 0) overflow.push([view, width, wide]);
         await picture(page, `${view.replace("/", "-")}-${width}`);
