@@ -11,6 +11,7 @@ from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.phonology.g2p.g2p_engines import Rule
+from lipsync_lang.phonology.g2p.number_words import named_rules
 from lipsync_lang.phonology.g2p.own_words import ipa_labels, stands_alone
 from lipsync_lang.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow
 from lipsync_lang.phonology.labels import Notation, normalise
@@ -32,6 +33,12 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
             if notation.find(label) is None:
                 what = f"'{label}' is not in the notation '{model.g2p_notation}'"
                 yield language.fault(loc, "P218", what, notation.suggest(label))
+    tables = model.text.number_rules if model.text else {}
+    for table, rules in tables.items():
+        for number, words in rules.items():
+            for name in set(named_rules(words)) - tables.keys():
+                at = ("text", "number_rules", table, number)
+                yield language.unknown(at, "P236", "rules of numbers", name, tables)
     for word, reading in model.words.items():
         if reading.ipa and not stands_alone(word):
             what = f"'{word}' has IPA, which serves single words with spaces around them"

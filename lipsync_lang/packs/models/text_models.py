@@ -102,7 +102,8 @@ class LanguageText(Strict):
     number_rules: dict[Text, NumberRules] = Field(default={})
     """Rules that put the words of numbers together, by name, used as a list of `numbers` is.
     `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
-    many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone."""
+    many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
+    `>{joined}` and `<{joined}` go by the rules `joined`."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})

@@ -143,7 +143,8 @@ def _expanded(found: re.Match[str], read: str, numbers: NumberTables) -> str:
     def number(place: re.Match[str]) -> str:
         written, words = found[int(place[1])], numbers.get(place[2] or "", ())
         if isinstance(words, Mapping):
-            return number_words(words, str(roman(written) or written))
+            named = {name: rules for name, rules in numbers.items() if isinstance(rules, Mapping)}
+            return number_words(words, str(roman(written) or written), named)
         value = int(written) if written.isdigit() else roman(written)
         if 0 < value <= len(words):
             return words[value - 1]

@@ -6,38 +6,48 @@ from collections.abc import Mapping
 MAX_DIGITS = 12
 """Longer numbers are read digit by digit."""
 
-_GROUPS = re.compile(r"[0-9]{1,3}(?:([.,])[0-9]{3})(?:\1[0-9]{3})*")
+_GROUPS = re.compile(r"\d{1,3}(?:([.,])\d{3})(?:\1\d{3})*")
 _POWERS = (10**9, 10**6, 1000, 100, 10)
 _OPTIONAL = re.compile(r"\[([^\[\]]*)\]")
+_PART = re.compile(r"([<>])(?:\{([^{}]*)\})?")
+
+Rules = Mapping[str, str]
 
 
-def number_words(rules: Mapping[str, str], written: str) -> str:
+def number_words(rules: Rules, written: str, named: Mapping[str, Rules] | None = None) -> str:
     """Return the words of a number in digits; what follows a decimal sign is a number of its own.
 
     A rule serves its number and all up to the next rule. `>` in it is the rest, `<` how many
     tens, hundreds, thousands or millions there are; a part in brackets needs a rest other than 0.
+    `>{joined}` and `<{joined}` go by the `named` rules `joined`.
 
     >>> number_words({"1": "one", "2": "two", "100": "< hundred[ and >]"}, "102")
     'one hundred and two'
     """
     if _GROUPS.fullmatch(written):
         written = re.sub("[.,]", "", written)
-    return re.sub("[0-9]+", lambda digits: _of_digits(rules, digits[0]), written)
+    return re.sub(r"\d+", lambda digits: _of_digits(rules, digits[0], named or {}), written)
 
 
-def _of_digits(rules: Mapping[str, str], digits: str) -> str:
+def named_rules(words: str) -> list[str]:
+    """Return the names of other rules in the words of a rule."""
+    return [place[2] for place in _PART.finditer(words) if place[2] is not None]
+
+
+def _of_digits(rules: Rules, digits: str, named: Mapping[str, Rules]) -> str:
     if len(digits) > MAX_DIGITS:
-        return " ".join(_words(rules, int(digit)) for digit in digits)
-    return _words(rules, int(digits))
+        return " ".join(_words(rules, int(digit), named) for digit in digits)
+    return _words(rules, int(digits), named)
 
 
-def _words(rules: Mapping[str, str], value: int) -> str:
+def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
     start = max((int(key) for key in rules if int(key) <= value), default=0)
     power = next((power for power in _POWERS if power <= start), 0)
     if not power:
         return rules.get(str(value), str(value))
     quotient, rest = divmod(value, power)
-    words = _OPTIONAL.sub(r"\1" if rest else "", rules[str(start)])
-    if "<" in words:
-        words = words.replace("<", _words(rules, quotient))
-    return words.replace(">", _words(rules, rest)) if ">" in words else words
+
+    def part(place: re.Match[str]) -> str:
+        return _words(named.get(place[2], rules), rest if place[1] == ">" else quotient, named)
+
+    return _PART.sub(part, _OPTIONAL.sub(r"\1" if rest else "", rules[str(start)]))
