@@ -4,6 +4,7 @@
 //
 // A story is one of the functions below. Printed is JSON: `said` and `asked`, the errors and the requests
 // to other places of all this; the rest is the story's. FOLDER gets pictures, where one is named.
+import { readFileSync } from "node:fs";
 import { createInterface } from "node:readline";
 import { VIEWS, WEBGL, launch, settle, visit, watch } from "./browsing.mjs";
 
@@ -60,6 +61,13 @@ async function drag(page, index, right, down) {
   for (const share of [0.3, 0.6, 1]) await page.mouse.move(x + share * right, y + share * down);
   await page.mouse.up();
   await settle(page);
+}
+
+/** What axe-core finds on a page as it stands. */
+async function findings(page, name) {
+  await page.evaluate(readFileSync(`${modules}/axe-core/axe.min.js`, "utf-8"));
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  return violations.map((one) => [name, one.id, one.impact, ...one.nodes.slice(0, 3).map((node) => node.html.slice(0, 160))]);
 }
 
 /** Wait for a word from the test. */
@@ -173,6 +181,7 @@ const stories = {
     const conflict = await text(one, "dialog[open] li b");
     const drawn = await one.$$eval("dialog[open] figure", (all) => all.map((figure) => [figure.querySelector("figcaption").textContent, ...[...figure.querySelectorAll("polyline")].map((line) => line.getAttribute("class"))]));
     await picture(one, "conflict");
+    const found = await findings(one, "conflict");
     await one.selectOption("dialog[open] select", "mine");
     await one.click("dialog[open] .main");
     await saved(one);
@@ -191,7 +200,7 @@ const stories = {
     await one.waitForSelector("html[data-ready]", { timeout: 120000 });
     await one.waitForSelector(".curve-plot g.front [data-index]");
     await unsaved(one);
-    return { shared, conflict, drawn, kept: JSON.stringify(await points(one)) === JSON.stringify(last) };
+    return { shared, conflict, drawn, found, kept: JSON.stringify(await points(one)) === JSON.stringify(last) };
   },
 
   /** Two tabs on one line: what one does, the other shows. */
@@ -250,6 +259,7 @@ const stories = {
     await picture(page, "first");
     await page.click("#toasts button:not([aria-label=Close])");
     await page.waitForSelector(".tour", { timeout: 120000 });
+    result.found = await findings(page, "tour");
     const titles = [], outside = [];
     for (;;) {
       titles.push(await text(page, ".tour h2"));
@@ -488,21 +498,16 @@ const stories = {
   async axe() {
     const found = [], page = await show();
     await speak(page, "Bob bumps my blue boat.");
-    await page.evaluate((await import("node:fs")).readFileSync(`${modules}/axe-core/axe.min.js`, "utf-8"));
-    const look = async (name) => {
-      const seen = await page.evaluate(() => globalThis.axe.run());
-      for (const one of seen.violations) found.push([name, one.id, one.impact, ...one.nodes.slice(0, 3).map((node) => node.html.slice(0, 160))]);
-    };
     for (const colorScheme of ["light", "dark"]) {
       await page.emulateMedia({ colorScheme });
       for (const view of Object.keys(VIEWS)) {
         await visit(page, view);
-        await look(`${view} ${colorScheme}`);
+        found.push(...await findings(page, `${view} ${colorScheme}`));
       }
       for (const button of colorScheme === "dark" ? [] : ["#export", "#keys"]) {
         await page.click(button);
         await page.waitForSelector("dialog[open]");
-        await look(`${button} ${colorScheme}`);
+        found.push(...await findings(page, `${button} ${colorScheme}`));
         await page.keyboard.press("Escape");
       }
     }

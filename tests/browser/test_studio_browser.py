@@ -138,6 +138,7 @@ def test_everything_is_reached_by_keys(studio):
 
 
 def test_two_tabs_a_changed_file_and_a_killed_server(studio):
+    found("axe-core")
     with Story(studio, "trouble") as story:
         assert story.line() == "edited"
         file = studio.folder / BANK
@@ -153,6 +154,7 @@ def test_two_tabs_a_changed_file_and_a_killed_server(studio):
         story.go_on()
         told = story.end()
     assert told["shared"]
+    assert told["found"] == [], "axe-core finds nothing in the conflict"
     assert "w-bmp" in told["conflict"]
     assert ["mouthOO", "mine", "theirs"] in told["drawn"]
     assert told["kept"]
@@ -189,10 +191,12 @@ def test_the_page_goes_on_after_a_killed_server(studio):
 
 @pytest.mark.parametrize("studio", [()], indirect=True)
 def test_the_tour_of_the_crab(studio):
+    found("axe-core")
     told = telling(studio, "tour")
     tour = json.loads((LIBRARY.find("poseset", "crab").parent / "tour.json").read_bytes())
     assert (told["pair"], told["line"]) == ([tour["language"], "crab"], tour["line"])
     assert told["seen"]
+    assert told["found"] == [], "axe-core finds nothing in the tour"
     assert told["titles"] == [step["title"] for step in tour["steps"]]
     assert (told["outside"], told["left"], told["focus"]) == ([], 0, "text")
     assert (told["again"], told["view"]) == (told["titles"][0], "sentence")
