@@ -87,7 +87,8 @@ export class Take {
   /** Rows that move at any time; gestures that have a lane have no rows. @returns {string[]} */
   get moving() {
     const beside = new Set((this.data.gestures?.poses ?? []).flatMap((name) => [name, `rig: ${name}`]));
-    return [...this.rows].flatMap(([name, { curve }]) => (curve.moves && !beside.has(name) ? [name] : []));
+    return [...this.rows].flatMap(([name, { curve, sides = [name] }]) =>
+      curve.moves && !sides.every((one) => beside.has(one)) ? [name] : []);
   }
 
   /** @param {number} seconds @returns {number} the phoneme of the schedule, or -1 outside */
