@@ -83,7 +83,7 @@ def _skin(points: Floats, recipe: Json) -> Floats:
     around = np.exp(-(((x - 3.1) / 1.9) ** 2) - ((y - 3.4) / 1.3) ** 2) * ramp(7, 8, z)
     found *= 1 - 0.16 * around[:, None]
     far, along = brow_way(points, recipe)
-    cover = 0.8 * ramp(BROW_REACH, 0.1, far) * (0.5 + 0.5 * ramp(0, 0.3, along))
+    cover = 0.9 * ramp(BROW_REACH, 0.15, far) * (0.5 + 0.5 * ramp(0, 0.3, along))
     return found + cover[:, None] * (linear(recipe["colors"]["brows"]) - found)
 
 

@@ -15,7 +15,7 @@ from lipsync_lang.json_object import Json
 BROW_HAIRS_PER_MEGABYTE, MAX_BROW_HAIRS = 350, 1400
 """Hairs of both brows: as many as a smaller head has room for, and the most."""
 
-HAIR_SIZE = (0.028, 0.42)
+HAIR_SIZE = (0.034, 0.42)
 """Width at the root and length of a hair of a brow, in centimetres."""
 
 LASH_WIDTH = 0.13
@@ -90,7 +90,7 @@ def brows(points: Floats, normals: Floats, recipe: Json, megabytes: float) -> St
     way = np.concatenate([side * np.sin(lean), np.cos(lean) - 0.25, 0 * lean], 1)
     way -= out * np.sum(way * out, axis=1, keepdims=True)
     way /= np.linalg.norm(way, axis=1, keepdims=True)
-    across = np.cross(out, way)
+    across = np.cross(way, out)
     jitter = 0.1 * draw.standard_normal((count, 3))
     jitter -= out * np.sum(jitter * out, axis=1, keepdims=True)
     root = jitter + 0.05 * out
