@@ -34,7 +34,7 @@ SECONDS = 0.3
 
 SIDE_DEGREES = 65
 
-CELL, FOOT, COLUMNS, COLOURS = 112, 18, 9, 128
+CELL, FOOT, COLUMNS, COLOURS = 112, 18, 9, 256
 """Pixels: side of a picture, height of a caption; pictures in a row; colours of the sheet."""
 
 PAPER, INK = "#ffffff", "#222222"
@@ -84,7 +84,7 @@ def main() -> None:
     parser.add_argument("-o", "--out", type=Path, default=own)
     options = parser.parse_args()
     page = sheet(options.character)
-    page.quantize(COLOURS, dither=Image.Dither.NONE).save(options.out, optimize=True)
+    page.quantize(COLOURS).save(options.out, optimize=True)
 
 
 if __name__ == "__main__":
