@@ -54,7 +54,7 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
   await page.evaluate(() => { location.hash = "#bigrams/bmp-aa"; });
   await page.focus(".curve-plot g.front [data-index='1']", WAIT);
   await press("Shift+ArrowUp");
-  await undoes("Undo: ");
+  await undoes("Undo: Move mouthOpen");
   result.unsaved = await page.textContent("#save");
   await picture("bigram");
   await page.evaluate(() => { location.hash = "#sentence"; });
