@@ -5,7 +5,9 @@ import shutil
 
 import numpy as np
 import pytest
+from gdtoolkit.parser import parser as godot_4
 from lanes import full
+from places import ROOT
 from played_lines import (
     HERE,
     PLAYERS,
@@ -146,3 +148,9 @@ def test_too_many_poses_are_named():
         takes[f"en/{part}"] = take(line)
     with pytest.raises(OutputError, match="66,000 poses are too many"):
         encoded(takes)
+
+
+@pytest.mark.parametrize("name", ["lipsync_lang/players/takes.gd", "docs/examples/takes/beach.gd"])
+def test_scripts_for_godot_are_scripts_of_godot_4_too(name):
+    parsed = godot_4.parse((ROOT / name).read_text("utf-8"))
+    assert any(one.data == "func_def" for one in parsed.iter_subtrees())
