@@ -23,6 +23,7 @@ from lipsync_lang.gestures.placing import (
     PlacedGesture,
     place,
 )
+from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
 
 if TYPE_CHECKING:
@@ -240,7 +241,8 @@ def line_facts(
     if own.triggers & {"stress", "emphasis"}:
         facts |= _vowel_facts(performer, schedule, sounds)
     if "rise" in own.triggers and schedule.audio is not None:
-        facts["rise"] = _rising(schedule.audio, phrases)
+        audio = schedule.audio
+        facts["rise"] = kept_with(audio, "rising", tuple(phrases), lambda: _rising(audio, phrases))
     start, end = ends or (schedule.start, schedule.end)
     return LineFacts(start, end, phrases, facts, *_seeds(schedule), by_hand)
 
@@ -329,7 +331,9 @@ def _vowel_facts(
     times = schedule.times.tolist()
     begins, ends = [times[n] for n in vowels], [times[n + 1] for n in vowels]
     if performer.gesture_set.by_pitch and schedule.audio is not None and vowels:
-        rises = _rises(schedule.audio, np.array(begins), np.array(ends))
+        audio, starts, stops = schedule.audio, np.array(begins), np.array(ends)
+        vowels_at = (starts.tobytes(), stops.tobytes())
+        rises = [*kept_with(audio, "rises", vowels_at, lambda: _rises(audio, starts, stops))]
         heights = [min(max(LEAST_HEIGHT + one / RANGE_SEMITONES, LEAST_HEIGHT), 1) for one in rises]
         every = list(map(LineFact, begins, heights))
     else:

@@ -13,19 +13,19 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import copysign, log10
 from statistics import median
-from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.arrays import Bools
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.schedules.schedule import Audio, Schedule
+    from lipsync_lang.schedules.schedule import Schedule
 
 MOST = 2.0
 """Maximum intensity; 1 is the setting of the pose set."""
@@ -56,13 +56,6 @@ FLOOR = 1.0
 
 _NEAR = (0.25, 0.5, 0.25)
 """Smoothing weights of the previous, current and next sound."""
-
-
-_known: "WeakKeyDictionary[Audio, tuple[Any, Level]]" = WeakKeyDictionary()
-"""The level of each sound as it was last computed, with what it was computed from.
-
-The sound decides it, so it stays the same while an artist edits curves, and on every character.
-"""
 
 
 def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
@@ -110,12 +103,13 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
     limits = (stated["least"], stated["most"])
     usual = schedule.audio.usual_level
     reference = motion.reference_level if usual is None else usual
-    heard = (schedule.times.tobytes(), tuple(classes), intensity, limits, reference)
-    known = _known.get(schedule.audio)
-    if known is None or known[0] != heard:
+
+    def level() -> Level:
         slow = levels(schedule, classes, intensity, limits, reference)
-        known = _known[schedule.audio] = heard, frame_levels(slow, schedule, intensity, limits)
-    return Dial(poses, known[1], "loudness")
+        return frame_levels(slow, schedule, intensity, limits)
+
+    given = (schedule.times.tobytes(), tuple(classes), intensity, limits, reference)
+    return Dial(poses, kept_with(schedule.audio, "loudness", given, level), "loudness")
 
 
 def levels(

@@ -46,7 +46,7 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
   await page.click("#timeline", { position: at(middle(words[1]), 0) });
   await page.fill("[aria-label='Chosen word'] [aria-label='shout, as a number']", "1");
   await press("Tab");
-  await page.waitForFunction(async () => "shout" in (await (await fetch("api/state")).json()).settings.styles, null, WAIT);
+  await undoes("Undo: shout");
   await picture("shouted");
   result.settings = await settings();
 

@@ -1,0 +1,21 @@
+"""Sound memory: results that a sound decides, kept as long as it. Edits of curves leave them."""
+
+from collections.abc import Callable, Hashable
+from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
+
+from lipsync_lang.schedules.schedule import Audio
+
+Result = TypeVar("Result")
+
+_known: "WeakKeyDictionary[Audio, dict[str, tuple[Hashable, Any]]]" = WeakKeyDictionary()
+"""The last result of each kind, with what it was computed from besides the sound."""
+
+
+def kept_with(audio: Audio, kind: str, given: Hashable, compute: Callable[[], Result]) -> Result:
+    """Return a result of a kind, computed again only if it is given something else."""
+    results = _known.setdefault(audio, {})
+    if kind not in results or results[kind][0] != given:
+        results[kind] = given, compute()
+    found: Result = results[kind][1]
+    return found
