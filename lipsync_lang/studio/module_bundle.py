@@ -2,8 +2,8 @@
 
 Each module becomes a function, so that names never clash; the names of the files are unique. Only
 two forms are supported: ``import { a, b } from "../folder/other.js";`` and ``export`` before a
-function, a class or a constant. Comments in the form of JSDoc, which hold the types, stay in the
-source.
+function, a class or a constant. Comments in the form of JSDoc, which hold the types, and the
+indents stay in the source, so that less is sent.
 """
 
 import posixpath
@@ -13,6 +13,7 @@ from importlib.resources import files
 _IMPORTS = re.compile(r'^import \{([\w\s,]+)\} from "(\.[./\w]+)\.js";\n', re.MULTILINE)
 _EXPORTS = re.compile(r"^export (?=(?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
 _JSDOC = re.compile(r"/\*\*.*?\*/[ \n]?", re.DOTALL)
+_INDENTS = re.compile(r"^ +", re.MULTILINE)
 _UNSUPPORTED = re.compile(r"^\s*(?:import|export)\b|</script|<!--", re.MULTILINE)
 
 
@@ -51,7 +52,7 @@ def _collect(module: str, texts: dict[str, str], importers: tuple[str, ...]) -> 
                 f"{module}.js: {other}.js does not export {', '.join(sorted(missing))}"
             )
     text = _IMPORTS.sub(lambda found: f"const {{{found[1]}}} = {_variable(found[2])};\n", source)
-    text = _EXPORTS.sub("", _JSDOC.sub("", text))
+    text = _INDENTS.sub("", _EXPORTS.sub("", _JSDOC.sub("", text)))
     strange = _UNSUPPORTED.search(text)
     if strange:
         raise ValueError(f"{module}.js: '{strange[0].strip()}' has a form that cannot be bundled")
