@@ -9,7 +9,7 @@ from lipsync_lang.schedules.schedule import Audio
 Result = TypeVar("Result")
 
 _known: "WeakKeyDictionary[Audio, dict[str, tuple[Hashable, Any]]]" = WeakKeyDictionary()
-"""The last result of each kind, with what it was computed from besides the sound."""
+"""The last result of each kind, with its other inputs."""
 
 
 def kept_with(audio: Audio, kind: str, given: Hashable, compute: Callable[[], Result]) -> Result:

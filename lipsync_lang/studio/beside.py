@@ -23,7 +23,7 @@ def other_performer(workshop: Workshop, character: str) -> Performer:
 
 
 def performed_beside(workshop: Workshop, character: str) -> Animation | None:
-    """Perform the line on another character, with what it has of the styles, regions and gestures.
+    """Perform the line on another character, with those styles, regions and gestures it has.
 
     None if there is no line.
     """

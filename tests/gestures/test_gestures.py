@@ -16,7 +16,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.gestures.laying import GestureSet
 from lipsync_lang.gestures.pitch import pitches
 from lipsync_lang.gestures.placing import LineFact, LineFacts, PlacedGesture, place
-from lipsync_lang.performing.gesturing import gesture_curves, placed_by_hand
+from lipsync_lang.performing.gesturing import gesture_curves, line_facts, placed_by_hand
 from lipsync_lang.schedules.schedule import Audio, Word
 
 BLINK = [[0, 0], [0.08, 1], [0.12, 1], [0.26, 0]]
@@ -351,6 +351,23 @@ def test_a_voice_that_rises_before_a_comma_does_not_ask(performer, pause, asks):
     audio = rising(schedule.end, ends[4], 150.0)
     found = triggers(performer, replace(schedule, audio=audio))
     assert any(trigger == "rise" and fact < ends[4] for _, trigger, fact in found) == asks
+
+
+def test_one_sound_with_other_times_has_the_facts_of_those_times(performer):
+    """The voice rises once within the line, and at its end."""
+    schedule, rate, found = said(), 16_000, []
+    times = np.arange(int(rate * schedule.end)) / rate
+    places = [2, 2.1, 2.6, 2.7, schedule.end - 0.5, schedule.end - 0.15]
+    tone = np.interp(times, places, [1, 1.5, 1.5, 1, 1, 1.5])
+    sound = 6000 * np.sin(2 * np.pi * np.cumsum(110 * tone) / rate)
+    audio = Audio(sound.astype(np.int16), rate)
+    for share in (1.0, 0.6, 1.0):
+        timed = replace(schedule, times=schedule.times * share, audio=audio)
+        found.append(line_facts(performer, timed).facts)
+        assert found[-1] == line_facts(performer, replace(timed, audio=replace(audio))).facts
+    first, second = ([one.height for one in facts["stress"]] for facts in found[:2])
+    assert first != second
+    assert len(found[0]["rise"]) > len(found[1]["rise"])
 
 
 @pytest.fixture

@@ -110,7 +110,7 @@ def compiled(tmp_path):
 
 @pytest.fixture(params=["c", "csharp", "javascript", "godot"])
 def play(request, tmp_path):
-    """Run steps with a player, and return what it prints."""
+    """Run steps with a player, and return its output."""
     path = tmp_path / "steps.txt"
     options = {}
     if request.param == "c":
