@@ -2,7 +2,7 @@
 //
 //   LIPSYNC_LANG_NODE_MODULES=... node benchmarks/studio.mjs PYTHON [CHROMIUM [PAIR]]
 //
-// PAIR is a bigram of the lines that a key of its curve moves. An edit ends one frame after the new curves are drawn. The
+// PAIR is a bigram of the lines that a key of its curve moves. An edit ends once the frame with the new curves is drawn. The
 // face is drawn flat: in software, WebGL would take longer than all else. The machine should be idle.
 import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
@@ -67,7 +67,10 @@ try {
         for (let idle = 0; idle < 4; idle++) {
           await frame();
           if (awaited.now || awaited.begun === begun) idle = -1;
-          if (idle === 1) drawn = performance.now(); // the frame before has drawn the curves
+          if (idle) continue;
+          const { port1, port2 } = new MessageChannel(); // its message comes once this frame is drawn
+          await new Promise((done) => { port1.onmessage = done; port2.postMessage(0); });
+          drawn = performance.now();
         }
         return drawn - from;
       }, n % 2 ? "ArrowDown" : "ArrowUp"));

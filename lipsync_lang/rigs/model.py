@@ -88,8 +88,33 @@ def read_model(path: Path, *, bones: bool = False) -> Model:
         if "mesh" in node and not is_index(node["mesh"], len(document.get("meshes", ()))):
             fail(path, f"node {number} has a mesh that does not exist")
     shapes = {mesh.name: mesh.shapes for mesh in meshes}
-    named = tuple(node["name"] for node in nodes if "name" in node)
+    named = tuple(movable_nodes(document).values())
     return Model(path, shapes, named, meshes, document, chunks)
+
+
+def movable_nodes(document: Json) -> dict[int, str]:
+    """Return the names of the nodes that can move, by number.
+
+    Eyes and teeth often stand beside the face, not below it. A turn of the face's node would leave
+    them behind, so the mesh with the most shapes stays unless its node carries all other meshes.
+    """
+    nodes, meshes = document.get("nodes", []), document.get("meshes", [])
+
+    def shapes(number: int) -> int:
+        primitives = meshes[nodes[number]["mesh"]]["primitives"]
+        return max((len(one.get("targets", ())) for one in primitives), default=0)
+
+    drawn = [number for number, node in enumerate(nodes) if "mesh" in node]
+    face = max(drawn, key=shapes, default=-1)
+    carried, below = {face}, [face] if drawn else []
+    while below:
+        children = nodes[below.pop()].get("children")
+        for one in children if isinstance(children, list) else ():
+            if is_index(one, len(nodes)) and one not in carried:
+                carried.add(one)
+                below.append(one)
+    stays = -1 if carried.issuperset(drawn) else face
+    return {n: node["name"] for n, node in enumerate(nodes) if "name" in node and n != stays}
 
 
 def known_model(path: Path, *, bones: bool = False) -> Model:

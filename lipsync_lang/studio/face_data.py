@@ -21,6 +21,7 @@ from lipsync_lang.render.model.camera import FIELD_DEGREES, Camera, close_up, fr
 from lipsync_lang.render.model.picture import BEHIND
 from lipsync_lang.render.model.scene import Primitive, Scene
 from lipsync_lang.render.staging import staged, sweep
+from lipsync_lang.rigs.model import movable_nodes
 from lipsync_lang.studio.array_pack import ArrayPack
 
 SHORT = 32767
@@ -137,10 +138,10 @@ def _nodes(scene: Scene, animation: Animation) -> list[Json]:
         if channel.node is not None:
             one = {"channel": column, "turn": channel.rotation, "shift": channel.translation}
             moves.setdefault(channel.node, []).append(one)
-    rows = []
+    rows, movable = [], movable_nodes(scene.document)
     for number, parent in scene.order.items():
         node = scene.document["nodes"][number]
-        own = moves.get(node.get("name", ""))
+        own = moves.get(movable.get(number, ""))
         row: Json = {"parent": -1 if parent is None else rank[parent]}
         if own:
             row |= {

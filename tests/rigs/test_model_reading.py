@@ -6,7 +6,7 @@ import pytest
 from glb_files import FACE, OTHER_CHUNK, SHAPES, document_of, glb, model_of
 
 from lipsync_lang.errors import ModelError
-from lipsync_lang.rigs.model import read_model
+from lipsync_lang.rigs.model import movable_nodes, read_model
 
 
 def test_names_are_read(put):
@@ -157,3 +157,15 @@ def test_a_file_of_gigabytes_is_not_read(tmp_path):
         stream.truncate(2**31)
     with pytest.raises(ModelError, match=r"huge\.glb: is larger than 1 GB; export it with smaller"):
         read_model(path)
+
+
+@pytest.mark.parametrize(("children", "moves"), [([], False), ([1], False), ([1, 3], True)])
+def test_a_face_stays_if_its_turn_would_leave_its_eyes_or_teeth_behind(children, moves):
+    nodes = [
+        {"name": "Head", "mesh": 0, "children": children}, {"name": "eyes", "mesh": 1},
+        {"name": "teeth", "mesh": 1}, {"name": "mouth", "children": [2]}, {"name": "neck"},
+    ]  # fmt: skip
+    meshes = [{"primitives": [{"targets": [{}, {}]}]}, {"primitives": [{"targets": [{}]}]}]
+    names = movable_nodes({"nodes": nodes, "meshes": meshes}).values()
+    assert ("Head" in names) == moves
+    assert {"eyes", "teeth", "mouth", "neck"} <= {*names}

@@ -39,7 +39,7 @@ from lipsync_lang.rigs.container import (
     read_chunk,
     write_parts,
 )
-from lipsync_lang.rigs.model import Mesh, Model, known_model, numbers, some
+from lipsync_lang.rigs.model import Mesh, Model, known_model, movable_nodes, numbers, some
 from lipsync_lang.rigs.read_outs import still_shapes
 from lipsync_lang.rigs.shape_matching import Placement, on_mesh
 from lipsync_lang.rigs.transforms import parts, product, turns
@@ -63,7 +63,7 @@ def unplaced(animation: Animation) -> Iterator[str]:
         if number not in shown and channel.node not in model.nodes
     ]
     if np.any(animation.weights[:, lost]):  # all are named, so that a build says it once
-        names = (channels[number].node or channels[number].name for number in lost)
+        names = dict.fromkeys(channels[number].node or channels[number].name for number in lost)
         yield f"{model.path} has nothing for {some(names)}"
     still = still_shapes(model)
     dead = {
@@ -269,9 +269,9 @@ def _move_nodes(take: _NewAnimation, channels: Sequence[Channel], values: Floats
     for column, channel in enumerate(channels):
         if channel.node is not None:
             moves[channel.node].append((channel, values[:, column]))
-    for number, node in enumerate(take.model.document.get("nodes", ())):
-        if node.get("name", "") in moves:
-            _move_node(take, number, moves[node["name"]])
+    for number, name in movable_nodes(take.model.document).items():
+        if name in moves:
+            _move_node(take, number, moves[name])
 
 
 def _move_node(take: _NewAnimation, number: int, moves: list[tuple[Channel, Floats]]) -> None:
