@@ -18,6 +18,10 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
     await undoes(left);
     await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
   };
+  /** Wait, frame by frame, until the server has what is asked for. `waitForFunction` does not await an answer. */
+  const until = async (fulfilled) => {
+    while (!await fulfilled()) await page.evaluate(() => new Promise(requestAnimationFrame));
+  };
   const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
   const labels = async () => (await line()).phonemes.map((one) => one.label);
   const times = async () => { const { phonemes } = await line(); return [phonemes[0].start, ...phonemes.map((one) => one.end)]; };
@@ -137,8 +141,9 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
   await undoes("Undo: Move the word");
   result.carried = moved(await times(), whole);
   await picture("carried");
+  const moves = moved(await times(), whole);
   await press("Alt+ArrowRight");
-  await page.waitForFunction(async (before) => JSON.stringify(before) !== JSON.stringify(JSON.parse((await (await fetch("api/timings/json")).json()).content).phonemes.map((one) => one.start)), (await times()).slice(0, -1));
+  await until(async () => moved(await times(), whole).some((one, n) => one !== moves[n]));
   result.nudged = Number(((await line()).words[1].start - words[1].start).toFixed(3));
   await page.click("text=Original times");
   await undoes("Undo: Restore");
@@ -150,13 +155,13 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
   await page.mouse.click(at(middle(1), 0)[0], at(start, 3)[1] + 20);
   result.bent = rows[0];
   await press("k", "Shift+ArrowDown", "Shift+ArrowDown");
-  await page.waitForFunction(async (pose) => ((await (await fetch("api/state")).json()).settings.bends[pose]?.[0]?.[1] ?? 0) < -0.05, rows[0]);
+  await until(async () => (await bends())[rows[0]]?.[0][1] < -0.05);
   result.lowered = (await bends())[rows[0]];
   await page.waitForFunction(() => document.querySelector("#poses ol")?.textContent.includes("bent"));
   result.reasons = await page.$$eval("#poses ol li", (all) => all.map((one) => one.textContent));
   await picture("bent");
   await press("Delete");
-  await page.waitForFunction(async () => !Object.keys((await (await fetch("api/state")).json()).settings.bends).length);
+  await until(async () => !Object.keys(await bends()).length);
   const [x, y] = [at(middle(1), 0)[0], at(start, 3)[1] + 20];
   await page.keyboard.down("Control");
   await page.mouse.move(x, y);
@@ -167,6 +172,6 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
   await undoes("Undo: Bend");
   result.dragged = (await bends())[rows[0]];
   await press("Control+z");
-  await page.waitForFunction(async () => !Object.keys((await (await fetch("api/state")).json()).settings.bends).length);
+  await until(async () => !Object.keys(await bends()).length);
   result.span = [start, end];
 });
