@@ -2,9 +2,9 @@
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
 and so on, `~` for a Roman numeral; `{1}` in its expansion is the first of them, and `{1:ordinal}`
-its word in the list `ordinal`. A space of a key may be missing in the
-text. An expansion with a full stop at its end ends a sentence where a capital follows; others with
-a capital and a full stop are titles, which stand before a name.
+its word in the list `ordinal`. A space of a key may be missing in the text. An expansion with a
+full stop at its end ends a sentence where a capital follows; others with a capital and a full stop
+are titles, which stand before a name.
 """
 
 import re
@@ -51,7 +51,8 @@ _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _FIRST_CHARS = {"#": "0123456789", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
-_NUMBER_PATTERN = r"(\d+(?:[.,]\d+)*)"
+_NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
+"""A number; its thousands may have spaces between them."""
 
 
 class Replacement(NamedTuple):
@@ -141,7 +142,7 @@ def _expanded(found: re.Match[str], read: str, numbers: NumberTables) -> str:
     """Return the expansion of a key with its numbers, and spaces before and after words."""
 
     def number(place: re.Match[str]) -> str:
-        written, words = found[int(place[1])], numbers.get(place[2] or "", ())
+        written, words = re.sub(r"\s", "", found[int(place[1])]), numbers.get(place[2] or "", ())
         if isinstance(words, Mapping):
             named = {name: rules for name, rules in numbers.items() if isinstance(rules, Mapping)}
             return number_words(words, str(roman(written) or written), named)
