@@ -80,7 +80,9 @@ class _Keys:
                 self._beginnings.setdefault(first, []).append((literal, key))
         letters = "".join(first for first in self._beginnings if first.isalpha())
         signs = "".join(
-            re.escape(first) for first in self._beginnings if not first.isalnum() | (first in _MINUS)
+            re.escape(first)
+            for first in self._beginnings
+            if not first.isalnum() | (first in _MINUS)
         )
         starts = [r"(?<!\d)(?<!\d[.,/:-])\d", rf"(?<![\w.,/:{_MINUS}])[{_MINUS}](?=\d)"]
         # most letters within words are passed over here, and the others one by one
