@@ -255,6 +255,8 @@ export class GlFace {
     const { gl, face } = this;
     gl.useProgram(this.program);
     gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 0); // the depth of triangles seen edge-on is rough, and they came through skin
     this.places.clear();
     this.buffers.clear();
     this.images = [];
