@@ -34,6 +34,7 @@ from lipsync_lang.phonology.g2p.tokens import PAUSES
 UNUSUAL = re.compile(
     "(?:["
     "０-９Ａ-Ｚａ-ｚ＇－＋＝％＆＃＠＄＾＿｜￠-￦"  # full width
+    "℃℉"
     "\uff66-\uffdc"  # half-width kana and hangul
     "\u2460-\u2473\u3380-\u33df\u203c\u2047-\u2049"  # numbers in circles, units, double marks
     "\u01c4-\u01cc\u01f1-\u01f3\u0132\u0133\ufb00-\ufb4f"  # ligatures

@@ -51,6 +51,9 @@ _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud
 
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _MINUS = "-\u2212"
+_BEFORE_HYPHEN = r"0-9A-Za-z_À-ɏͰ-ԯ.,/:"
+"""Signs after which a hyphen is no minus, as in `F-16`; scripts without spaces are not among them."""
+
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -84,7 +87,7 @@ class _Keys:
             for first in self._beginnings
             if not first.isalnum() | (first in _MINUS)
         )
-        starts = [r"(?<!\d)(?<!\d[.,/:-])\d", rf"(?<![\w.,/:{_MINUS}])[{_MINUS}](?=\d)"]
+        starts = [r"(?<!\d)(?<!\d[.,/:-])\d", rf"(?<![{_BEFORE_HYPHEN}{_MINUS}])[{_MINUS}](?=\d)"]
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
