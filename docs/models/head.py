@@ -450,7 +450,7 @@ def skin_parts(sheet: Sheet) -> list[Part]:
     whole.colors = sheet_colors(sheet, len(sheet.inner))
     lips = (loops >= LIPS_BEGIN) & (loops < len(LIP_LOOPS) - 1)
     hidden = under_hair(whole.positions)[whole.triangles].all(1)
-    pocket = mesh.take(whole, loops < LIPS_BEGIN, "mouth", color=POCKET, roughness=0.8)
+    pocket = mesh.take(whole, loops < LIPS_BEGIN, "mouth", color=POCKET, roughness=1.0)
     return [
         mesh.take(whole, (loops >= len(LIP_LOOPS) - 1) & ~hidden, "skin"),
         mesh.take(whole, lips, "lips", color=LIP, roughness=0.42),
@@ -465,7 +465,7 @@ def sheet_colors(sheet: Sheet, inside: int) -> Points:
     depth = np.array([0.62, 0.75, 0.92, 1.0, 1.0])[:, None, None]
     lip_tint = 1 - (1 - depth) * np.array([0.35, 1.0, 0.9])
     outer[: len(LIP_LOOPS)] = lip_tint
-    deep = np.linspace(0.12, 1.0, inside)[:, None, None] * np.ones((inside, AROUND, 3))
+    deep = np.linspace(0.3, 1.0, inside)[:, None, None] * np.ones((inside, AROUND, 3))
     deep[LIPS_BEGIN:] = lip_tint[0]
     return np.concatenate([deep.reshape(-1, 3), outer.reshape(-1, 3), deep[0, :1], outer[-1, :1]])
 

@@ -213,7 +213,8 @@ def _lines(
     yield f"# {title}: the poses of {match.poseset} on {wanted.model.name}. See it speak:"
     yield f"#   {_running(wanted.name, wanted.model)}"
     fields = {"title": scalar(title), "poseset": match.poseset, "rig": rig}
-    yield from head("character", wanted.name, **fields, model=scalar(model))
+    has = f"[{', '.join(map(scalar, match.optional))}]" if match.optional else None
+    yield from head("character", wanted.name, **fields, model=scalar(model), has=has)
     yield ""
     yield "# Optional settings of this character; it can also have bigrams, words and lines"
     yield "# motion: {speed_limit: 8}      # weight per second"

@@ -24,7 +24,7 @@ _SIDES = (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"), ("L", "R"), (
 
 def drafted(name: str, title: str, match: Match, poseset: PoseSet, rig: RigPack | None) -> RigPack:
     """Draft a rig of the channels that match a model; without a rig, of the poses themselves."""
-    own = {pose: RigChannel(gains={pose: 1}) for pose in poseset.poses}
+    own = {pose: RigChannel(gains={pose: 1}) for pose in match.poses}
     channels = own if rig is None else channels_of(rig)
     found = dict(_channels(match, channels))
     shown = {pose for one in found.values() for pose, gain in one.gains.items() if gain}

@@ -73,7 +73,7 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
         (language,), folders = located(paths, language=language)
         library = Library(folders)
         match = best_match(library, model)
-        pair = _pair(language, match.poseset, folders, cache=cache)
+        pair = _pair(language, match.poseset, folders, match.optional, cache=cache)
         compiled = on_model(library, pair, match, model)
     else:
         (language, character), folders = located(paths, language=language, character=character)
@@ -89,16 +89,19 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders, shades)
 
 
-def _pair(language: str, character: str, folders: Sequence[Path], *, cache: bool) -> CompiledPair:
+def _pair(
+    language: str, character: str, folders: Sequence[Path], has: Sequence[str] = (), *, cache: bool
+) -> CompiledPair:
     from lipsync_lang.resolver import cache as store
 
-    compiled = store.load(language, character, folders) if cache else None
+    key = " + ".join((character, *has))
+    compiled = store.load(language, key, folders) if cache else None
     if compiled is None:
         from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.compile import compile_pair
 
         library = Library(folders)
-        compiled = compile_pair(library, language, character)
+        compiled = compile_pair(library, language, character, has)
         if cache:
-            store.save(compiled, language, character, library)
+            store.save(compiled, language, key, library)
     return compiled

@@ -1,7 +1,7 @@
 """Compilation of a pair: all its packs, checked, layered and sampled into tables."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -30,9 +30,11 @@ from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.resolver.trigrams import drawn_trigrams, played_trigrams, trigram_arrays
 
 
-def compile_pair(library: Library, language: str, character: str) -> CompiledPair:
+def compile_pair(
+    library: Library, language: str, character: str, has: Iterable[str] = ()
+) -> CompiledPair:
     """Read the packs of a pair and compile them; the package's docstring lists the layers."""
-    packs = PairPacks.open(library, language, character)
+    packs = PairPacks.open(library, language, character, has)
     return compile_packs(packs, PairRows.of(packs))
 
 

@@ -87,8 +87,11 @@ class PairPacks:
     library: Library
 
     @classmethod
-    def open(cls, library: Library, language: str, character: str) -> Self:
-        """Load and check every pack of a pair; raise `PackError` for one that is unsound."""
+    def open(cls, library: Library, language: str, character: str, has: Iterable[str] = ()) -> Self:
+        """Load and check every pack of a pair; raise `PackError` for one that is unsound.
+
+        The model `has` some optional poses of the pose set, besides those that the character names.
+        """
         try:
             who = library.character(character)
             shelf = cls(
@@ -108,7 +111,8 @@ class PairPacks:
             faults = {*error.faults, *more}
             raise PackFaults(sorted(f for f in faults if f.severity == "fault")) from None
         shelf.refuse_faults()
-        return shelf
+        poseset = shelf.poseset.model.having((*who.model.has, *has))
+        return replace(shelf, poseset=replace(shelf.poseset, model=poseset))
 
     def refuse_faults(self) -> None:
         """Raise an error with every fault that prevents a performance of these packs.
@@ -300,7 +304,7 @@ class PairPacks:
         told = f"{shown(pack.path)}:{place.line}:{place.column}"
         return BigramRow(
             Origin(pair, layer, unit.status, (told,), unit.word),
-            {numbers[pose]: np.array(points, float) for pose, points in unit.curves.items()},
+            {numbers[p]: np.array(at, float) for p, at in unit.curves.items() if p in numbers},
             linear=unit.interpolation == "linear" or (linear and not unit.interpolation),
             free=unit.contact == "free",
             place=place,
@@ -505,8 +509,8 @@ class PairPacks:
         for number, phoneme in enumerate(self.numbered[1:], start=1):
             steps = targets.get(self.targeted(phoneme), ())
             # the last step is what the next sound follows; a diphthong may name a pose and leave it
-            for pose, weight in steps[-1].weights.items() if steps else ():
-                out[number, self.poses.index(pose)] = weight == 0
+            last = steps[-1].weights if steps else {}
+            out[number] = [last.get(pose) == 0 for pose in self.poses]
         return out
 
 

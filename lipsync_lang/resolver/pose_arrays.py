@@ -16,7 +16,7 @@ def thresholds(poseset: PoseSet, *, paper: bool = False) -> Floats:
     numbers = _numbers(poseset)
     out = np.full((len(numbers),) * 2, poseset.constraints.default)
     for pair in poseset.constraints.pairs:
-        if isinstance(pair, Threshold):
+        if isinstance(pair, Threshold) and numbers.keys() >= {*pair.between}:
             a, b = (numbers[pose] for pose in pair.between)
             own = pair.threshold if not paper or pair.paper is None else pair.paper
             out[a, b] = out[b, a] = own
@@ -29,7 +29,7 @@ def at_most(poseset: PoseSet) -> list[tuple[int, int]]:
     rules = [
         (numbers[rule.pose], numbers[rule.at_most])
         for rule in poseset.constraints.pairs
-        if isinstance(rule, AtMost)
+        if isinstance(rule, AtMost) and numbers.keys() >= {rule.pose, rule.at_most}
     ]
     # a pose may be the other of one rule and the pose of the next: the order must chain
     graph: dict[int, set[int]] = {}

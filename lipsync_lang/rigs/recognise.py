@@ -139,6 +139,8 @@ class Match:
     """Poses lost wholly or in part."""
     opens: bool
     """False if none of the shapes opens the mouth, and others of the model do."""
+    optional: tuple[str, ...] = ()
+    """Optional poses of the set that the model has; they are among `poses`."""
 
     @property
     def shown(self) -> int:
@@ -234,13 +236,15 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
 
 def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
-    poses = tuple(poseset.poses)
-    found = find(bare(poses, pose_names(poseset)), model)
+    poses, every = (*poseset.poses,), poseset.having(poseset.optional_poses)
+    found = find(bare((*every.poses,), pose_names(every)), model)
     if found.places:
+        optional = tuple(name for name in poseset.optional_poses if name in found.places)
         lost = tuple(Loss(pose, 0, None, "") for pose in poses if pose not in found.places)
         missing = tuple(loss.pose for loss in lost)
         opens = _opens(model, found)
-        yield Match(poseset.name, None, poses, found, missing, _left(model, found), lost, opens)
+        left, shown = _left(model, found), (*poses, *optional)
+        yield Match(poseset.name, None, shown, found, missing, left, lost, opens, optional)
     known = {found.name for found in library.names("poseset")}
     for path in library.rigs_of(poseset.name):
         try:

@@ -509,7 +509,7 @@ class Workshop:
             return data
         performer = self.performer
         compiled = performer.compiled
-        poseset = self.library().poseset(compiled.poseset).model
+        poseset = self.library().poseset(compiled.poseset).model.having(compiled.poses)
         return data | {
             "poseset": compiled.poseset,
             "poses": [

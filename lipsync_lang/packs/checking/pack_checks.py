@@ -5,6 +5,7 @@ all packs of a library.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -138,7 +139,9 @@ def check_poseset(
 
     `banks` are the pose set's banks; None if one cannot be loaded. `common` is for hints.
     """
-    model = poseset.model
+    yield from _gestures(poseset)
+    model = poseset.model.having(poseset.model.optional_poses)
+    poseset = replace(poseset, model=model)
     yield from _twice(poseset, ("priority",), model.priority)
     yield from _poses(poseset)
     for loc, pose in _poses_named(model):
@@ -158,7 +161,6 @@ def check_poseset(
             if pose not in model.posture_poses:
                 yield from _pose(poseset, ("styles", name, "posture", pose), pose, model)
     yield from _postures(poseset)
-    yield from _gestures(poseset)
     for part, other in model.mirrored.items():
         if not model.mirrors(part):
             what = f"no pose has '{part}' in its name where another has '{other}'"
@@ -210,17 +212,18 @@ def _poses(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
         yield poseset.fault(("neutral",), "P225", what, "rename one, or remove the pose")
     owners = {pose.casefold(): pose for pose in model.poses}
     for pose, told in model.poses.items():
+        field = "optional_poses" if pose in model.optional_poses else "poses"
         for number, text in enumerate(told.names):
             for spelling in expanded(text):
                 owner = owners.setdefault(spelling.casefold(), pose)
                 if owner != pose:
                     what = f"the shape name '{spelling}' belongs to '{owner}' and to '{pose}'"
                     hint = f"give it to one pose; '{owner}' comes first"
-                    yield poseset.fault(("poses", pose, "names", number), "P224", what, hint)
+                    yield poseset.fault((field, pose, "names", number), "P224", what, hint)
         if model.targets and pose not in moved:
             what = f"no target moves '{pose}', so drafts leave it at rest"
             hint = "name it under `targets`, or leave it to the banks"
-            yield poseset.warning(("poses", pose), "W301", what, hint, key=True)
+            yield poseset.warning((field, pose), "W301", what, hint, key=True)
 
 
 def _postures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
@@ -242,11 +245,10 @@ def _postures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 def _gestures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     """Check that gestures move poses of their own, within their bounds and speed."""
     model = poseset.model
-    for pose in model.gesture_poses:
-        if pose in model.poses:
+    for field in ("gesture_poses", "optional_poses"):
+        for pose in getattr(model, field).keys() & model.poses.keys():
             what = f"'{pose}' is a pose of speech already"
-            hint = "delete one of the two"
-            yield poseset.fault(("gesture_poses", pose), "P232", what, hint, key=True)
+            yield poseset.fault((field, pose), "P232", what, "delete one of the two", key=True)
     for name, gesture in model.gestures.items():
         for pose in gesture.poses:
             loc: Loc = ("gestures", name, "poses", pose)
@@ -291,6 +293,7 @@ def check_bank(
     `phonemes` is None if those of the bank's language are unknown.
     """
     yield from check_home(bank, bank.model.poseset, poseset)
+    poseset = poseset.having(poseset.optional_poses)
     language = bank.model.language
     if language is not None and language not in languages:
         yield bank.unknown(("language",), "P210", "language", language, languages)
@@ -310,6 +313,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
 ) -> Iterator[Fault]:
     """Check that a character names known poses, phonemes, regions and styles, and its files."""
     model = character.model
+    poseset = poseset.having(model.has)
     yield from _delivery(character, (), model, poseset, styles)
     for name, line in model.lines.items():
         yield from _delivery(character, ("lines", name), line, poseset, styles)
@@ -344,8 +348,11 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
 def _own_drafts(
     character: "Pack[Character]", poseset: PoseSet, phonemes: Collection[str]
 ) -> Iterator[Fault]:
-    """Check that a character's own targets and seconds name phonemes, poses and regions."""
-    model = character.model
+    """Check that a character's own poses, targets and seconds name what is known."""
+    model, optional = character.model, poseset.optional_poses
+    for number, pose in enumerate(model.has):
+        if pose not in optional:
+            yield character.unknown(("has", number), "P201", "optional pose", pose, optional)
     for label in model.targets:
         yield from _phoneme(character, ("targets", label), label, phonemes, key=True)
     for loc, pose in _poses_targeted(model):

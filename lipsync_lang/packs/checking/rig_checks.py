@@ -33,9 +33,10 @@ def check_rig(
     yield from check_home(rig, model.poseset, poseset)
     if model.to is not None and model.to not in posesets:
         yield rig.unknown(("to",), "P203", "pose set", model.to, posesets)
+    every = poseset.having(poseset.optional_poses)
     for key, channel in model.channels.items():
-        yield from check_poses(rig, ("channels", key, "gains"), channel.gains, poseset)
-    yield from check_poses(rig, ("lost",), model.lost, poseset)
+        yield from check_poses(rig, ("channels", key, "gains"), channel.gains, every)
+    yield from check_poses(rig, ("lost",), model.lost, every)
     yield from _twice(rig)
     yield from _limits(rig)
     yield from _names(rig)
@@ -109,7 +110,7 @@ def _unseen(rig: "Pack[RigPack]", poseset: PoseSet) -> Iterator[Fault]:
     """
     gains = [channel.gains for channel in rig.model.channels.values()]
     named = {pose for some in gains for pose in some} | {*rig.model.lost}
-    if not named <= set(poseset.poses):
+    if not named <= {*poseset.poses, *poseset.optional_poses}:
         return
     shown = {pose for some in gains for pose, gain in some.items() if gain}
     for pose in poseset.poses:

@@ -5,6 +5,7 @@ times and weights in [0, 1], angles in degrees.
 """
 
 import re
+from collections.abc import Iterable
 from itertools import pairwise
 from math import inf
 from typing import Annotated, Literal, Self
@@ -305,6 +306,8 @@ class PoseSet(PackModel):
     """The weights of poses at each phoneme; a list of several for a sound that moves."""
     gesture_poses: dict[PoseName, GesturePose] = Field(default={})
     """Shapes and turns that only gestures move."""
+    optional_poses: dict[PoseName, Annotated[Pose, OrEmpty]] = Field(default={})
+    """Poses of speech that few models have; they move, after the others, where a model has them."""
     front: Literal["z", "-z"] = "z"
     """The way in which the face looks, along an axis of its model, for turns of the head live."""
     gestures: dict[Text, Gesture] = Field(default={})
@@ -317,6 +320,11 @@ class PoseSet(PackModel):
     """Limits for the quality of finished animations."""
     model: Text | None = None
     """A model file that shows the poses."""
+
+    def having(self, optional: Iterable[str]) -> Self:
+        """Return the pose set with some of its optional poses among those of speech."""
+        own = {name: self.optional_poses[name] for name in optional if name in self.optional_poses}
+        return self.model_copy(update={"poses": {**self.poses, **own}}) if own else self
 
     def mirrors(self, part: str) -> "dict[str, str]":
         """Return the mirrored poses of a part of names: by pose, its counterpart."""
@@ -435,7 +443,6 @@ class Edit(Strict):
 
 
 LevelNumber = Annotated[float, Field(ge=0, le=2)]
-Share = Unit
 
 
 def _points(value: Data) -> Data:
@@ -466,7 +473,7 @@ Levels = Annotated[
 """A level, or points (word, level). Words count from 0; 2.5 is the middle of the third word."""
 
 Shares = Annotated[
-    tuple[tuple[NotNegative, Share], ...], Field(min_length=1), AfterValidator(_forwards), OrNumber
+    tuple[tuple[NotNegative, Unit], ...], Field(min_length=1), AfterValidator(_forwards), OrNumber
 ]
 """A share, or points (word, share)."""
 
@@ -566,6 +573,8 @@ class Character(PackModel, Delivery):
     """The rig that drives the model."""
     model: Text | None = None
     """The model file."""
+    has: tuple[PoseName, ...] = ()
+    """Optional poses of the pose set that the model has."""
 
     def scalar(self, item: str) -> float | None:
         """Return the character's own value of ``softness.REGION`` and the like, or None."""

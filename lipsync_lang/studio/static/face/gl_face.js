@@ -50,6 +50,8 @@ const MAX_PITCH = 80;
 
 /** How solid each kind of triangle is where the mouth is seen through the face, inmost first. */
 const SOLID = [1, 0.4, 0.22];
+/** Mean light, of 255, of materials inside the mouth, at most. */
+const DIM = 128;
 /** Share of shade that the inside of the mouth loses then. */
 const LIFT = 0.75;
 
@@ -94,6 +96,8 @@ export class GlFace {
     this.shape = new FaceShape(face);
     /** Light that reaches each point. @type {Uint8Array} */
     this.open = new Uint8Array(face.count).fill(255);
+    /** Materials inside the mouth. @type {boolean[]} */
+    this.dim = [];
     this.close = false;
     this.yaw = 0;
     this.pitch = 0;
@@ -157,6 +161,10 @@ export class GlFace {
     }
     this.shape.move(widest);
     this.open = openness(this.shape);
+    this.dim = this.face.materials.map(({ first, count }) => {
+      const own = this.order.subarray(3 * first, 3 * (first + count));
+      return own.reduce((sum, point) => sum + this.open[point], 0) < DIM * own.length;
+    });
     this.#fill("open", this.open, 1, this.gl.UNSIGNED_BYTE, true);
     this.stale = true;
   }
@@ -243,6 +251,7 @@ export class GlFace {
     const { gl } = this;
     if (!count) return;
     (material.double ? gl.disable : gl.enable).call(gl, gl.CULL_FACE);
+    gl.polygonOffset(Number(this.dim[number] ?? false), 0); // seen edge-on, they would show through skin
     gl.uniform1f(this.at("gloss"), material.gloss);
     gl.uniform1f(this.at("cutoff"), material.cutoff);
     gl.uniform1i(this.at("lit"), Number(material.lit));
@@ -255,6 +264,7 @@ export class GlFace {
     const { gl, face } = this;
     gl.useProgram(this.program);
     gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
     this.places.clear();
     this.buffers.clear();
     this.images = [];
