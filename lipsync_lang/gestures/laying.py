@@ -183,19 +183,19 @@ class GestureSet:
         ----------
         beyond : frames from rest to the first of these, and from the last one to rest
         """
-        summed, step = curves[:, poses], self.speed[poses] / fps
-        low, high = self.low[poses], self.high[poses]
+        summed = curves.T[poses]  # rows of a pose are contiguous
+        low, high, step = (one[poses][:, None] for one in (self.low, self.high, self.speed / fps))
         bound = np.clip(summed, low, high)
-        slope = np.arange(len(bound))[:, None] * step
+        slope = np.arange(len(curves)) * step
         slow = (_below(bound, slope) - _below(-bound, slope)) / 2
-        ramp = np.minimum(slope + beyond[0] * step, slope[::-1] + beyond[1] * step)
+        ramp = np.minimum(slope + beyond[0] * step, slope[:, ::-1] + beyond[1] * step)
         kept = np.clip(slow, np.maximum(-ramp, low), np.minimum(ramp, high))
         # a frame that is slow anyway keeps its bits, whatever comes later
-        curves[:, poses] = np.where(np.abs(kept - summed) < ROUNDED_AMOUNT, summed, kept)
+        curves.T[poses] = np.where(np.abs(kept - summed) < ROUNDED_AMOUNT, summed, kept)
 
 
 def _below(curves: Floats, slope: Floats) -> Floats:
-    """Return the largest slow curves below (T, G) curves, as `pipeline.limit.lower_envelope`."""
-    out = np.minimum.accumulate(curves - slope) + 2 * slope
-    back: Floats = np.minimum.accumulate(out[::-1])[::-1] - slope
+    """Return the largest slow curves below (G, T) curves, as `pipeline.limit.lower_envelope`."""
+    out = np.minimum.accumulate(curves - slope, axis=1) + 2 * slope
+    back: Floats = np.minimum.accumulate(out[:, ::-1], axis=1)[:, ::-1] - slope
     return np.minimum(back, curves)

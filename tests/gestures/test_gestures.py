@@ -117,6 +117,9 @@ def test_every_pose_keeps_its_bounds_its_speed_and_its_rest(fps, found):
     assert (curves <= own.high).all()
     assert (np.abs(np.diff(curves, axis=0)) <= own.speed / fps + 1e-9).all()
     assert not curves[[0, -1]].any()
+    backwards, laid = own.lay(gestures[::-1], 0.0, int(3 * fps), fps)
+    assert np.abs(curves - backwards).max() < 1e-8
+    assert [one.first for one in laid] == sorted(one.first for one in laid)
 
 
 @given(RATES, st.floats(0.5, 2.0))
