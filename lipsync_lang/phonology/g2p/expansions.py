@@ -52,7 +52,7 @@ _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _MINUS = "-\u2212"
 _BEFORE_HYPHEN = r"0-9A-Za-z_À-ɏͰ-ԯ.,/:"
-"""Signs after which a hyphen is no minus, as in `F-16`; scripts without spaces are not among them."""
+"""Signs after which a hyphen is no minus, as in `F-16`; kana and hanzi are not among them."""
 
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
