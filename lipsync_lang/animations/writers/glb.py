@@ -67,8 +67,8 @@ def unplaced(animation: Animation) -> Iterator[str]:
         yield f"{model.path} has nothing for {some(names)}"
         if torn := names.keys() & {node.get("name") for node in model.document.get("nodes", ())}:
             yield (
-                f"{model.path}: a turn of {some(sorted(torn))} would leave other meshes behind, such "
-                "as eyes and teeth; make them its children, and export the model again"
+                f"{model.path}: a turn of {some(sorted(torn))} would leave other meshes behind, "
+                "such as eyes and teeth; make them its children, and export the model again"
             )
     still = still_shapes(model)
     dead = {
