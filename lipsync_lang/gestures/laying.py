@@ -102,12 +102,6 @@ class GestureSet:
         )
 
     @cached_property
-    def mates(self) -> tuple[frozenset[int], ...]:
-        """The gestures that move a pose of each one; itself is one of them."""
-        moved = [{pose for pose, _ in shape.poses} for shape in self.shapes]
-        return tuple(frozenset(n for n, own in enumerate(moved) if own & each) for each in moved)
-
-    @cached_property
     def triggers(self) -> frozenset[str]:
         """The facts that any gesture asks for."""
         return frozenset(name for one in self.shapes for name in (*one.on, *one.at))
@@ -150,22 +144,18 @@ class GestureSet:
         count : number of frames
         """
         out = np.zeros((count, len(self.poses)))
-        laid: list[LaidGesture] = []
+        spans = ((self.fitted(gesture, start, count, fps), gesture) for gesture in placed)
+        laid = [LaidGesture(gesture, *span) for span, gesture in spans if span]
+        laid.sort(key=lambda one: one.first)
         guarded: set[int] = set()
-        for gesture in placed:
-            found = self.fitted(gesture, start, count, fps)
-            if found is None:
-                continue
-            number, (first, stop) = gesture.number, found
-            mates = self.mates[number]
-            if gesture.height > 1 or any(
-                one.first <= stop and first <= one.stop and one.gesture.number in mates
-                for one in laid
-            ):
-                guarded.update(pose for pose, _ in self.shapes[number].poses)
+        past = [-1] * len(self.poses)  # the latest end of a gesture of each pose
+        for (number, _, height, *_), first, stop in laid:
+            for pose, _ in self.shapes[number].poses:
+                if height > 1 or first <= past[pose]:
+                    guarded.add(pose)
+                past[pose] = max(past[pose], stop)
             block = self.laid(number, fps).block
-            out[first:stop] += block if gesture.height == 1 else gesture.height * block
-            laid.append(LaidGesture(gesture, first, stop))
+            out[first:stop] += block if height == 1 else height * block
         if guarded:
             self.guard(out, sorted(guarded), fps, (0, 0))
         return out, laid

@@ -8,6 +8,7 @@ more than a second ahead: a fact draws gestures from `DRAWING_SECONDS`, and may 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import cos, exp, inf, log, pi, sqrt
 from typing import NamedTuple
 
@@ -17,13 +18,11 @@ DRAWING_SECONDS = 0.5
 OPENING_SECONDS = 0.9
 """Time at the beginning of a line whose words tell it from other lines."""
 
-ROUNDED_COUNT = 1e-6
-"""Difference of two numbers of gestures that is rounding."""
-
 _MASK = 0xFFFFFFFF
 
 
-class GestureShape(NamedTuple):
+@dataclass(frozen=True)
+class GestureShape:
     """A gesture as the pose set states it."""
 
     name: str
@@ -50,7 +49,7 @@ class GestureShape(NamedTuple):
         """Length of the gesture."""
         return self.curve[-1][0]
 
-    @property
+    @cached_property
     def room(self) -> float:
         """Least seconds between the beginnings of two."""
         return max(self.apart, self.seconds)
@@ -124,16 +123,8 @@ def place(
     scales : factor of each gesture; 0 leaves it out
     """
     found: list[PlacedGesture] = []
-    seed = line.seed(line.start + OPENING_SECONDS)
-    spoken = sum([end - begin for begin, end in line.phrases])
-    silent = line.end - line.start - spoken
     for number, (gesture, scale) in enumerate(zip(gestures, scales, strict=True)):
-        if gesture.on:
-            absent = not any(map(line.facts.get, gesture.on))
-        else:  # most gaps are longer than a line
-            in_speech, in_silence = gesture.rates or (0.0, 0.0)
-            most = (spoken * in_speech + silent * in_silence) / 60 + ROUNDED_COUNT
-            absent = _passed(number, gesture, seed) > most
+        absent = gesture.on and not any(map(line.facts.get, gesture.on))
         if scale and (line.by_hand or not absent):
             found += filter(None, placing(number, gesture, scale, line))
     return found
@@ -193,7 +184,9 @@ def _by_itself(
     """
     in_speech, in_silence = (rate / 60 for rate in gesture.rates or (0.0, 0.0))
     salt = 2 * number
-    passed = _passed(number, gesture, line.seed(line.start + OPENING_SECONDS))
+    seed = line.seed(line.start + OPENING_SECONDS)
+    # a line begins at a random place within a gap, and long gaps cover more places
+    passed = _uniform(seed, salt + 97) * _gap(seed, salt, gesture.spread, gesture.spread / 2)
     free = at = line.start
     clock = 0.0
     while at < line.end:
@@ -211,20 +204,11 @@ def _by_itself(
                 for fact in line.between(trigger, time - DRAWING_SECONDS, time + DRAWING_SECONDS)
                 if fact.seconds >= free
             ]
-            _, fact, trigger = min(near, default=(0.0, LineFact(time), ""))
+            _, fact, trigger = min(near) if near else (0.0, LineFact(time), "")
             yield fact, trigger
             free = max(free, fact.seconds + gesture.room)
             salt += 1000
             passed += _gap(line.seed(time), salt, gesture.spread, -gesture.spread / 2)
-
-
-def _passed(number: int, gesture: GestureShape, seed: int) -> float:
-    """Draw the time in the clock of the first gesture, for the words of the line's beginning.
-
-    A line begins at a random place within a gap, and long gaps cover more places.
-    """
-    salt = 2 * number
-    return _uniform(seed, salt + 97) * _gap(seed, salt, gesture.spread, gesture.spread / 2)
 
 
 def _gap(seed: int, salt: int, spread: float, shift: float) -> float:

@@ -6,6 +6,7 @@ Speech is not changed: each pose of a gesture is a column after those of speech.
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
+from itertools import accumulate
 from math import inf
 from typing import TYPE_CHECKING, Any
 from zlib import crc32
@@ -206,10 +207,8 @@ def _seeds(schedule: "Schedule") -> tuple[list[float], list[int]]:
     """Return the start of each word, and a number for the words before each, and for all."""
     words = [(word.start, word.text) for word in schedule.words]
     words = words or [*zip(schedule.times.tolist(), schedule.labels, strict=False)]
-    seeds = [0]
-    for _, text in words:
-        seeds.append(seed_after(seeds[-1], text))
-    return [start for start, _ in words], seeds
+    seeds = accumulate((text for _, text in words), seed_after, initial=0)
+    return [start for start, _ in words], [*seeds]
 
 
 def line_facts(

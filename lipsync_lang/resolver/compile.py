@@ -107,7 +107,6 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
     common, spoken, who, poseset = shelf.common, shelf.language, shelf.character, shelf.poseset
     model, library = spoken.model, shelf.library
     manner = manner_of(spoken, common.model, who.model)
-    tables = _tables(shelf, rows)
     motion = Motion()
     for layer in (poseset.model, who.model):  # the character has the last word
         motion = motion_with(motion, layer.motion.model_dump(exclude_none=True))
@@ -116,7 +115,6 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         character=who.model.name,
         poseset=poseset.model.name,
         poses=shelf.poses,
-        phonemes=shelf.numbered,
         shades=dict(shelf.parents),
         notations=tables_of(model),
         visemes=visemes_of(common.model),
@@ -135,7 +133,6 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
         delivery=_delivery(who.model),
         line_deliveries={name: _line(line) for name, line in who.model.lines.items()},
-        tables=tables,
         motion=motion,
         gestures=_gestures(poseset, model.gesture_words),
         mirrored=_mirrored(poseset.model),
@@ -147,16 +144,35 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         pose_names=pose_names(poseset.model),
         neutral=poseset.model.neutral,
         model=model_file(who, poseset),
-        origins=(Origin(("", ""), "gap", "", ()), *(row.origin for row in rows.every)),
-        style_origins={
-            style: {str(n): row.origin for n, row in enumerate(changed, 1) if row.style == style}
-            for style, changed in rows.styles.items()
-        },
-        report=_report(shelf, rows, list(_shorts(shelf, rows.every, tables))),
+        **bigram_fields(shelf, rows),
     )
 
 
-def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
+Sampled = tuple[list[BigramRow], Singles]
+"""Rows of tables, and their curves as `Tables` has them."""
+
+
+def bigram_fields(
+    shelf: PairPacks, rows: PairRows, earlier: Sampled | None = None
+) -> dict[str, Any]:
+    """Return the fields of a compiled pair that depend on its bigrams.
+
+    Rows with the curves of an `earlier` row take over its samples.
+    """
+    tables = _tables(shelf, rows, earlier)
+    return {
+        "phonemes": shelf.numbered,
+        "tables": tables,
+        "origins": (Origin(("", ""), "gap", "", ()), *(row.origin for row in rows.every)),
+        "style_origins": {
+            style: {str(n): row.origin for n, row in enumerate(changed, 1) if row.style == style}
+            for style, changed in rows.styles.items()
+        },
+        "report": _report(shelf, rows, list(_shorts(shelf, rows.every, tables))),
+    }
+
+
+def _tables(shelf: PairPacks, rows: PairRows, earlier: Sampled | None) -> Tables:
     """Return rows, rows of styles, and the rules of the pose set as read-only arrays."""
     poseset = shelf.face
     index = shelf.numbers
@@ -166,7 +182,7 @@ def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
     first = len(rows.bigrams) + 1
     firsts = {triple: first + 2 * n for n, triple in enumerate(rows.halves)}
     trigrams, trigram_rows = trigram_arrays(index, rows.played, firsts)
-    curves = _tabulated(rows.every, len(shelf.poses))
+    curves = _tabulated(rows.every, len(shelf.poses), earlier)
     boundary, free = _marks(rows.every)
     tables = Tables(
         curves=curves,
@@ -211,13 +227,21 @@ def _checks(*layers: models.Checks) -> dict[str, Any]:
     return {"limits": limits, "rules": rules}
 
 
-def _tabulated(rows: list[BigramRow], poses: int) -> Singles:
+def _tabulated(rows: list[BigramRow], poses: int, earlier: Sampled | None = None) -> Singles:
     """Return (B, RESOLUTION + 1, P) samples of every bigram's curves; row 0 is rest."""
     at = np.linspace(0, 1, RESOLUTION + 1)
     out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
+    known: dict[tuple[int, tuple[float, float]], int] = {}
+    if earlier is not None:
+        # the very curves, which `earlier` keeps alive; halves of a trigram share theirs
+        known = {(id(row.curves), row.span): n for n, row in enumerate(earlier[0], 1)}
+        same = [known.get((id(row.curves), row.span), 0) for row in rows]
+        out[1:] = earlier[1][same]
     alike: dict[tuple[int, bool, tuple[float, float]], list[tuple[int, int, Floats]]] = {}
     drafted: list[tuple[int, int, Floats]] = []
     for number, row in enumerate(rows, start=1):
+        if (id(row.curves), row.span) in known:
+            continue
         for pose, points in row.curves.items():
             sort = len(points), row.linear, row.span
             kept = drafted if row.drafted else alike.setdefault(sort, [])

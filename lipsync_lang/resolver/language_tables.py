@@ -1,6 +1,6 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unicodedata import normalize
@@ -159,7 +159,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
     numerals = stated.numerals
     return SpokenForms(
         interjections=known,
-        abbreviations={**stated.abbreviations, **phrases},
+        abbreviations=_listed(stated.abbreviations, stated.lists) | phrases,
         words=words,
         endings={last: dict(others) for last, others in stated.endings.items()},
         numbers={**stated.numbers, **stated.number_rules},
@@ -170,6 +170,19 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         hyphenated=stated.hyphenated,
         vowels=vowels,
     )
+
+
+def _listed(abbreviations: Mapping[str, str], lists: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return abbreviations with each word of a list in the place of its name."""
+    found = dict(abbreviations)
+    for name, words in lists.items():
+        place = f"{{{name}}}"
+        found = {
+            key.replace(place, word): read.replace(place, word)
+            for key, read in found.items()
+            for word in (words if place in key else ("",))
+        }
+    return found
 
 
 def _own_words(

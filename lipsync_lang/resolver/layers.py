@@ -273,7 +273,8 @@ class PairPacks:
         kept = {name: value for name, value in vars(self).items() if name in UNDRAWN}
         vars(other).update(kept, drawn=drawn)
         if other.numbered == self.numbered:
-            vars(other).update(targets=self.targets, numbers=self.numbers)
+            same = {"targets": self.targets, "numbers": self.numbers, "drafted": self.drafted}
+            vars(other).update(same)
         return other
 
     @property
@@ -393,20 +394,25 @@ class PairPacks:
         return [*dict.fromkeys((pair, (first, parents[1]), (parents[0], second), parents))]
 
     def drafts(self, pairs: list[Pair]) -> dict[Pair, BigramRow]:
-        """Draft the pairs whose two phonemes have targets."""
-        targets = self.targets
+        """Draft the pairs whose two phonemes have targets, each once."""
+        targets, drafted = self.targets, self.drafted
         able = [pair for pair in pairs if pair[0] in targets and pair[1] in targets]
-        if not able:
-            return {}
-        values = draft([targets[a][0] for a, _ in able], [targets[b][0] for _, b in able])
-        points = np.stack(np.broadcast_arrays(TIMES, values), axis=-1)
-        drafts = {}
-        moving: list[list[bool]] = (values != 0).any(axis=2).tolist()
-        for pair, lines, moves in zip(able, points, moving, strict=True):
-            places = tuple(targets[p][1] for p in pair if targets[p][1])
-            curves = {pose: line for pose, line in enumerate(lines) if moves[pose]}
-            drafts[pair] = BigramRow(Origin(pair, "draft", DRAFTED, places), curves, drafted=True)
-        return drafts
+        new = [pair for pair in able if pair not in drafted]
+        if new:
+            values = draft([targets[a][0] for a, _ in new], [targets[b][0] for _, b in new])
+            points = np.stack(np.broadcast_arrays(TIMES, values), axis=-1)
+            moving: list[list[bool]] = (values != 0).any(axis=2).tolist()
+            for pair, lines, moves in zip(new, points, moving, strict=True):
+                places = tuple(targets[p][1] for p in pair if targets[p][1])
+                curves = {pose: line for pose, line in enumerate(lines) if moves[pose]}
+                row = BigramRow(Origin(pair, "draft", DRAFTED, places), curves, drafted=True)
+                drafted[pair] = row
+        return {pair: drafted[pair] for pair in able}
+
+    @cached_property
+    def drafted(self) -> dict[Pair, BigramRow]:
+        """Drafts made so far."""
+        return {}
 
     @cached_property
     def targets(self) -> dict[str, tuple[Target, str]]:

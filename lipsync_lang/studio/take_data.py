@@ -149,6 +149,8 @@ class _Stages:
         tops = np.max([np.abs(s.curves).max(axis=1, initial=0) for s in self.stages], axis=0)
         moving = np.flatnonzero(tops > VISIBLE)
         track = self._performance.track
+        pairs = np.column_stack((track.rows, track.ids[:-1], track.ids[1:]))
+        bigrams, said = np.unique(pairs, axis=0, return_inverse=True)
         return {
             "poses": list(poses),
             "moving": moving.tolist(),
@@ -158,7 +160,8 @@ class _Stages:
             "stages": list(self._stages(moving, pack)),
             "phoneme": pack.add(place.phoneme, "u2"),
             "places": [pack.add(one, "u2", WEIGHT_STEPS) for one in self._places(place)],
-            "bigrams": [self._bigram(number) for number in range(len(track.rows))],
+            "bigrams": [self._bigram(*one) for one in bigrams.tolist()],
+            "said": said.tolist(),
             "given": [[pack.add(side[:, p], "u2", WEIGHT_STEPS) for p in moving]
                       for side in (ending, beginning)],
             "dials": [
@@ -198,9 +201,15 @@ class _Stages:
         if stage.name not in {"hold", "constrain"}:
             return
         told, begin, end = "", -1, -1
+        holding = [frames[self._first :] for _, frames in self._performance.held]
+        known: dict[tuple[bool, ...], str] = {}
         for frame in np.flatnonzero(changed).tolist():
             if stage.name == "hold":
-                text = held_reason(self._performer, self._performance, pose, self._first + frame)
+                held = tuple(frames[frame] for frames in holding)  # the same contacts, one reason
+                if held not in known:
+                    at = self._first + frame
+                    known[held] = held_reason(self._performer, self._performance, pose, at)
+                text = known[held]
             else:
                 weights = stage.curves[:, frame]
                 text = constraint_reason(self._performer, self._performance, pose, weights)
@@ -230,10 +239,9 @@ class _Stages:
             np.where(going < absent, np.minimum(going, almost), absent),
         )
 
-    def _bigram(self, number: int) -> Json:
-        compiled, track = self._performer.compiled, self._performance.track
-        origin = compiled.origins[int(track.rows[number])]
-        pair = tuple(compiled.phonemes[int(i)] for i in track.ids[number : number + 2])
+    def _bigram(self, row: int, first: int, second: int) -> Json:
+        compiled = self._performer.compiled
+        origin, pair = compiled.origins[row], (compiled.phonemes[first], compiled.phonemes[second])
         data: Json = {
             "pair": "-".join(pair),
             "layer": origin.layer,

@@ -9,8 +9,8 @@ const FLAGS = [
 ];
 /** Flags of a browser that draws WebGL in software. */
 export const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
-/** Flags of a browser that draws no WebGL. */
-export const FLAT = ["--disable-gpu"];
+/** Flags of a browser that draws no WebGL; without a GPU alone it would draw it in software. */
+export const FLAT = ["--disable-gpu", "--disable-3d-apis"];
 const TYPES = {
   "": "text/html", ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".mjs": "text/javascript", ".wav": "audio/wav",
 };

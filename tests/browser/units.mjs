@@ -331,7 +331,7 @@ const units = {
     const places = [[FULL, 1, 2, 3, 4, 5, 6], [0, FULL / 2, 0, 0, 0, 0, 0]].map((one) => Uint16Array.from(one));
     const spokenLine = { words: [["ma", 1, 3], ["m", 3, 4], ["a", 4, 5]], labels: [], times: [] };
     const take = new Take({ poses: ["x"], start: 0, fps: 10, count: 7, curves: [curve], spoken: spokenLine, making: {
-      moving: [], stages: [], bigrams, source: [-1, 1, 2, 3, 4, -1], bounds: [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], phoneme: Uint16Array.of(0, 1, 2, 3, 4, 5, 5), places,
+      moving: [], stages: [], bigrams, said: [0, 1, 2, 3, 4], source: [-1, 1, 2, 3, 4, -1], bounds: [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], phoneme: Uint16Array.of(0, 1, 2, 3, 4, 5, 5), places,
     } });
     assert.deepEqual(spoken(take, "m-a", 0), { seconds: 0.2, before: "_-m", after: "a-m", word: "ma" });
     assert.deepEqual(spoken(take, "m-a", 0.5), { seconds: 0.4, before: "a-m", after: "a-_", word: "" });

@@ -194,8 +194,8 @@ def test_an_edit_keeps_the_trigrams_of_its_file_and_the_line_names_them(tmp_path
     (content,) = workshop.desk.contents.values()
     assert drawn in content.decode()
     document, _ = unpacked(Caller(workshop).post("take"))
-    (take,) = document["takes"]
-    assert [one.get("trigram") for one in take["making"]["bigrams"]] == [
+    making = document["takes"][0]["making"]
+    assert [making["bigrams"][one].get("trigram") for one in making["said"]] == [
         None,
         "p-a-p",
         "p-a-p",

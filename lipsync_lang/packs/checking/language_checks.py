@@ -3,6 +3,7 @@
 These checks need the pack alone. `authoring.trial` runs the tests with their engine.
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -33,17 +34,29 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
             if notation.find(label) is None:
                 what = f"'{label}' is not in the notation '{model.g2p_notation}'"
                 yield language.fault(loc, "P218", what, notation.suggest(label))
-    tables = model.text.number_rules if model.text else {}
-    for table, rules in tables.items():
-        for number, words in rules.items():
-            for name in set(named_rules(words)) - tables.keys():
-                at = ("text", "number_rules", table, number)
-                yield language.unknown(at, "P236", "rules of numbers", name, tables)
+    yield from _written_forms(language)
     for word, reading in model.words.items():
         if reading.ipa and not stands_alone(word):
             what = f"'{word}' has IPA, which serves single words with spaces around them"
             hint = "write another spelling: `say`"
             yield language.fault(("words", word), "P115", what, hint, key=True)
+
+
+def _written_forms(language: "Pack[models.Language]") -> Iterator[Fault]:
+    """Check that rules of numbers and lists of words have the names by which others use them."""
+    text = language.model.text
+    if text is None:
+        return
+    tables, lists = text.number_rules, text.lists
+    for table, rules in tables.items():
+        for number, words in rules.items():
+            for name in set(named_rules(words)) - tables.keys():
+                at = ("text", "number_rules", table, number)
+                yield language.unknown(at, "P236", "rules of numbers", name, tables)
+    for spelling in text.abbreviations:
+        for name in set(re.findall(r"\{(\w+)\}", spelling)) - lists.keys():
+            loc = ("text", "abbreviations", spelling)
+            yield language.unknown(loc, "P236", "list of words", name, lists, key=True)
 
 
 def _own_labels(model: "models.Language") -> "Iterator[tuple[Loc, Sequence[str]]]":

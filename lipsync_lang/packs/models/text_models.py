@@ -69,7 +69,7 @@ WordTable = dict[Text, Annotated[WordReading, ShortWord]]
 """Readings of words: a list of common phonemes, another spelling, or a mapping."""
 
 
-NumberRules = dict[Annotated[str, Field(pattern="^(0|[1-9][0-9]{0,11})$")], Text]
+NumberRules = dict[Annotated[str, Field(pattern="^(0|[1-9][0-9]{0,11})$")], str]
 """The words of numbers, by the first number that each serves."""
 
 
@@ -95,7 +95,10 @@ class LanguageText(Strict):
     digits, `~` a Roman numeral. `{1}` in the words is the first of them, and `{1:ordinal}` its word
     in a list of `numbers`. A number and a full stop, `#.`, stand before a small letter. Words
     with a full stop at their end end a sentence where a capital follows. Other spellings with a
-    capital and a full stop are titles, and stand before a name."""
+    capital and a full stop are titles, and stand before a name. `{month}` in both is each word of
+    the list `month`."""
+    lists: dict[Text, tuple[Text, ...]] = Field(default={})
+    """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`."""
     numbers: dict[Text, tuple[str, ...]] = Field(default={})
     """Lists of words for the numbers from 1, by name: ordinals, months, numbers of another kind. A
     number beyond its list is read as the engine reads it."""
@@ -103,7 +106,8 @@ class LanguageText(Strict):
     """Rules that put the words of numbers together, by name, used as a list of `numbers` is.
     `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
     many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
-    `>{joined}` and `<{joined}` go by the rules `joined`."""
+    `>{joined}` and `<{joined}` go by the rules `joined`. From an empty rule on, numbers are read as
+    the engine reads them."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})

@@ -2,14 +2,15 @@
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
 and so on, `~` for a Roman numeral; `{1}` in its expansion is the first of them, and `{1:ordinal}`
-its word in the list `ordinal`. A space of a key may be missing in the
-text. An expansion with a full stop at its end ends a sentence where a capital follows; others with
-a capital and a full stop are titles, which stand before a name.
+its word in the list `ordinal`. A space of a key may be missing in the text. An expansion with a
+full stop at its end ends a sentence where a capital follows; others with a capital and a full stop
+are titles, which stand before a name.
 """
 
 import re
 from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 from lipsync_lang.phonology.g2p.number_words import number_words
@@ -49,9 +50,11 @@ _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud
 """First and last character of scripts that put no spaces between words, or are treated so."""
 
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
-_FIRST_CHARS = {"#": "0123456789", "~": "IVXLC"}
+_MINUS = "-\u2212"
+_FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
-_NUMBER_PATTERN = r"(\d+(?:[.,]\d+)*)"
+_NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
+"""A number; its thousands may have spaces between them."""
 
 
 class Replacement(NamedTuple):
@@ -76,8 +79,12 @@ class _Keys:
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
                 self._beginnings.setdefault(first, []).append((literal, key))
         letters = "".join(first for first in self._beginnings if first.isalpha())
-        signs = "".join(re.escape(first) for first in self._beginnings if not first.isalnum())
-        starts = [r"(?<!\d)(?<!\d[.,/:-])\d"]
+        signs = "".join(
+            re.escape(first)
+            for first in self._beginnings
+            if not first.isalnum() | (first in _MINUS)
+        )
+        starts = [r"(?<!\d)(?<!\d[.,/:-])\d", rf"(?<![\w.,/:{_MINUS}])[{_MINUS}](?=\d)"]
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
@@ -141,8 +148,10 @@ def _expanded(found: re.Match[str], read: str, numbers: NumberTables) -> str:
     """Return the expansion of a key with its numbers, and spaces before and after words."""
 
     def number(place: re.Match[str]) -> str:
-        written, words = found[int(place[1])], numbers.get(place[2] or "", ())
+        written, words = re.sub(r"\s", "", found[int(place[1])]), numbers.get(place[2] or "", ())
+        written = written.replace("\u2212", "-")
         if isinstance(words, Mapping):
+            written = written.lstrip("-")
             named = {name: rules for name, rules in numbers.items() if isinstance(rules, Mapping)}
             return number_words(words, str(roman(written) or written), named)
         value = int(written) if written.isdigit() else roman(written)
@@ -253,13 +262,16 @@ def _expression(key: str) -> re.Pattern[str]:
         if part.startswith("#")
         else _OPTIONAL_SPACE
         if part == " "
-        else "([IVXLC]{1,7})(?![A-Za-z])"
+        # "Le" and "Ce" are words, and no numerals with an ending
+        else ("([IVX]{1,6})" if after.isalpha() else "([IVXLC]{1,7})(?![A-Za-z])")
         if part == "~"
         else re.escape(part)
-        for part in re.findall("#+|[^#]", key)
+        for part, after in pairwise([*re.findall("#+|[^#]", key), ""])
     ]
     if key[0].isalpha():
         parts[0] = f"[{_either(key[0])}]"
+    elif key[:1] == "#" != key[1:2]:
+        parts[0] = f"([{_MINUS}]?" + parts[0][1:]
     if key[-1] == "#" or key[-1].isdigit():
         parts.append(r"(?!\d|[.,/:-]\d)")
     return re.compile("".join(parts))

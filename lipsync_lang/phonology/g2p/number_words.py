@@ -19,7 +19,8 @@ def number_words(rules: Rules, written: str, named: Mapping[str, Rules] | None =
 
     A rule serves its number and all up to the next rule. `>` in it is the rest, `<` how many
     tens, hundreds, thousands or millions there are; a part in brackets needs a rest other than 0.
-    `>{joined}` and `<{joined}` go by the `named` rules `joined`.
+    `>{joined}` and `<{joined}` go by the `named` rules `joined`. An empty rule leaves its numbers
+    and larger ones as digits.
 
     >>> number_words({"1": "one", "2": "two", "100": "< hundred[ and >]"}, "102")
     'one hundred and two'
@@ -43,8 +44,8 @@ def _of_digits(rules: Rules, digits: str, named: Mapping[str, Rules]) -> str:
 def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
     start = max((int(key) for key in rules if int(key) <= value), default=0)
     power = next((power for power in _POWERS if power <= start), 0)
-    if not power:
-        return rules.get(str(value), str(value))
+    if not power or not rules[str(start)]:
+        return rules.get(str(value)) or str(value)
     quotient, rest = divmod(value, power)
 
     def part(place: re.Match[str]) -> str:

@@ -74,7 +74,10 @@ export interface Making {
   stages: Stage[];
   phoneme: Uint16Array;
   places: [Uint16Array, Uint16Array];
+  /** The bigrams of the line, each once. */
   bigrams: Bigram[];
+  /** Number of each spoken bigram among `bigrams`. */
+  said: number[];
   given: [Uint16Array[], Uint16Array[]];
   dials: { name: string; poses: number[]; level: Float32Array }[];
 }

@@ -2,6 +2,7 @@
 
 import { chosenPoints } from "./curve_points.js";
 import { made } from "../shell/elements.js";
+import { actButton } from "../shell/form_fields.js";
 
 const TYPED = "0.4 sets, +0.1 and -0.1 shift, *0.8 and 80% scale";
 
@@ -12,17 +13,12 @@ export class CurveTools {
     this.editor = editor;
     /** @type {HTMLInputElement[]} */
     this.inputs = ["Time", "Value"].map((name, axis) => this.#input(name, /** @type {0 | 1} */ (axis)));
-    const button = (/** @type {string} */ text, /** @type {string} */ label, /** @type {() => void} */ does) => {
-      const one = made("button", { type: "button", "aria-label": label, title: label }, text);
-      one.addEventListener("click", does);
-      return one;
-    };
     const group = (/** @type {string} */ label, /** @type {HTMLElement[]} */ ...all) =>
       made("span", { class: "group", role: "group", "aria-label": label }, ...all);
-    this.grid = button("Snap", "Snap to steps of 0.05 (G). Hold Shift while dragging for the opposite.", () =>
+    this.grid = actButton("Snap", "Snap to steps of 0.05 (G). Hold Shift while dragging for the opposite.", () =>
       this.snapped(),
     );
-    this.delete = button("− Point", "− Point: delete the chosen points (Delete)", () => editor.remove());
+    this.delete = actButton("− Point", "− Point: delete the chosen points (Delete)", () => editor.remove());
     this.haunts = made("span", { class: "group ghosts", role: "group", "aria-label": "Faint curves for comparison" });
     this.start = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Start from other curves" }));
     this.start.addEventListener("change", () => {
@@ -31,9 +27,9 @@ export class CurveTools {
     });
     const zoom = group(
       "Zoom of the plot",
-      button("−", "Zoom out (−)", () => editor.drawing.zoom(1 / 1.4)),
-      button("↔", "Show all (0)", () => editor.drawing.fit()),
-      button("+", "Zoom in (+)", () => editor.drawing.zoom(1.4)),
+      actButton("−", "Zoom out (−)", () => editor.drawing.zoom(1 / 1.4)),
+      actButton("↔", "Show all (0)", () => editor.drawing.fit()),
+      actButton("+", "Zoom in (+)", () => editor.drawing.zoom(1.4)),
     );
     zoom.classList.add("zoom");
     place.append(
@@ -41,7 +37,7 @@ export class CurveTools {
       this.grid,
       group(
         "Points",
-        button("+ Point", "Add a point (A, or double click)", () => {
+        actButton("+ Point", "Add a point (A, or double click)", () => {
           editor.cursor = null;
           editor.add();
         }),
@@ -49,8 +45,8 @@ export class CurveTools {
       ),
       group(
         "Clipboard",
-        button("Copy", "Copy the chosen curves, or all (Ctrl+C)", () => this.#copy()),
-        button("Paste", "Paste curves (Ctrl+V)", () => this.#paste()),
+        actButton("Copy", "Copy the chosen curves, or all (Ctrl+C)", () => this.#copy()),
+        actButton("Paste", "Paste curves (Ctrl+V)", () => this.#paste()),
       ),
       this.start,
       this.haunts,

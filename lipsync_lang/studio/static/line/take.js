@@ -135,7 +135,7 @@ export class Take {
     const at = making.phoneme[frame];
     return [at - 1, at].flatMap((number, side) => {
       const place = making.places[side][frame];
-      return place === FULL ? [] : [{ ...making.bigrams[number], side, position: place / FULL }];
+      return place === FULL ? [] : [{ ...making.bigrams[making.said[number]], side, position: place / FULL }];
     });
   }
 

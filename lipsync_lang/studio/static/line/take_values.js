@@ -1,6 +1,6 @@
 /** Values of a take at a moment: the sound, its bigrams, and a row for each pose with its reasons. */
 
-import { made, middled } from "../shell/elements.js";
+import { button, made, middled } from "../shell/elements.js";
 
 /** Lists beside a timeline. */
 export class TakeValues {
@@ -50,14 +50,12 @@ export class TakeValues {
     const open = this.opened.has(both);
     const title = open ? `Show ${both} as one row` : `Show the two poses of ${both} in rows of their own`;
     const label = { "aria-label": title, "aria-expanded": String(open), "data-pair": both };
-    const button = made("button", { type: "button", class: "fold", title, ...label }, open ? "−" : "+");
-    button.addEventListener("click", () => {
+    return button(open ? "−" : "+", { class: "fold", title, ...label }, () => {
       if (!this.opened.delete(both)) this.opened.add(both);
       this.does.refold();
       const anew = this.places.poses.querySelector(`[data-pair="${CSS.escape(both)}"]`);
       /** @type {HTMLElement | null} */ (anew)?.focus();
     });
-    return button;
   }
 
   /** @param {number} row whose reasons are shown; -1 for none */

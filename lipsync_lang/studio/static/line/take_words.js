@@ -1,6 +1,6 @@
 /** A take in words: the tip of a moment, the figures of a check, the colours of the stages. */
 
-import { made, swatch } from "../shell/elements.js";
+import { button, made, swatch } from "../shell/elements.js";
 import { label } from "../face/portrait.js";
 import { clock } from "../timeline/scales.js";
 
@@ -97,9 +97,7 @@ function figureItem(figure, go) {
   const verdict = made("b", {}, figure.verdict);
   const row = made("li", { class: figure.verdict, title: figure.name }, verdict, ` ${figure.told} `);
   for (const [seconds, what] of figure.findings.slice(0, FINDINGS)) {
-    const button = made("button", { type: "button" }, `${clock(seconds)}: ${what}`);
-    button.addEventListener("click", () => go(seconds));
-    row.append(button);
+    row.append(button(`${clock(seconds)}: ${what}`, "", () => go(seconds)));
   }
   if (figure.findings.length > FINDINGS) row.append(`and ${figure.findings.length - FINDINGS} more`);
   return row;

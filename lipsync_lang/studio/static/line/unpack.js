@@ -21,13 +21,10 @@ export function decoded(bytes, kind, count) {
   if (kind === "i1") return new Int8Array(bytes.buffer, bytes.byteOffset, count);
   if (kind === "f4") return new Float32Array(bytes.slice().buffer);
   const whole = kind === "u4" ? new Uint32Array(count) : new Uint16Array(count);
-  let last = 0;
-  for (let n = 0; n < count; n++) {
-    let step = 0;
-    for (let byte = 0; byte < WIDTHS[kind]; byte++) step += bytes[byte * count + n] * 2 ** (8 * byte);
-    whole[n] = last + step; // wraps around, as the writer does
-    last = whole[n];
+  for (let byte = 0; byte < WIDTHS[kind]; byte++) {
+    for (let n = 0; n < count; n++) whole[n] += bytes[byte * count + n] << (8 * byte);
   }
+  for (let n = 1; n < count; n++) whole[n] += whole[n - 1]; // wraps around, as the writer does
   return kind === "i2" ? new Int16Array(whole.buffer) : whole;
 }
 

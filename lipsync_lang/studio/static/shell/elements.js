@@ -19,6 +19,20 @@ export function made(name, traits = {}, ...content) {
   return element;
 }
 
+/**
+ * Make a button.
+ * @param {string} text
+ * @param {string | Record<string, string>} about its title, or its traits
+ * @param {(pressed: MouseEvent) => void} does
+ * @returns {HTMLButtonElement}
+ */
+export function button(text, about, does) {
+  const traits = typeof about === "string" ? { ...(about && { title: about }) } : about;
+  const one = /** @type {HTMLButtonElement} */ (made("button", { type: "button", ...traits }, text));
+  one.addEventListener("click", does);
+  return one;
+}
+
 /** Signs at the end of a name that are always seen. */
 const TAIL = 7;
 

@@ -1,6 +1,6 @@
 /** Fields of forms: numbers with sliders, choices, and short lists. */
 
-import { made, the } from "./elements.js";
+import { button, made, the } from "./elements.js";
 
 /**
  * @typedef {object} Span
@@ -118,12 +118,7 @@ export function choiceField(label, names, value, changed, disabled = false) {
  * @returns {HTMLButtonElement}
  */
 export function actButton(text, label, does, disabled = false) {
-  const button = /** @type {HTMLButtonElement} */ (
-    made("button", { type: "button", "aria-label": label, title: label }, text)
-  );
-  button.disabled = disabled;
-  button.addEventListener("click", does);
-  return button;
+  return Object.assign(button(text, { "aria-label": label, title: label }, does), { disabled });
 }
 
 /** @param {string} id of a list @returns {string} its chosen value */

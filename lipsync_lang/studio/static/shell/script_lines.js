@@ -1,6 +1,6 @@
 /** Lines of the project's script: the line before and after, and a list to search. */
 
-import { made, the } from "./elements.js";
+import { button, made, the } from "./elements.js";
 
 /** @typedef {import("../payloads.js").ScriptLine} ScriptLine @typedef {import("../payloads.js").ScriptPlace} Place */
 
@@ -121,9 +121,7 @@ export class ScriptLines {
           : `${found} of ${this.count} lines; the first ${shown} are listed. `,
       );
       if (found === shown) return;
-      const more = made("button", { type: "button" }, "Show more");
-      more.addEventListener("click", () => this.#list(shown));
-      this.told.append(more);
+      this.told.append(button("Show more", "", () => this.#list(shown)));
     });
   }
 

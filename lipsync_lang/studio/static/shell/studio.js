@@ -4,7 +4,7 @@ import { api, Refusal } from "./api.js";
 import { BigramView } from "../views/bigram_view.js";
 import { CharacterView } from "../views/character_view.js";
 import { CoverageView } from "../views/coverage_view.js";
-import { made, the } from "./elements.js";
+import { button, made, the } from "./elements.js";
 import { FacePlace } from "../face/face_place.js";
 import { ExportDialog } from "./export_dialog.js";
 import { LanguageView } from "../views/language_view.js";
@@ -503,9 +503,7 @@ export class Studio {
    */
   tell(text, kind = "", stays = false, ...more) {
     const one = made("li", { class: kind }, text);
-    const close = made("button", { type: "button", "aria-label": "Close" }, "×");
-    close.addEventListener("click", () => one.remove());
-    one.append(...more, close);
+    one.append(...more, button("×", { "aria-label": "Close" }, () => one.remove()));
     the("toasts").replaceChildren(one);
     if (!stays) setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
     return one;

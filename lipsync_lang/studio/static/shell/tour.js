@@ -1,6 +1,6 @@
 /** The tour of a character: a few steps, each beside the part of the studio that it tells of. */
 
-import { made, the } from "./elements.js";
+import { button, made, the } from "./elements.js";
 
 /** @typedef {{view: string, at: string, title: string, text: string}} TourStep */
 
@@ -38,18 +38,13 @@ export class Tour {
     }
     this.number = number;
     if (step.view) this.studio.go(...(/** @type {[string, string]} */ (step.view.split("/"))));
-    const button = (/** @type {string} */ text, /** @type {() => void} */ does, kind = "") => {
-      const one = made("button", { type: "button", class: kind }, text);
-      one.addEventListener("click", does);
-      return one;
-    };
     const last = number === this.steps.length - 1;
     this.card.replaceChildren(
       made("h2", {}, step.title), made("p", {}, step.text),
       made("p", { class: "row" }, made("small", {}, `${number + 1} of ${this.steps.length}`),
-        ...(number ? [button("Back", () => this.go(number - 1))] : []),
-        ...(last ? [] : [button("End", () => this.end())]),
-        button(last ? "Done" : "Next", () => this.go(number + 1), "main")));
+        ...(number ? [button("Back", "", () => this.go(number - 1))] : []),
+        ...(last ? [] : [button("End", "", () => this.end())]),
+        button(last ? "Done" : "Next", { class: "main" }, () => this.go(number + 1))));
     requestAnimationFrame(() => {
       this.#place();
       /** @type {HTMLElement} */ (this.card.querySelector(".main")).focus();

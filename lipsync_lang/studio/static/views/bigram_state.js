@@ -88,7 +88,8 @@ export function occurrences(take, pair) {
 export function spoken(take, pair, seconds, position) {
   const { making } = take.data, FULL = 65535;
   if (!making) return null;
-  const all = making.bigrams.flatMap((one, n) => (one.pair === pair ? [n] : []));
+  const said = making.said.map((one) => making.bigrams[one].pair);
+  const all = said.flatMap((one, n) => (one === pair ? [n] : []));
   if (!all.length) return null;
   const middle = (/** @type {number} */ n) => making.bounds[n + 1];
   const n = all.reduce((/** @type {number} */ best, /** @type {number} */ one) =>
@@ -107,7 +108,7 @@ export function spoken(take, pair, seconds, position) {
   return {
     seconds: take.timeOf(found),
     word: word >= 0 && word === other ? take.data.spoken.words[word][0] : "",
-    before: making.bigrams[n - 1]?.pair ?? "",
-    after: making.bigrams[n + 1]?.pair ?? "",
+    before: said[n - 1] ?? "",
+    after: said[n + 1] ?? "",
   };
 }

@@ -4,7 +4,7 @@ import { BigramMatrix } from "./bigram_matrix.js";
 import { beside, editsOf, occurrences, spoken } from "./bigram_state.js";
 import { CurveEditor } from "../curves/curve_editor.js";
 import { press } from "../curves/curve_hands.js";
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { tellKeys } from "../shell/studio_keys.js";
 
 /** Milliseconds after a change of the packs, before they are requested again. */
@@ -145,11 +145,6 @@ export class BigramView {
 
   #makeHead() {
     const { studio } = this;
-    const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ does) => {
-      const one = made("button", { type: "button", title }, text);
-      one.addEventListener("click", does);
-      return one;
-    };
     this.target.addEventListener(
       "change",
       () => this.target.value.trim() && studio.go("bigrams", this.target.value.trim()),

@@ -1,6 +1,6 @@
 /** The character view: a mix of poses on the face, and the rules that the pose set states. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { ModelPanel } from "./model_panel.js";
 import { PoseMixer } from "./pose_mixer.js";
 import { PoseSheet } from "./pose_sheet.js";
@@ -55,9 +55,7 @@ export class CharacterView {
     );
     this.#buildMixer();
     for (const [name, title] of SHEETS) {
-      const tab = made("button", { type: "button", "data-sheet": name }, title);
-      tab.addEventListener("click", () => studio.go("character", name));
-      this.tabs.append(tab);
+      this.tabs.append(button(title, { "data-sheet": name }, () => studio.go("character", name)));
     }
     this.pictures = new PoseSheet(this.#place("poses"), (name, add) => this.#picked(name, add));
     this.targets = new TargetTable(this.#place("targets"), {
@@ -81,11 +79,6 @@ export class CharacterView {
   }
 
   #buildMixer() {
-    const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ does) => {
-      const one = made("button", { type: "button", title }, text);
-      one.addEventListener("click", does);
-      return one;
-    };
     this.keep = /** @type {HTMLInputElement} */ (made("input", { type: "checkbox", id: "within" }));
     this.keep.addEventListener("change", () => {
       this.#setWithin(Boolean(this.keep?.checked));

@@ -1,6 +1,6 @@
 /** The coverage view: what the project's script still needs, and the quality of the line beside it. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { QualityList } from "./quality_list.js";
 
 /** Milliseconds between looks at a count under way. */
@@ -284,8 +284,7 @@ export class CoverageView {
     }
     const most = Math.max(1, ...report.plan.map((/** @type {Need} */ one) => one.count));
     const rows = report.plan.slice(0, this.all ? undefined : MOST), rest = report.plan.length - rows.length;
-    const more = made("button", { type: "button" }, `Show ${rest} more`);
-    more.addEventListener("click", () => { this.all = true; this.#list(); });
+    const more = button(`Show ${rest} more`, "", () => { this.all = true; this.#list(); });
     const parts = [
       made(
         "h3",
@@ -323,14 +322,13 @@ export class CoverageView {
 
   /** @param {Need} need @param {number} most @returns {HTMLElement} */
   #need(need, most) {
-    const pair = made("button", { type: "button", class: "pair", title: `Open ${need.bigram}` }, need.bigram);
-    pair.addEventListener("click", () => this.studio.go("bigrams", need.bigram));
+    const about = { class: "pair", title: `Open ${need.bigram}` };
+    const pair = button(need.bigram, about, () => this.studio.go("bigrams", need.bigram));
     const bar = made("i", { "aria-hidden": "true" });
     bar.style.setProperty("--share", (need.count / most).toFixed(3));
     const word = need.example
-      ? made("button", { type: "button", dir: "auto", title: "Speak it" }, `▶ ${need.example}`)
+      ? button(`▶ ${need.example}`, { dir: "auto", title: "Speak it" }, () => this.studio.speak(need.example))
       : made("span");
-    if (need.example) word.addEventListener("click", () => this.studio.speak(need.example));
     return made(
       "li",
       {},
@@ -374,8 +372,7 @@ export class CoverageView {
       await this.studio.attempt(async () => {
         const { sentences } = await this.studio.api.get(`coverage/sentences?minutes=${this.minutes.value}`);
         list.replaceChildren(...sentences.map((/** @type {import("../payloads.js").NeededSentence} */ one) => {
-          const speak = made("button", { type: "button", "aria-label": `Speak: ${one.text}` }, "▶");
-          speak.addEventListener("click", () => this.studio.speak(one.text));
+          const speak = button("▶", { "aria-label": `Speak: ${one.text}` }, () => this.studio.speak(one.text));
           return made(
             "li",
             { class: "sentence" },

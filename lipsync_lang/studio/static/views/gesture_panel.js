@@ -1,6 +1,6 @@
 /** The chosen gesture beside the timeline: why it is there, its scale, and its end. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { dial } from "./delivery_panel.js";
 
 /** As in a character's file. */
@@ -20,8 +20,7 @@ export class GesturePanel {
     this.name = made("bdi");
     this.why = made("p");
     this.scale = dial("scale", MOST_SCALE, (value, done) => this.own && does.scale(this.own, value, done));
-    this.away = made("button", { type: "button" }, "Delete");
-    this.away.addEventListener("click", () => this.own && does.remove(this.own));
+    this.away = button("Delete", "", () => this.own && does.remove(this.own));
     place.append(
       made("h2", {}, "Gesture ", this.name, " ", made("small", {}, "Esc closes")),
       this.why,

@@ -1,6 +1,6 @@
 /** The language view: a pack's table of sounds to mouths, a word to try, and the pack's tests. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { fillNames } from "../shell/form_fields.js";
 import { SoundEditor } from "./sound_editor.js";
 import { tellKeys } from "../shell/studio_keys.js";
@@ -514,11 +514,8 @@ export class LanguageView {
     );
     const box = made("div", {}, text, " ", ...mouths);
     if (!test.passed) {
-      const labels = test.labels.map((/** @type {string} */ label) => {
-        const one = made("button", { type: "button", class: test.unmapped.includes(label) ? "unmapped" : "" }, label);
-        one.addEventListener("click", () => this.find(label));
-        return one;
-      });
+      const labels = test.labels.map((/** @type {string} */ label) =>
+        button(label, { class: test.unmapped.includes(label) ? "unmapped" : "" }, () => this.find(label)));
       const notes = [
         test.right ? "" : `expected ${test.expected.join(" ")}`,
         test.claimed.length ? `its source's /${test.ipa}/ becomes ${test.claimed.join(" ")}` : "",

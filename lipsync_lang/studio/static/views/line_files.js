@@ -1,6 +1,6 @@
 /** Files of a line: timings and recordings that are opened or dropped, and timings that are saved. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 
 const SOUNDS = /\.(wav|flac|ogg|oga|opus|mp3|m4a|aac|aif|aiff)$/i;
 
@@ -19,13 +19,11 @@ export function fileButton(text, accept, does) {
   const input = /** @type {HTMLInputElement} */ (
     made("input", { type: "file", accept, multiple: "", hidden: "", "aria-label": text })
   );
-  const button = made("button", { type: "button" }, text);
-  button.addEventListener("click", () => input.click());
   input.addEventListener("change", () => {
     does([...(input.files ?? [])]);
     input.value = "";
   });
-  return made("span", {}, button, input);
+  return made("span", {}, button(text, "", () => input.click()), input);
 }
 
 /** Opens and saves the files of a line. */

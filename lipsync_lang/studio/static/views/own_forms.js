@@ -1,6 +1,6 @@
 /** Forms of a character's pronunciations and of the deliveries of its lines. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 
 /** @typedef {import("./words_view.js").Told} Told @typedef {import("./words_view.js").Line} Line */
 
@@ -81,12 +81,10 @@ export class OwnForms {
         await this.#heard(word);
       },
     );
-    const speak = made("button", { type: "button" }, `▶ ${word}`);
-    speak.addEventListener("click", () => this.studio.speak(word));
     return [
       field,
       made("p", { class: "note" }, `Phonemes of this language: ${told.phonemes.join(" ")}`),
-      made("p", { class: "row" }, speak),
+      made("p", { class: "row" }, button(`▶ ${word}`, "", () => this.studio.speak(word))),
     ];
   }
 

@@ -1,6 +1,6 @@
 /** The chosen phoneme beside the timeline: its label, typed or picked, and what may become of it. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 
 /**
  * @typedef {{relabel: (label: string) => void, split: (label?: string) => void, join: () => void,
@@ -16,11 +16,6 @@ export class PhonemePanel {
     const traits = { type: "text", list: "phoneme-labels", autocomplete: "off", dir: "auto", size: "6" };
     this.field = /** @type {HTMLInputElement} */ (made("input", { ...traits, "aria-label": "Label of the phoneme" }));
     this.list = made("datalist", { id: "phoneme-labels" });
-    const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ act) => {
-      const one = made("button", { type: "button", title }, text);
-      one.addEventListener("click", act);
-      return one;
-    };
     const label = () => this.field.value.trim();
     this.joiner = button("Join", "Join it with the next phoneme, and keep this label (J)", () => does.join());
     const form = made("form", { class: "row" }, this.field, this.list,

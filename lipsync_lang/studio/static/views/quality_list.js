@@ -1,6 +1,6 @@
 /** Figures of the line with their findings; a click goes to the moment. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 
 /** Milliseconds after the last change of the curves, before they are judged. */
 const SETTLE = 300;
@@ -77,11 +77,8 @@ export class QualityList {
    * @returns {HTMLElement}
    */
   #figure({ name, verdict, told, findings }) {
-    const moments = findings.slice(0, MOST).map(([seconds, what]) => {
-      const one = made("button", { type: "button", title: "Go to the moment" }, `${seconds.toFixed(2)} s ${what}`);
-      one.addEventListener("click", () => this.studio.reveal(seconds));
-      return one;
-    });
+    const moments = findings.slice(0, MOST).map(([seconds, what]) =>
+      button(`${seconds.toFixed(2)} s ${what}`, "Go to the moment", () => this.studio.reveal(seconds)));
     const rest = findings.length - moments.length;
     const sign = verdict === "FAIL" ? "✗ " : verdict === "ok" ? "✓ " : "";
     return made(

@@ -3,7 +3,8 @@
 import { BendHands } from "./bend_hands.js";
 import { DeliveryPanel } from "./delivery_panel.js";
 import { GestureHands } from "./gesture_hands.js";
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
+import { actButton } from "../shell/form_fields.js";
 import { withWord } from "../timeline/level_points.js";
 import { fileButton, LineFiles } from "./line_files.js";
 import { Overview } from "../timeline/overview.js";
@@ -129,11 +130,6 @@ export class SentenceView {
   }
 
   #furnish() {
-    const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ does) => {
-      const one = made("button", { type: "button", title }, text);
-      one.addEventListener("click", does);
-      return one;
-    };
     const open = () => [
       fileButton("Open timings…", TIMINGS, (files) => this.files.open(files)),
       fileButton("Open sound…", RECORDINGS, (files) => this.files.open(files)),
@@ -385,8 +381,7 @@ export class SentenceView {
   /** @param {import("../payloads.js").Bigram} bigram @returns {HTMLElement} */
   #opener(bigram) {
     const pair = bigram.drawn_as ?? bigram.pair,
-      one = made("button", { type: "button", class: "open-bigram" }, `Open bigram ${pair}`);
-    one.addEventListener("click", () => this.studio.go("bigrams", pair));
+      one = button(`Open bigram ${pair}`, { class: "open-bigram" }, () => this.studio.go("bigrams", pair));
     return one;
   }
 
@@ -544,19 +539,12 @@ export class SentenceView {
     const { part } = this.studio, { parts } = this.at;
     parts.hidden = !part;
     if (!part) return;
-    const button = (/** @type {string} */ text, /** @type {string} */ name, /** @type {number} */ to) => {
-      const one = made(
-        "button",
-        { type: "button", "aria-label": name, ...(to < 0 || to >= part.count ? { disabled: "" } : {}) },
-        text,
-      );
-      one.addEventListener("click", () => this.studio.openLine(`part/${to}`, {}));
-      return one;
-    };
+    const turn = (/** @type {string} */ text, /** @type {string} */ name, /** @type {number} */ to) =>
+      actButton(text, name, () => this.studio.openLine(`part/${to}`, {}), to < 0 || to >= part.count);
     parts.replaceChildren(
-      button("◂", "Previous part", part.number - 1),
+      turn("◂", "Previous part", part.number - 1),
       made("span", {}, `part ${part.number + 1} of ${part.count} (the line lasts ${clock(part.seconds, 0)})`),
-      button("▸", "Next part", part.number + 1),
+      turn("▸", "Next part", part.number + 1),
     );
   }
 }

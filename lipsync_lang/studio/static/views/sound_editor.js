@@ -1,6 +1,6 @@
 /** The editor of one row of a language's table of sounds: its mouths, their shares, the reason. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 
 /** @typedef {import("./language_view.js").Sound} Sound */
 /** @typedef {import("./language_view.js").CommonPhoneme} CommonPhoneme */
@@ -37,17 +37,11 @@ export class SoundEditor {
       { class: "row" },
       ...selects.flatMap((one, at) => (at ? [made("span", {}, "then"), one] : [one])),
     );
-    const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ act) => {
-      const one = made("button", { type: "button", title }, text);
-      one.addEventListener("click", act);
-      row.append(one);
-    };
-    if (sound.to.length) button("Mute", "This sound moves nothing", () => this.#map([]));
+    if (sound.to.length) row.append(button("Mute", "This sound moves nothing", () => this.#map([])));
     if (sound.own && parent)
-      button("As inherited", "Remove this mapping from the file, and use that of the extended pack", () =>
-        this.#edit(undefined),
-      );
-    button("Done", "Close (Esc)", () => this.does.close());
+      row.append(button("As inherited", "Remove this mapping from the file, and use that of the extended pack", () =>
+        this.#edit(undefined)));
+    row.append(button("Done", "Close (Esc)", () => this.does.close()));
     const parts = [row];
     if (sound.to.length > 1) parts.push(this.#shares(sound));
     parts.push(this.#reason(sound), ...sound.to.map((name) => this.#about(name)));

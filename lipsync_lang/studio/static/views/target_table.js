@@ -1,6 +1,6 @@
 /** Targets of phonemes as a table of phonemes and poses, with one of them in detail. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { numberField } from "../shell/form_fields.js";
 import { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } from "./target_forms.js";
 
@@ -213,17 +213,12 @@ export class TargetTable {
       return;
     }
     const { phoneme, steps, step } = one, { overall, poses } = dominanceOf(step), many = steps.length > 1;
-    const button = (
+    const act = (
       /** @type {string} */ text,
       /** @type {string} */ title,
       /** @type {() => void} */ does,
       /** @type {string} */ kind = "",
-    ) => {
-      const made_ = /** @type {HTMLButtonElement} */ (made("button", { type: "button", title, class: kind }, text));
-      made_.addEventListener("click", does);
-      made_.disabled = !this.own;
-      return made_;
-    };
+    ) => Object.assign(button(text, { title, class: kind }, does), { disabled: !this.own });
     const live = /** @type {HTMLInputElement} */ (made("input", { type: "checkbox" }));
     [live.checked, live.disabled] = [this.live, !this.own];
     live.addEventListener("change", () => { this.live = live.checked; });
@@ -254,9 +249,9 @@ export class TargetTable {
       made(
         "div",
         { class: "row" },
-        button(`Take the sliders as ${this.phoneme}`, "T", () => this.take(), "main"),
+        act(`Take the sliders as ${this.phoneme}`, "T", () => this.take(), "main"),
         made("label", { class: "check" }, live, "as they move"),
-        button("+ Step", "A sound that moves has several steps", () =>
+        act("+ Step", "A sound that moves has several steps", () =>
           this.hands.edit(
             this.phoneme,
             targetOf([...steps.slice(0, this.step + 1), { ...weightsOf(step) }, ...steps.slice(this.step + 1)]),
@@ -265,7 +260,7 @@ export class TargetTable {
         ),
         ...(many
           ? [
-              button("− Step", "Remove this step", () =>
+              act("− Step", "Remove this step", () =>
                 this.hands.edit(
                   this.phoneme,
                   targetOf(steps.filter((_, n) => n !== this.step)),
@@ -276,7 +271,7 @@ export class TargetTable {
           : []),
         ...(phoneme.like && this.targets[phoneme.name] !== undefined
           ? [
-              button(`As ${phoneme.like}`, `Remove this target: ${phoneme.name} is then drawn as ${phoneme.like}`, () =>
+              act(`As ${phoneme.like}`, `Remove this target: ${phoneme.name} is then drawn as ${phoneme.like}`, () =>
                 this.hands.edit(this.phoneme, undefined, `Remove the target of ${this.phoneme}`),
               ),
             ]

@@ -2,7 +2,7 @@
 
 import { CurveEditor } from "../curves/curve_editor.js";
 import { press } from "../curves/curve_hands.js";
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { OwnForms } from "./own_forms.js";
 import { curveEdits, spanOf } from "../curves/own_spans.js";
 import { tellKeys } from "../shell/studio_keys.js";
@@ -106,9 +106,7 @@ export class WordsView {
       /** @type {string} */ title,
       /** @type {() => void} */ does,
     ) => {
-      const add = made("button", { type: "button", title }, adds);
-      add.addEventListener("click", does);
-      return made("h3", {}, made("span", {}, text), add);
+      return made("h3", {}, made("span", {}, text), button(adds, title, does));
     };
     const note = (/** @type {string} */ text) => made("p", { class: "note" }, text);
     this.list.replaceChildren(
@@ -184,8 +182,7 @@ export class WordsView {
       text,
       made("small", {}, about),
     );
-    const remove = made("button", { type: "button", "aria-label": `Delete ${text}`, title: "Delete" }, "×");
-    remove.addEventListener("click", async () => {
+    const remove = button("×", { "aria-label": `Delete ${text}`, title: "Delete" }, async () => {
       await this.studio.edit([{ file: "character", ...drop }], `Delete ${text}`);
       if (open[0] === "said") await this.#respoken();
       if (open[0] === this.open[0] || open[1] === this.open[1]) this.studio.go("words");
@@ -230,11 +227,6 @@ export class WordsView {
     this.forms.show(told, line, said);
     this.empty.hidden = Boolean(curves || line || said);
     if (!this.empty.hidden) this.#welcome();
-    const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ does) => {
-      const one = made("button", { type: "button", title }, text);
-      one.addEventListener("click", does);
-      return one;
-    };
     const parts = [];
     if (curves)
       parts.push(
