@@ -51,6 +51,16 @@ def test_what_a_model_does_not_show_is_told(animate):
     assert not list(WRITERS["glb"].remarks(still))
 
 
+def test_a_face_that_would_leave_its_eyes_behind_is_told_the_way_out(animate):
+    document = with_jaw()
+    document["nodes"].append({"name": "eyes", "mesh": 0})
+    document["nodes"][0]["name"] = "Head"
+    animation = animate(document, columns=(*JAW, Channel("nod", node="Head")))
+    told = [*WRITERS["glb"].remarks(animation)]
+    assert told[0] == f"{animation.model} has nothing for Head"
+    assert "a turn of Head would leave other meshes behind" in told[1]
+
+
 def test_a_bone_turns_about_the_axis_as_it_rests(animate):
     quarter = math.sqrt(0.5)  # a quarter turn about z takes x to y
     animation = animate(with_jaw(rotation=[0, 0, quarter, quarter]), columns=JAW)

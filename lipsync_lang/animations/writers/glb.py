@@ -65,6 +65,11 @@ def unplaced(animation: Animation) -> Iterator[str]:
     if np.any(animation.weights[:, lost]):  # all are named, so that a build says it once
         names = dict.fromkeys(channels[number].node or channels[number].name for number in lost)
         yield f"{model.path} has nothing for {some(names)}"
+        if torn := names.keys() & {node.get("name") for node in model.document.get("nodes", ())}:
+            yield (
+                f"{model.path}: a turn of {some(sorted(torn))} would leave other meshes behind, "
+                "such as eyes and teeth; make them its children, and export the model again"
+            )
     still = still_shapes(model)
     dead = {
         shape: None
