@@ -52,15 +52,13 @@ APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
 
 RUBY_TAG = r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>|\{rt\}(?:(?!\{rt\}).)*?\{/rt\}"
 ALIAS_TAG = r"<sub\s[^<>]{0,200}?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<>]*>[^<>]*</sub>"
-MARKUP_TAG = (
-    r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|</>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
-)
+MARKUP_TAG = r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|<%[^<>]*%>|</>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
 BRACES = r"\{\{(?:[#/^>!][^{}]*|\s*-?\$?[\w.]+\s*(?:[|:][^{}]*)?)\}\}|\{\{|\}\}|[%@#$\\]?\{[^{}]*\}"
 BRACKETS = r"\[\[|\]\]|\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]"
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 """The name of a variable; it ends where a word of another script begins."""
 PERCENT_PLACEHOLDER = (
-    rf"%%|%{NAME[:-1]}+%(?!%|[sd](?![A-Za-z]))|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]|%<\w+>[a-z]?"
+    rf"(?<!\d)%%[sd](?![A-Za-z_])|%%|%{NAME[:-1]}+%(?!%|[sd](?![A-Za-z]))|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]|%<\w+>[a-z]?"
     # glued to a word: `%sen`, `%d個`, `%dfach`, but not `%damage`; a digit before it makes it a
     # percentage, `5%des` or `5 %des`, and so does the ending of a number, `%50den`
     r"|(?<!\d)(?<!\d )%(?:(?!d[aeiouyrw][a-z]{3})(?:[+,]|-\d*)?(?:ll?d|[sd@])"
@@ -70,11 +68,12 @@ PERCENT_PLACEHOLDER = (
     rf"|(?<![\d%])(?<!\d )%[A-Za-z]{NAME}|%L?1(?![\d%'’.,])"
 )
 DOLLAR = (
-    rf"@[\w.]+@|@\d+(?!\w)|#[\w.]+#|\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)"
+    rf"@[\w.]+@|@\d+(?!\w)|#[\w.]+#|\${NAME}(?:\|[^\s$]{{1,4}})?\$|£{NAME}£?|__[A-Z][A-Z0-9_]*__"
+    rf"|(?<![\w:])::?{NAME}::?(?![A-Za-z0-9:])|\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)"
     rf"|\$(?:{NAME}|[^\W\d]\w*)(?:(?:->|\.)[a-z_][A-Za-z0-9_]*)*"
 )
-RPG_CODE = r"\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[A-Z](?![a-z])|\\[.|!^<>]"
-"""Codes of RPG Maker: colours, names, waits."""
+RPG_CODE = r"§[A-Za-z!]|§\d(?=[^\W\d])|\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[A-Z](?![a-z])|\\[.|!^<>]"
+"""Codes of RPG Maker, Minecraft and Paradox: colours, names, waits."""
 TEXT_ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
 ASIDE_FORMS = (
     r"\((?P<round>[^()\[\]{}<>]{1,80})\)|(?P<doublewidth>（[^（）]{1,80}）)"
@@ -113,7 +112,8 @@ MARKUP_FORMS = (
 MARKUP = rf"(?![^\W_]|[\s.,!?'\"])(?:{MARKUP_FORMS})|{ADDRESS}|(?P<face>{EMOTICONS})"
 """Markup; nearly all of it begins with a character that is neither a letter nor a pause."""
 SUSPECT = re.compile(
-    r"[][<>{}%$\\(（*~〜～#&@/=]|^[-+]|www\.|[:;]-?[DPpOo3]|[xX]D|[Tto]\.[Tto]|" + SYMBOL
+    r"[][<>{}%$§£\\(（*~〜～#&@/=]|__|:[A-Za-z_]|^[-+]|www\.|[:;]-?[DPpOo3]|[xX]D|[Tto]\.[Tto]|"
+    + SYMBOL
 )
 """A trace of markup; text without one is spoken as it is."""
 DOUBLED = {"{{": "", "}}": "", "[[": "", "]]": "", "%%": "%"}

@@ -38,10 +38,11 @@ GLUED = {
 FORMS = (
     "%s %d %1$s %2$d %03d %.2f %@ %1$@ %ld %lld %+d %(name)s %(count)d %PLAYER% %{name} %<name>s"
     " {name} {0} {0:N2} {name!t} {} {{name}} {{name|upper}} ${name} #{name} {$name} @me@ #name#"
-    " [name] [name!t] [player.name] <name> $t(common.name) $[name]"
+    " [name] [name!t] [player.name] <name> $t(common.name) $[name] $NAME$"
 )
 ENDED_BY_A_SPACE = (
-    "%i %u %c %x %item %1 $name $player.name $player->name @1 %zu %n %m _%s_ «%s» (%s)"
+    "%i %u %c %x %item %1 $name $player.name $player->name @1 %zu %n %m _%s_ «%s» (%s) %%s"
+    " :name: ::name:: __NAME__ £gold£"
 )
 
 
@@ -96,6 +97,9 @@ def test_the_name_of_a_variable_ends_where_another_script_begins(language):
         ("20%de rabais", "20%de rabais"),
         ("5% discount", "5% discount"),
         ("I pay $5", "I pay $5"),
+        ("100%% sure, 50%%d", "100% sure, 50%d"),
+        ("At 10:30: yes, £5, §5 and § 110", "At 10:30: yes, £5, §5 and § 110"),
+        ("§aGreen§r and §4red§! <%= x %>", "Green and red"),
         # choices
         ("{n, plural, one {# coin} other {# coins}}", "coins"),
         ("{sex, select, male {他} female {她} other {他们}}来了", "他们来了"),
