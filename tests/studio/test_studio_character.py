@@ -207,6 +207,17 @@ def test_a_model_without_these_poses_is_refused_and_a_character_is_drafted_from_
     assert Library(project=tmp_path).character("krabbe").model.poseset == "crab"
 
 
+def test_a_model_is_shown_as_it_is_and_an_edit_says_how_to_make_a_character(tmp_path, monkeypatch):
+    shutil.copy(shipped("crab") / "model.glb", tmp_path / "my.glb")
+    monkeypatch.chdir(tmp_path)
+    workshop, caller = opened(tmp_path, "my.glb")
+    assert workshop.performer.poses
+    assert caller.post("warm").status == 200
+    edit = {"file": "character", "at": ["targets", "aa"], "value": {"mouthOpen": 0.5}}
+    told = caller.post("edit", {"title": "Edit", "edits": [edit]})
+    assert (told.status, "characters new" in told.json["error"]) == (422, True)
+
+
 def renamed(model, rig):
     """Return a change of a model's JSON: its shapes get the names of a rig's channels."""
     names = dict(zip(model.shape_names, rig.channels, strict=False))

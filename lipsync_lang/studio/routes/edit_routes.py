@@ -1,6 +1,7 @@
 """Routes of edits: their undo and redo, and saving."""
 
 import json
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, get_args
 
 from lipsync_lang.errors import LipsyncError
@@ -67,9 +68,9 @@ def redo(workshop: Workshop, request: StudioRequest) -> Json:
 
 
 def warm(workshop: Workshop, _: StudioRequest) -> Json:
-    """Read the files of the first edit in advance."""
-    if workshop.language:
-        for path in workshop.pair().data:
+    """Read the files of the first edit in advance; the edit itself says why it is impossible."""
+    with suppress(LipsyncError):  # such as a model, which is no character yet
+        for path in workshop.pair().data if workshop.language else ():
             if workshop.own(path):
                 workshop.desk.read(path)
     return {}
