@@ -126,6 +126,9 @@ def _target(pair: OpenPair, face: FitFace, number: int, values: FitValues) -> li
     for step, now, was in zip(stated, weights, before, strict=True):
         own: dict[str, Any] = {}
         for pose in step.weights:
+            if pose not in poses:  # an optional pose, which this face has not
+                own[pose] = step.weights[pose]
+                continue
             weight, moved = float(now[poses.index(pose)]), was[poses.index(pose)] > 0
             # A pose that moved stays faintly there, and an unchanged 0 stays 0.
             faint = not moved and weight < FAINTEST
