@@ -274,7 +274,7 @@ const stories = {
     const left = await page.locator(".tour").count(), focus = await page.evaluate(() => document.activeElement.id);
     await page.click("#keys");
     await page.click("#tours button");
-    await page.waitForSelector(".tour");
+    await page.waitForSelector(".tour", { timeout: 120000 });
     const again = await text(page, ".tour h2");
     return { ...result, titles, outside, left, focus, again, view: await page.evaluate(() => document.body.dataset.view) };
   },
