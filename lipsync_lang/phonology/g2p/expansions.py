@@ -76,11 +76,16 @@ class _Keys:
 
     def __init__(self, expansions: Mapping[str, str], numbers: NumberTables) -> None:
         self._expansions, self._numbers = expansions, numbers
-        self._beginnings: dict[str, list[tuple[str, str]]] = {}
-        for key in sorted(expansions, key=lambda key: (-len(key), key.count("#"), key)):
+        self._beginnings: dict[str, dict[tuple[str, bool], list[str]]] = {}
+        for key in expansions:
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~]", key[1:])[0]
+            # most words like "in" have no number behind them, as `in 19##` has
+            beginning = (
+                literal,
+                bool(re.match(" ?[#0-9]", key[1 + len(literal) :])) and literal > "",
+            )
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
-                self._beginnings.setdefault(first, []).append((literal, key))
+                self._beginnings.setdefault(first, {}).setdefault(beginning, []).append(key)
         letters = "".join(first for first in self._beginnings if first.isalpha())
         signs = "".join(
             re.escape(first)
@@ -108,14 +113,25 @@ class _Keys:
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
         first = str(int(text[at])) if text[at].isdecimal() else text[at]
-        for literal, key in self._beginnings.get(first, ()):
-            found = _expression(key).match(text, at) if text.startswith(literal, at + 1) else None
+        fitting: list[str] = []
+        for (literal, numbered), keys in self._beginnings.get(first, {}).items():
+            end = at + 1 + len(literal)
+            if text.startswith(literal, at + 1) and (
+                not numbered or text[end : end + 2].strip()[:1].isdecimal()
+            ):
+                fitting += keys
+        for key in sorted(fitting, key=_longest_first):
+            found = _expression(key).match(text, at)
             if found and key[0] == "~" and not roman(found[1]):
                 continue
             in_word = key[-1].isalpha() or key[-1] == "."
             if found and not (in_word and is_spaced(text[found.end() : found.end() + 1])):
                 return found, self._expansions[key]
         return None, ""
+
+
+def _longest_first(key: str) -> tuple[int, int, str]:
+    return -len(key), key.count("#"), key
 
 
 def is_spaced(char: str) -> bool:
