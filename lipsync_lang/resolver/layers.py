@@ -273,7 +273,11 @@ class PairPacks:
         kept = {name: value for name, value in vars(self).items() if name in UNDRAWN}
         vars(other).update(kept, drawn=drawn)
         if other.numbered == self.numbered:
-            same = {"targets": self.targets, "numbers": self.numbers, "drafted": self.drafted}
+            same = {
+                "targets": self.targets,
+                "numbers": self.numbers,
+                "known_drafts": self.known_drafts,
+            }
             vars(other).update(same)
         return other
 
@@ -395,9 +399,9 @@ class PairPacks:
 
     def drafts(self, pairs: list[Pair]) -> dict[Pair, BigramRow]:
         """Draft the pairs whose two phonemes have targets, each once."""
-        targets, drafted = self.targets, self.drafted
+        targets, known = self.targets, self.known_drafts
         able = [pair for pair in pairs if pair[0] in targets and pair[1] in targets]
-        new = [pair for pair in able if pair not in drafted]
+        new = [pair for pair in able if pair not in known]
         if new:
             values = draft([targets[a][0] for a, _ in new], [targets[b][0] for _, b in new])
             points = np.stack(np.broadcast_arrays(TIMES, values), axis=-1)
@@ -406,12 +410,12 @@ class PairPacks:
                 places = tuple(targets[p][1] for p in pair if targets[p][1])
                 curves = {pose: line for pose, line in enumerate(lines) if moves[pose]}
                 row = BigramRow(Origin(pair, "draft", DRAFTED, places), curves, drafted=True)
-                drafted[pair] = row
-        return {pair: drafted[pair] for pair in able}
+                known[pair] = row
+        return {pair: known[pair] for pair in able}
 
     @cached_property
-    def drafted(self) -> dict[Pair, BigramRow]:
-        """Drafts made so far."""
+    def known_drafts(self) -> dict[Pair, BigramRow]:
+        """Drafts made so far, which changed bigrams leave alone."""
         return {}
 
     @cached_property

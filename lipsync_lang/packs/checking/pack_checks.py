@@ -348,7 +348,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
 def _own_drafts(
     character: "Pack[Character]", poseset: PoseSet, phonemes: Collection[str]
 ) -> Iterator[Fault]:
-    """Check that a character's own poses, targets and seconds name what is known."""
+    """Check the poses, targets and seconds of a character for unknown names."""
     model, optional = character.model, poseset.optional_poses
     for number, pose in enumerate(model.has):
         if pose not in optional:

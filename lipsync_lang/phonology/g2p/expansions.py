@@ -49,11 +49,12 @@ _RUBY_TEXT = re.compile(
 _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
 """First and last character of scripts that put no spaces between words, or are treated so."""
 
-_OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _MINUS = "-\u2212"
-_BEFORE_HYPHEN = r"0-9A-Za-z_À-ɏͰ-ԯ.,/:"
-"""Signs after which a hyphen is no minus, as in `F-16`; kana and hanzi are not among them."""
+_SPACED_LETTER = rf"[^\W{''.join(f'{low}-{high}' for low, high in _UNSPACED_SCRIPTS)}]"
+_SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
+"""A minus; a hyphen behind a word, as in `F-16`, is none."""
 
+_OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -80,19 +81,18 @@ class _Keys:
         for key in expansions:
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
-            beginning = (
-                literal,
-                bool(re.match(" ?[#0-9]", key[1 + len(literal) :])) and literal > "",
-            )
+            numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
-                self._beginnings.setdefault(first, {}).setdefault(beginning, []).append(key)
+                self._beginnings.setdefault(first, {}).setdefault((literal, numbered), []).append(
+                    key
+                )
         letters = "".join(first for first in self._beginnings if first.isalpha())
         signs = "".join(
             re.escape(first)
             for first in self._beginnings
             if not first.isalnum() | (first in _MINUS)
         )
-        starts = [r"(?<!\d)(?<!\d[.,/:-])\d", rf"(?<![{_BEFORE_HYPHEN}{_MINUS}])[{_MINUS}](?=\d)"]
+        starts = [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
