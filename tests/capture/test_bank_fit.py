@@ -65,6 +65,11 @@ def test_a_known_face_is_found_again(character):
     assert after < 0.03, "the goal with 20 occurrences and errors of 10 ms"
     assert after < before / 2
     assert fit.proposal.verdict.accepted
+    optional = pair.shelf.poseset.model.optional_poses.keys()
+    for item in (one for one in fit.proposal.items if one.kind == "targets"):
+        for was, now in zip(item.was, item.value, strict=True):
+            kept = optional & was.keys()
+            assert [now[pose] for pose in kept] == [was[pose] for pose in kept], item.item
 
 
 def test_items_tell_occurrences_errors_and_confidence():

@@ -45,6 +45,12 @@ def test_a_number_without_a_rule_stays():
     assert number_words({"20": "score[ >]"}, "25 7") == "score 5 7"
 
 
+def test_numbers_from_an_empty_rule_on_stay():
+    rules = {"1": "one", "10": "ten[ >]", "20": ""}
+    read = [number_words(rules, number) for number in ("11", "20", "35", "1200")]
+    assert read == ["ten one", "20", "35", "1200"]
+
+
 def test_a_rest_may_have_rules_of_its_own():
     joined = {"1": "and-one", "10": "and-ten[ >]"}
     rules = {**RULES, "10": "ten[ >{joined}]", "100": "< hundred[ >{joined}]"}
