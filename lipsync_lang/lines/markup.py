@@ -53,7 +53,7 @@ APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
 
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 """The name of a variable; it ends where a word of another script begins."""
-LATIN = "A-Za-z0-9À-ɏ"
+LATIN_CHARS = "A-Za-z0-9À-ɏ"
 NO_PERCENTAGE = r"(?<!\d)(?<!\d )%"
 """A percent sign that does not follow a number, as in `5%des` and `5 %des`."""
 NO_SHARE = r"(?![\d%]|[.,]\d|['’](?!s\b))"
@@ -72,8 +72,8 @@ FORMS = {
         r"\G \. \!": r"\\[A-Z](?![a-z\[])|\\[.|!^<>]",
         r"\{ \}": r"\\\{(?!\w+\})|\\\}",
         "§a §!": r"§[A-Za-z!]|§\d(?=[^\W\d])",
-        "&a &6": rf"(?<![{LATIN}&])&(?!c\.)[0-9a-fk-or](?![a-z0-9])",
-        "^1 ^xF00": rf"(?<![{LATIN})])\^(?:\d|x[0-9A-Fa-f]{{3}})",
+        "&a &6": rf"(?<![{LATIN_CHARS}&])&(?!c\.)[0-9a-fk-or](?![a-z0-9])",
+        "^1 ^xF00": rf"(?<![{LATIN_CHARS})])\^(?:\d|x[0-9A-Fa-f]{{3}})",
         "|cFF0000 |cffff0000": r"\|c(?:[0-9A-Fa-f]{8}|[0-9A-Fa-f]{6})",
         "~r~ ~INPUT_JUMP~": r"~(?:[A-Za-z0-9]|[A-Z]+_[A-Z0-9_]+)~",
     },
@@ -92,10 +92,10 @@ FORMS = {
         "£gold £gold£": rf"£{NAME}£?",
         "__NAME__ __name__": r"__[A-Za-z][A-Za-z0-9_]*?__",
         ":name: ::name::": rf"(?:(?<!\S)::?{NAME}::?(?!:)"
-        rf"|(?<![{LATIN}:])::?{NAME}::?(?![{LATIN}:]))",
-        "&player;": rf"(?<![{LATIN}])&{NAME};",
-        "@1": rf"@\d(?![\d:{LATIN}]|[.,]\d)",
-        "@name @player.name": rf"(?<![{LATIN}.])@{NAME}(?:\.{NAME})*",
+        rf"|(?<![{LATIN_CHARS}:])::?{NAME}::?(?![{LATIN_CHARS}:]))",
+        "&player;": rf"(?<![{LATIN_CHARS}])&{NAME};",
+        "@1": rf"@\d(?![\d:{LATIN_CHARS}]|[.,]\d)",
+        "@name @player.name": rf"(?<![{LATIN_CHARS}.])@{NAME}(?:\.{NAME})*",
         "$[name] $(name) $t(a.b) $sum()": r"\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)",
         r"$name \$name $имя $a.b $a->b": rf"\\?\$(?:{NAME}|[\u0370-\u052f]\w*)"
         r"(?:(?:->|\.)[a-z_][A-Za-z0-9_]*)*",
@@ -142,7 +142,7 @@ UNSURE_FORMS = {
     "%2": ("placeholder", rf"%[2-9]{NO_SHARE}", r"%L?1(?!\d)"),
     "§6": ("code", r"§\d(?!\d)", r"§[A-Za-z]|§\d(?=[^\W\d])"),
     "&b": ("code", r"&[0-9a-fk-or]", r"&r(?![a-z])"),
-    "^7": ("code", r"\^\d", rf"(?<![{LATIN})])\^\d"),
+    "^7": ("code", r"\^\d", rf"(?<![{LATIN_CHARS})])\^\d"),
     "|r": ("code", r"\|r", r"\|c[0-9A-Fa-f]{6}"),
     "|n": ("escape", r"\|n", r"\|[cr]"),
 }
@@ -151,7 +151,7 @@ SILENT_KINDS = frozenset({"code", "tag", "sign", "wave", "face"})
 ADDRESS = (
     r"(?i:https?://|www\.)[^\s<>\"\[\]{}]*[^\s<>\"\[\]{}.,;:!?)]"
     rf"|(?<![\w.+-])[\w+-]{{1,64}}(?:\.[\w+-]{{1,64}}){{0,4}}"
-    rf"@[{LATIN}-]{{1,64}}(?:\.[{LATIN}-]{{1,64}}){{1,4}}"
+    rf"@[{LATIN_CHARS}-]{{1,64}}(?:\.[{LATIN_CHARS}-]{{1,64}}){{1,4}}"
 )
 EMOTICONS = (
     r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt>oO-][_.][Tt<oO-])"
