@@ -169,6 +169,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         doubled=stated.doubled,
         hyphenated=stated.hyphenated,
         vowels=vowels,
+        thousands=stated.thousands,
     )
 
 

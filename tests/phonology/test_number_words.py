@@ -41,6 +41,12 @@ def test_rules_put_the_words_together(written, words):
     assert number_words(RULES, written) == words
 
 
+def test_a_rule_may_count_in_its_own_number():
+    rules = {**RULES, "100000": "<< lakh[ >>]"}
+    assert number_words(rules, "350000") == "three lakh fivety thousand"
+    assert number_words(rules, "1200000") == "one million two lakh"
+
+
 def test_a_number_without_a_rule_stays():
     assert number_words({"20": "score[ >]"}, "25 7") == "score 5 7"
 

@@ -106,8 +106,10 @@ class LanguageText(Strict):
     """Rules that put the words of numbers together, by name, used as a list of `numbers` is.
     `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
     many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
-    `>{joined}` and `<{joined}` go by the rules `joined`. From an empty rule on, numbers are read as
-    the engine reads them."""
+    `>{joined}` and `<{joined}` go by the rules `joined`; `<<` and `>>` count in the number of the
+    rule itself, such as 100000. From an empty rule on, numbers are read as the engine does."""
+    thousands: str = Field(default="", max_length=1)
+    """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from lipsync_lang.phonology.g2p.number_words import number_words
-from lipsync_lang.phonology.g2p.spoken_forms import NumberTables, SpokenForms
+from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 
 MAX_ROMAN_CHARS = 12
 """Maximum number of letters of a Roman numeral."""
@@ -59,6 +59,7 @@ _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
 """A number; its thousands may have spaces between them."""
+_SPACES = " \u00a0\u202f"
 
 
 class Replacement(NamedTuple):
@@ -75,10 +76,15 @@ class _Keys:
     An expression is compiled when a text has the beginning of its key: most texts have none.
     """
 
-    def __init__(self, expansions: Mapping[str, str], numbers: NumberTables) -> None:
-        self._expansions, self._numbers = expansions, numbers
+    def __init__(self, forms: SpokenForms) -> None:
+        self._expansions, self._numbers = forms.abbreviations, forms.numbers
+        between = re.escape(forms.thousands) + _SPACES
+        self._grouped = re.compile(
+            rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
+            rf"(?![{between}]?\d)"
+        )
         self._beginnings: dict[str, dict[tuple[str, bool], list[str]]] = {}
-        for key in expansions:
+        for key in self._expansions:
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
             numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
@@ -108,7 +114,10 @@ class _Keys:
             found, read = self._match(text, start.start())
             if found and _fits(found, read):
                 at = found.end()
-                yield Replacement(*found.span(), _expanded(found, read, self._numbers))
+                yield Replacement(*found.span(), self._expanded(found, read))
+            elif grouped := self._grouped.match(text, start.start()):
+                at = grouped.end()
+                yield Replacement(*grouped.span(), _digits(grouped))
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
@@ -128,6 +137,40 @@ class _Keys:
             if found and not (in_word and is_spaced(text[found.end() : found.end() + 1])):
                 return found, self._expansions[key]
         return None, ""
+
+    def _expanded(self, found: re.Match[str], read: str) -> str:
+        """Return the expansion of a key with its numbers, and spaces before and after words."""
+
+        def number(place: re.Match[str]) -> str:
+            written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
+            written = self._grouped.sub(_digits, written).replace("\u2212", "-")
+            if isinstance(words, Mapping):
+                written = written.lstrip("-")
+                named = {
+                    name: rules
+                    for name, rules in self._numbers.items()
+                    if isinstance(rules, Mapping)
+                }
+                return number_words(words, str(roman(written) or written), named)
+            value = int(written) if written.isdigit() else roman(written)
+            if 0 < value <= len(words):
+                return words[value - 1]
+            return written if not written.isalpha() else str(value)
+
+        read = _NUMBER_PLACE.sub(number, read)
+        rest = _seen_after(found)
+        after = rest.lstrip()
+        if read.endswith(".") and after and not after[:1].isupper():
+            read = read[:-1]
+        before = found.string[max(found.start() - 1, 0) : found.start()]
+        left = " " if before.isalnum() and read[:1].isalnum() else ""
+        right = " " if rest[:1].isalnum() and read[-1:].isalnum() else ""
+        return left + read + right
+
+
+def _digits(grouped: re.Match[str]) -> str:
+    """Return a number without signs between its thousands."""
+    return re.sub(r"\D", "", grouped[0])
 
 
 def _longest_first(key: str) -> tuple[int, int, str]:
@@ -163,32 +206,6 @@ def _seen_after(found: re.Match[str]) -> str:
     return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
 
 
-def _expanded(found: re.Match[str], read: str, numbers: NumberTables) -> str:
-    """Return the expansion of a key with its numbers, and spaces before and after words."""
-
-    def number(place: re.Match[str]) -> str:
-        written, words = re.sub(r"\s", "", found[int(place[1])]), numbers.get(place[2] or "", ())
-        written = written.replace("\u2212", "-")
-        if isinstance(words, Mapping):
-            written = written.lstrip("-")
-            named = {name: rules for name, rules in numbers.items() if isinstance(rules, Mapping)}
-            return number_words(words, str(roman(written) or written), named)
-        value = int(written) if written.isdigit() else roman(written)
-        if 0 < value <= len(words):
-            return words[value - 1]
-        return written if not written.isalpha() else str(value)
-
-    read = _NUMBER_PLACE.sub(number, read)
-    rest = _seen_after(found)
-    after = rest.lstrip()
-    if read.endswith(".") and after and not after[:1].isupper():
-        read = read[:-1]
-    before = found.string[max(found.start() - 1, 0) : found.start()]
-    left = " " if before.isalnum() and read[:1].isalnum() else ""
-    right = " " if rest[:1].isalnum() and read[-1:].isalnum() else ""
-    return left + read + right
-
-
 class Expansions:
     """A finder of abbreviations, signs, Roman numerals and ruby of a language."""
 
@@ -202,19 +219,14 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        abbreviated = self._keys.find(text) if self._keys else ()
-        for one in sorted((*ruby, *abbreviated, *self._roman(text))):
+        for one in sorted((*ruby, *self._keys.find(text), *self._roman(text))):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
         return found
 
     @cached_property
-    def _keys(self) -> _Keys | None:
-        return (
-            _Keys(self._forms.abbreviations, self._forms.numbers)
-            if self._forms.abbreviations
-            else None
-        )
+    def _keys(self) -> _Keys:
+        return _Keys(self._forms)
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):

@@ -44,6 +44,7 @@ class SpokenForms:
     doubled: tuple[str, ...] = ()
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
+    thousands: str = ""
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
