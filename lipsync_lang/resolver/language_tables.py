@@ -170,6 +170,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         hyphenated=stated.hyphenated,
         vowels=vowels,
         thousands=stated.thousands,
+        decimal=stated.decimal,
     )
 
 

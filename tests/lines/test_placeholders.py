@@ -169,6 +169,7 @@ def test_values_of_placeholders_and_branches_are_spoken():
         ("नमस्ते। ।", "नमस्ते।  "),
         ("Well: : yes", "Well:   yes"),
         ("Really?! Wow!! No", "Really?! Wow!! No"),
+        ("said:never, EU:n", "said never, EU:n"),
         ("No: yes! (What?) Salut !", "No: yes! (What?) Salut !"),
     ],
 )

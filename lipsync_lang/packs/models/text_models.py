@@ -95,8 +95,9 @@ class LanguageText(Strict):
     digits, `~` a Roman numeral. `{1}` in the words is the first of them, and `{1:ordinal}` its word
     in a list of `numbers`. A number and a full stop, `#.`, stand before a small letter. Words
     with a full stop at their end end a sentence where a capital follows. Other spellings with a
-    capital and a full stop are titles, and stand before a name. `{month}` in both is each word of
-    the list `month`."""
+    capital and a full stop are titles, and stand before a name: after `|` is what is read without
+    one, as in `Saint|Street`. `…str.` is the end of a word. `{month}` in both is each word of the
+    list `month`."""
     lists: dict[Text, tuple[Text, ...]] = Field(default={})
     """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`."""
     numbers: dict[Text, tuple[str, ...]] = Field(default={})
@@ -110,6 +111,8 @@ class LanguageText(Strict):
     rule itself, such as 100000. From an empty rule on, numbers are read as the engine does."""
     thousands: str = Field(default="", max_length=1)
     """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
+    decimal: str = ""
+    """The word of the decimal sign in numbers whose words come from `number_rules`."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})

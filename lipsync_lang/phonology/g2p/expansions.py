@@ -4,7 +4,8 @@ A key of an abbreviation is its spelling. `#` stands for a number, `##` for a nu
 and so on, `~` for a Roman numeral; `{1}` in its expansion is the first of them, and `{1:ordinal}`
 its word in the list `ordinal`. A space of a key may be missing in the text. An expansion with a
 full stop at its end ends a sentence where a capital follows; others with a capital and a full stop
-are titles, which stand before a name.
+are titles, which stand before a name; after `|` is what is read without one. A key after `…` is
+the end of a word.
 """
 
 import re
@@ -78,12 +79,14 @@ class _Keys:
 
     def __init__(self, forms: SpokenForms) -> None:
         self._expansions, self._numbers = forms.abbreviations, forms.numbers
+        self._decimal = forms.decimal
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
             rf"(?![{between}]?\d)"
         )
         self._beginnings: dict[str, dict[tuple[str, bool], list[str]]] = {}
+        self._ends = {key[1:]: read for key, read in self._expansions.items() if key[0] == "…"}
         for key in self._expansions:
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
@@ -98,7 +101,8 @@ class _Keys:
             for first in self._beginnings
             if not first.isalnum() | (first in _MINUS)
         )
-        starts = [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
+        starts = [rf"(?<=[^\W\d_]){re.escape(end)}(?!\w)" for end in self._ends]
+        starts += [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
@@ -109,10 +113,16 @@ class _Keys:
         at = 0
         while start := self._starts.search(text, at):
             at = start.end()
+            if start[0] in self._ends:
+                yield Replacement(*start.span(), self._ends[start[0]])
+                continue
             if start[0].isalpha() and is_spaced(text[max(at - 2, 0) : at - 1]):
                 continue
             found, read = self._match(text, start.start())
-            if found and _fits(found, read):
+            read, _, alone = read.partition("|")
+            if found and not _fits(found, read, choosy=bool(alone)):
+                read = alone
+            if found and read:
                 at = found.end()
                 yield Replacement(*found.span(), self._expanded(found, read))
             elif grouped := self._grouped.match(text, start.start()):
@@ -151,7 +161,7 @@ class _Keys:
                     for name, rules in self._numbers.items()
                     if isinstance(rules, Mapping)
                 }
-                return number_words(words, str(roman(written) or written), named)
+                return number_words(words, str(roman(written) or written), named, self._decimal)
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
                 return words[value - 1]
@@ -187,8 +197,11 @@ def _either(first: str) -> str:
     return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
 
 
-def _fits(found: re.Match[str], read: str) -> bool:
-    """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`."""
+def _fits(found: re.Match[str], read: str, *, choosy: bool) -> bool:
+    """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`.
+
+    A name of a `choosy` title begins with a capital.
+    """
     key = found[0]
     if not key.endswith(".") or read.endswith("."):
         return True
@@ -198,7 +211,8 @@ def _fits(found: re.Match[str], read: str) -> bool:
     if len(key) == len("D."):
         before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
         return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
-    return not key[0].isupper() or any(map(str.isalnum, after[:3]))
+    named = after[:1].isupper() if choosy else any(map(str.isalnum, after[:3]))
+    return not key[0].isupper() or named
 
 
 def _seen_after(found: re.Match[str]) -> str:

@@ -45,6 +45,7 @@ class SpokenForms:
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
     thousands: str = ""
+    decimal: str = ""
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
