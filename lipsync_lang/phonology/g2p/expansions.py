@@ -4,7 +4,7 @@ A key of an abbreviation is its spelling. `#` stands for a number, `##` for a nu
 and so on, `~` for a Roman numeral; `{1}` in its expansion is the first of them, and `{1:ordinal}`
 its word in the list `ordinal`. A space of a key may be missing in the text. An expansion with a
 full stop at its end ends a sentence where a capital follows; others with a capital and a full stop
-are titles, which stand before a name; after `|` is what is read without one. A key after `…` is
+are titles, which stand before a name; the words after `|` serve without one. A key after `…` is
 the end of a word.
 """
 
