@@ -123,8 +123,15 @@ class _Keys:
             if found and not _fits(found, read, choosy=bool(alone)):
                 read = alone
             if found and read:
-                at = found.end()
-                yield Replacement(*found.span(), self._expanded(found, read))
+                at, words = found.end(), self._expanded(found, read)
+                last = found.start(found.lastindex or 0)
+                if text[last - 1 : last] in {"-", "–"}:
+                    # a unit after a range is one of its last number
+                    second, unit = self._match(text, last)
+                    if second and second.end() > at:
+                        words = self._expanded(found, read.rpartition("{")[0])
+                        words, at = words + self._expanded(second, unit).lstrip(), second.end()
+                yield Replacement(found.start(), at, words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
                 yield Replacement(*grouped.span(), _digits(grouped))
@@ -144,7 +151,10 @@ class _Keys:
             if found and key[0] == "~" and not roman(found[1]):
                 continue
             in_word = key[-1].isalpha() or key[-1] == "."
-            if found and not (in_word and is_spaced(text[found.end() : found.end() + 1])):
+            after = text[found.end() : found.end() + 2] if found else ""
+            # `les 2 m'ont vu`
+            after = after.lstrip("'’") if key[-2:-1] == " " else after
+            if found and not (in_word and is_spaced(after[:1])):
                 return found, self._expansions[key]
         return None, ""
 
