@@ -126,7 +126,7 @@ class _Keys:
                 read = alone
             if found and read:
                 at, words = found.end(), self._expanded(found, read)
-                between = found.re.pattern in _RANGES and _BETWEEN.fullmatch(read)
+                between = found.re.pattern in _RANGE_PATTERNS and _BETWEEN.fullmatch(read)
                 if between:
                     # a unit after a range is one of its second number
                     second, _ = self._match(text, found.start(2))
@@ -140,7 +140,8 @@ class _Keys:
 
     def _alone(self, text: str) -> str:
         """Return a text with its keys expanded."""
-        out, at = [], 0
+        out: list[str] = []
+        at = 0
         for start, stop, read in self.find(text):
             out += text[at:start], read
             at = stop
@@ -347,4 +348,4 @@ def _expression(key: str) -> re.Pattern[str]:
     return re.compile("".join(parts))
 
 
-_RANGES = frozenset(_expression(key).pattern for key in ("#-#", "#–#", "#〜#"))
+_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in ("#-#", "#–#", "#〜#"))
