@@ -26,6 +26,7 @@ from lipsync_lang.gestures.placing import (
 )
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
+from lipsync_lang.pipeline import kernel
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -70,6 +71,9 @@ BY_HAND = "by hand"
 
 MARKS = ".,;:!?\"'()[]«»“”„’…¡¿。、！？"
 """Marks around a word of a transcript."""
+
+NO_WORDS = np.zeros(0, np.intp)
+"""Numbers for a line without words, whose labels stand for them."""
 
 MARKED_PROMINENCE = 1000.0
 """Prominence of a word with emphasis in the text, above any pitch and length."""
@@ -137,6 +141,43 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
     start, end = float(times[0]), float(times[-1])
     facts = line_facts(performer, schedule, sounds, (start, end), by_hand)
     return own.lay(place(own.shapes, scales, facts), start, len(times), fps)
+
+
+def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
+    weights: Floats,
+    performer: "Performer",
+    schedule: "Schedule",
+    sounds: "LabelSounds",
+    times: Floats,
+    fps: float,
+    scales: list[float],
+    by_hand: Sequence[PlacedGesture],
+) -> Floats:
+    """Return (T, P) weights of speech and the curves of gestures beside them, (T, P + G)."""
+    own, labels = performer.gesture_set, performer.labels
+    if kernel.compiled is None or by_hand or (own.by_voice and schedule.audio is not None):
+        line = performer, schedule, sounds, times, fps, scales, by_hand
+        return np.concatenate((weights, gesture_curves(*line)[0]), axis=1)
+    copies = performer.gesture_copies
+    if fps not in copies:
+        silence = performer.compiled.tables.silence
+        copies[fps] = own.compiled(kernel.compiled, labels.manners, silence, fps)
+    texts, firsts, raised, said = schedule.labels, NO_WORDS, NO_WORDS, NO_WORDS
+    if schedule.words:
+        words = schedule.words
+        texts = tuple([word.text for word in words])
+        firsts = np.array([word.first for word in words], np.intp)
+        raised = np.array([(one.first, one.stop) for one in words if one.emphasis], np.intp)
+        if own.words:
+            number = own.facts.index
+            facts = [(number(f), w.first) for w in words for f in word_facts(own, w.text)]
+            said = np.array(facts, np.intp)
+    beside: Floats = kernel.compiled.gesture(
+        copies[fps], weights, np.array(scales, float), times[0], times[-1], sounds.ids,
+        sounds.times, sounds.source, labels.stresses(sounds), schedule.times, texts, firsts,
+        raised, said,
+    )  # fmt: skip
+    return beside
 
 
 def laid_gestures(
