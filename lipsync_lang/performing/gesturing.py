@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import accumulate
 from math import inf
+from statistics import median
 from typing import TYPE_CHECKING, Any
 from zlib import crc32
 
@@ -425,16 +426,22 @@ def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
     """Return how far the voice rises in each vowel over those before and soon after: semitones."""
     from lipsync_lang.gestures.pitch import pitches
 
-    at = (begins + 0.4 * (ends - begins), begins + 0.7 * (ends - begins))
-    heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
-    tones = 12 * np.log2(np.maximum(heard, 1.0))
-    voiced = heard > 0
+    vowels = [*zip(begins.tolist(), ends.tolist(), strict=True)]
+    known: dict[tuple[float, float], float] = kept_with(audio, "pitches", None, dict)
+    new = [one for one in vowels if one not in known]
+    if new:
+        starts, stops = np.array(new).T
+        at = (starts + 0.4 * (stops - starts), starts + 0.7 * (stops - starts))
+        heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
+        known.update(zip(new, heard.tolist(), strict=True))
+    tones = (12 * np.log2([max(known[one], 1.0) for one in vowels])).tolist()
     # what comes more than `DRAWING_SECONDS` later does not count, so that it changes nothing here
-    near = voiced & (begins <= begins[:, None] + DRAWING_SECONDS)
-    near &= begins >= begins[:, None] - BEFORE_SECONDS
-    usual = [np.median(tones[own]) if own.any() else 0.0 for own in near]
-    rises: list[float] = np.where(voiced, tones - np.array(usual), 0.0).tolist()
-    return rises
+    firsts = begins.searchsorted(begins - BEFORE_SECONDS).tolist()
+    stops = begins.searchsorted(begins + DRAWING_SECONDS, "right").tolist()
+    return [
+        tone - median(one for one in tones[first:stop] if one) if tone else 0.0
+        for tone, first, stop in zip(tones, firsts, stops, strict=True)
+    ]
 
 
 def stand_out(times: list[float], rises: list[float]) -> list[int]:
