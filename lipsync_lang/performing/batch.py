@@ -135,9 +135,14 @@ def animate(
         poses = tuple(channel.name for channel in channels)
         scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:
-            placed = gesturing.placed_by_hand(performer, schedule, line, asked["placed"])
-            facts = performer, schedule, sounds, times, fps, scales, placed
-            weights = gesturing.with_gestures(weights, *facts)
+            if asked["whole"] is None:
+                placed = gesturing.placed_by_hand(performer, schedule, line, asked["placed"])
+                facts = performer, schedule, sounds, times, fps, scales, placed
+                weights = gesturing.with_gestures(weights, *facts)
+            else:
+                settings = {"line": line, **asked}
+                part = performer, schedule, times, fps, scales, settings
+                weights = np.concatenate((weights, gesturing.part_curves(*part)[0]), axis=1)
             poses += performer.gesture_set.poses
             channels += performer.gesture_channels
         animation = Animation(

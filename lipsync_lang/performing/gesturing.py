@@ -190,9 +190,42 @@ def laid_gestures(
     if scales is None:
         return np.zeros((len(animation), 0)), []
     schedule, times, fps = animation.schedule, animation.times, animation.fps
+    if said.settings.get("whole") is not None:
+        return part_curves(performer, schedule, times, fps, scales, said.settings)
     (sounds,) = performer.labels.read([schedule])
     placed = placed_by_hand(performer, schedule, line, said.settings.get("placed"))
     return gesture_curves(performer, schedule, sounds, times, fps, scales, placed)
+
+
+def part_curves(  # noqa: PLR0913, PLR0917 as `gesture_curves`
+    performer: "Performer",
+    part: "Schedule",
+    times: Floats,
+    fps: float,
+    scales: list[float],
+    settings: Mapping[str, Any],
+) -> tuple[Floats, list[LaidGesture]]:
+    """Return the curves over the (T,) frames of a part of a line, (T, G), and its gestures.
+
+    They are those of the whole line whose facts lie in the part; one that ends far beyond it is
+    left out.
+    """
+    own, whole, line = performer.gesture_set, settings["whole"], settings["line"]
+
+    def found() -> list[PlacedGesture]:
+        by_hand = placed_by_hand(performer, whole, line, settings["placed"])
+        # loudness takes time, and adds no frames
+        said = performer.performance(
+            whole, fps, line=line, styles=settings["styles"], intensity=0.0
+        )
+        start, *_, end = said.frames.times().tolist()
+        return place(own.shapes, scales, line_facts(performer, whole, None, (start, end), by_hand))
+
+    given = performer, fps, repr((scales, line, settings["placed"], settings["styles"]))
+    first = part.start if part.start > whole.start else -inf
+    last = part.end if part.end < whole.end else inf
+    placed = [one for one in kept_with(whole, "gestures", given, found) if first <= one.fact < last]
+    return own.lay(placed, float(times[0]), len(times), fps)
 
 
 def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
