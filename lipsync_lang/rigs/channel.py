@@ -21,3 +21,5 @@ class Channel(NamedTuple):
     """Translation for a value of 1, in the model's units."""
     head_axis: Vector | None = None
     """Axis of a turn of the head, in axes of the face: x to its left, y up, z to the front."""
+    gesture: bool = False
+    """True for what gestures move, not speech."""
