@@ -133,7 +133,7 @@ def run(options: Namespace) -> int:
     if options.check:
         from lipsync_lang.quality.check_animation import check
 
-        print(check(animation), file=sys.stderr)
+        print(check(spoken), file=sys.stderr)
     return SOUND
 
 

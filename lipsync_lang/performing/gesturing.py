@@ -154,13 +154,8 @@ def laid_gestures(
 
 
 def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
-    """Describe how often an animation has each gesture, and how far its head turns.
-
-    It is empty for an animation without gestures.
-    """
+    """Describe how often an animation has each gesture, and how far its head turns."""
     curves, laid = laid_gestures(said, animation)
-    if not curves.size:
-        return ""
     own, minutes = said.performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
     counts = Counter(one.gesture.number for one in laid)
     told = []

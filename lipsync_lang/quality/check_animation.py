@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.performing.performed_line import performer_of
+from lipsync_lang.performing.performed_line import PerformedLine, performer_of
 from lipsync_lang.quality.figures import Figure, Quality
 from lipsync_lang.quality.measured_scene import scene_of
 from lipsync_lang.quality.measures import load_measures
@@ -63,6 +63,11 @@ def check(
     if performer is None:
         raise LipsyncError("this animation has no performer; give a performer of its face")
     (quality,) = check_all([animation], performer, limits)
+    said = PerformedLine.of(animation)
+    if said and performer.without_gestures(animation) is not animation:
+        from lipsync_lang.performing.gesturing import gesture_rates
+
+        remarks = (gesture_rates(said, animation), *remarks)
     if animation.schedule is not None and animation.schedule.likely:
         remarks = (*remarks, HEARD_REMARK)
     return replace(quality, remarks=remarks)

@@ -303,7 +303,7 @@ def test_a_rig_passes_gestures_on_and_check_leaves_them_out(tmp_path, monkeypatc
     assert rigged.rigged(shown) is shown
     spoken = rigged.rigged(rigged.perform(said()))
     assert rigged.without_gestures(shown).poses == spoken.poses
-    assert str(ll.check(shown)) == str(ll.check(spoken))
+    assert ll.check(shown).figures == ll.check(spoken).figures
 
 
 # Words, voices and hands
