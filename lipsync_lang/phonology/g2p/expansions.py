@@ -4,7 +4,7 @@ A key of an abbreviation is its spelling. `#` stands for a number, `##` for a nu
 and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
 first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
 the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
-with a capital and a full stop are titles, which stand before a name; after `|` is what is read
+with a capital and a full stop are titles, which stand before a name; the words after `|` serve
 without one. A key after `…` is the end of a word.
 """
 
@@ -123,8 +123,15 @@ class _Keys:
             if found and not _fits(found, read, choosy=bool(alone)):
                 read = alone
             if found and read:
-                at = found.end()
-                yield Replacement(*found.span(), self._expanded(found, read))
+                at, words = found.end(), self._expanded(found, read)
+                last = found.start(found.lastindex or 0)
+                if text[last - 1 : last] in {"-", "–"}:
+                    # a unit after a range is one of its last number
+                    second, unit = self._match(text, last)
+                    if second and second.end() > at:
+                        words = self._expanded(found, read.rpartition("{")[0])
+                        words, at = words + self._expanded(second, unit).lstrip(), second.end()
+                yield Replacement(found.start(), at, words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
                 yield Replacement(*grouped.span(), _digits(grouped))
@@ -143,8 +150,11 @@ class _Keys:
             found = _expression(key).match(text, at)
             if found and key[0] == "~" and not roman(found[1]):
                 continue
-            in_word = key[-1].isalpha() or key[-1] == "."
-            if found and not (in_word and is_spaced(text[found.end() : found.end() + 1])):
+            in_word = key[-1].isalnum() or key[-1] == "."
+            after = text[found.end() : found.end() + 2] if found else ""
+            # `les 2 m'ont vu`
+            after = after.lstrip("'’") if key[-2:-1] == " " else after
+            if found and not (in_word and is_spaced(after[:1])):
                 return found, self._expansions[key]
         return None, ""
 
@@ -322,5 +332,5 @@ def _expression(key: str) -> re.Pattern[str]:
     if "*" in key:
         parts.append(r"(?![^\W\d_])")
     if key[-1] == "#" or key[-1].isdigit():
-        parts.append(r"(?!\d|[.,/:-]\d)")
+        parts.append(r"(?!\d|[.,/:-]\d|\.?[ºª])")
     return re.compile("".join(parts))
