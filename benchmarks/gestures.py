@@ -39,9 +39,8 @@ LINES, FPS, REST_SECONDS, ROUNDS = 100, 60, 600.0, 200
 def laid(performer: ll.Performer, line: ll.Schedule) -> tuple[np.ndarray, Counter[str], float]:
     """Return the turns of a line's gestures, their number by name, and its minutes."""
     times = performer.perform(line, FPS).times
-    (sounds,) = performer.labels.read([line])
     scales = [1.0] * len(performer.gesture_set.shapes)
-    curves, found = gesture_curves(performer, line, sounds, times, FPS, scales)
+    curves, found = gesture_curves(performer, line, times, FPS, scales, {})
     own = performer.gesture_set
     turns = curves[:, [channel["node"] is not None for channel in own.channels]]
     counts = Counter(own.shapes[one.gesture.number].name for one in found)
