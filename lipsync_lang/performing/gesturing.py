@@ -188,10 +188,6 @@ def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
     if kernel.compiled is None or by_hand or heard or settings["whole"] is not None:
         curves, _ = gesture_curves(performer, schedule, times, fps, scales, settings)
         return np.concatenate((weights, curves), axis=1)
-    copies = performer.gesture_copies
-    if fps not in copies:
-        silence = performer.compiled.tables.silence
-        copies[fps] = own.compiled(kernel.compiled, labels.manners, silence, fps)
     texts, firsts, raised, said = schedule.labels, NO_WORDS, NO_WORDS, NO_WORDS
     if schedule.words:
         words = schedule.words
@@ -202,8 +198,10 @@ def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
             number = own.facts.index
             facts = [(number(f), w.first) for w in words for f in word_facts(own, w.text)]
             said = np.array(facts, np.intp)
+    silence = performer.compiled.tables.silence
+    kept = own.kept(kernel.compiled, labels.manners, silence, fps)
     beside: Floats = kernel.compiled.gesture(
-        copies[fps], weights, np.array(scales, float), times[0], times[-1], sounds.ids,
+        kept, weights, np.array(scales, float), times[0], times[-1], sounds.ids,
         sounds.times, sounds.source, labels.stresses(sounds), schedule.times, texts, firsts,
         raised, said,
     )  # fmt: skip
