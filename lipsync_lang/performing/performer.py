@@ -124,7 +124,7 @@ class Performer:
         """Channel of each pose of gestures."""
         from lipsync_lang.rigs.channel import Channel
 
-        return tuple(Channel(**fields) for fields in self.gesture_set.channels)
+        return tuple(Channel(**fields, gesture=True) for fields in self.gesture_set.channels)
 
     @property
     def report(self) -> "Report":
