@@ -122,7 +122,7 @@ def animate(
     kept = _neutral_copy(performer, fps)
     moving = asked.get("gestures")
     if moving:
-        from lipsync_lang.performing.gesturing import gesture_curves, placed_by_hand, scales_of
+        from lipsync_lang.performing import gesturing
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
@@ -133,11 +133,16 @@ def animate(
             times, weights = made.frames.times(), made.weights()
         channels = performer.shown_channels(said.tables)
         poses = tuple(channel.name for channel in channels)
-        scales = scales_of(performer.compiled, moving, line) if moving else None
+        scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:
-            placed = placed_by_hand(performer, schedule, line, asked["placed"])
-            curves, _ = gesture_curves(performer, schedule, sounds, times, fps, scales, placed)
-            weights = np.concatenate((weights, curves), axis=1)
+            if asked["whole"] is None:
+                placed = gesturing.placed_by_hand(performer, schedule, line, asked["placed"])
+                facts = performer, schedule, sounds, times, fps, scales, placed
+                weights = gesturing.with_gestures(weights, *facts)
+            else:
+                settings = {"line": line, **asked}
+                part = performer, schedule, times, fps, scales, settings
+                weights = np.concatenate((weights, gesturing.part_curves(*part)[0]), axis=1)
             poses += performer.gesture_set.poses
             channels += performer.gesture_channels
         animation = Animation(

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import accumulate
 from math import inf
+from statistics import median
 from typing import TYPE_CHECKING, Any
 from zlib import crc32
 
@@ -26,6 +27,7 @@ from lipsync_lang.gestures.placing import (
 )
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
+from lipsync_lang.pipeline import kernel
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -70,6 +72,9 @@ BY_HAND = "by hand"
 
 MARKS = ".,;:!?\"'()[]«»“”„’…¡¿。、！？"
 """Marks around a word of a transcript."""
+
+NO_WORDS = np.zeros(0, np.intp)
+"""Numbers for a line without words, whose labels stand for them."""
 
 MARKED_PROMINENCE = 1000.0
 """Prominence of a word with emphasis in the text, above any pitch and length."""
@@ -139,6 +144,43 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
     return own.lay(place(own.shapes, scales, facts), start, len(times), fps)
 
 
+def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
+    weights: Floats,
+    performer: "Performer",
+    schedule: "Schedule",
+    sounds: "LabelSounds",
+    times: Floats,
+    fps: float,
+    scales: list[float],
+    by_hand: Sequence[PlacedGesture],
+) -> Floats:
+    """Return (T, P) weights of speech and the curves of gestures beside them, (T, P + G)."""
+    own, labels = performer.gesture_set, performer.labels
+    if kernel.compiled is None or by_hand or (own.by_voice and schedule.audio is not None):
+        line = performer, schedule, sounds, times, fps, scales, by_hand
+        return np.concatenate((weights, gesture_curves(*line)[0]), axis=1)
+    copies = performer.gesture_copies
+    if fps not in copies:
+        silence = performer.compiled.tables.silence
+        copies[fps] = own.compiled(kernel.compiled, labels.manners, silence, fps)
+    texts, firsts, raised, said = schedule.labels, NO_WORDS, NO_WORDS, NO_WORDS
+    if schedule.words:
+        words = schedule.words
+        texts = tuple([word.text for word in words])
+        firsts = np.array([word.first for word in words], np.intp)
+        raised = np.array([(one.first, one.stop) for one in words if one.emphasis], np.intp)
+        if own.words:
+            number = own.facts.index
+            facts = [(number(f), w.first) for w in words for f in word_facts(own, w.text)]
+            said = np.array(facts, np.intp)
+    beside: Floats = kernel.compiled.gesture(
+        copies[fps], weights, np.array(scales, float), times[0], times[-1], sounds.ids,
+        sounds.times, sounds.source, labels.stresses(sounds), schedule.times, texts, firsts,
+        raised, said,
+    )  # fmt: skip
+    return beside
+
+
 def laid_gestures(
     said: "PerformedLine", animation: "Animation"
 ) -> tuple[Floats, list[LaidGesture]]:
@@ -148,9 +190,42 @@ def laid_gestures(
     if scales is None:
         return np.zeros((len(animation), 0)), []
     schedule, times, fps = animation.schedule, animation.times, animation.fps
+    if said.settings.get("whole") is not None:
+        return part_curves(performer, schedule, times, fps, scales, said.settings)
     (sounds,) = performer.labels.read([schedule])
     placed = placed_by_hand(performer, schedule, line, said.settings.get("placed"))
     return gesture_curves(performer, schedule, sounds, times, fps, scales, placed)
+
+
+def part_curves(  # noqa: PLR0913, PLR0917 as `gesture_curves`
+    performer: "Performer",
+    part: "Schedule",
+    times: Floats,
+    fps: float,
+    scales: list[float],
+    settings: Mapping[str, Any],
+) -> tuple[Floats, list[LaidGesture]]:
+    """Return the curves over the (T,) frames of a part of a line, (T, G), and its gestures.
+
+    They are those of the whole line whose facts lie in the part; one that ends far beyond it is
+    left out.
+    """
+    own, whole, line = performer.gesture_set, settings["whole"], settings["line"]
+
+    def found() -> list[PlacedGesture]:
+        by_hand = placed_by_hand(performer, whole, line, settings["placed"])
+        # loudness takes time, and adds no frames
+        said = performer.performance(
+            whole, fps, line=line, styles=settings["styles"], intensity=0.0
+        )
+        start, *_, end = said.frames.times().tolist()
+        return place(own.shapes, scales, line_facts(performer, whole, None, (start, end), by_hand))
+
+    given = performer, fps, repr((scales, line, settings["placed"], settings["styles"]))
+    first = part.start if part.start > whole.start else -inf
+    last = part.end if part.end < whole.end else inf
+    placed = [one for one in kept_with(whole, "gestures", given, found) if first <= one.fact < last]
+    return own.lay(placed, float(times[0]), len(times), fps)
 
 
 def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
@@ -379,16 +454,22 @@ def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
     """Return how far the voice rises in each vowel over those before and soon after: semitones."""
     from lipsync_lang.gestures.pitch import pitches
 
-    at = (begins + 0.4 * (ends - begins), begins + 0.7 * (ends - begins))
-    heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
-    tones = 12 * np.log2(np.maximum(heard, 1.0))
-    voiced = heard > 0
+    vowels = [*zip(begins.tolist(), ends.tolist(), strict=True)]
+    known: dict[tuple[float, float], float] = kept_with(audio, "pitches", None, dict)
+    new = [one for one in vowels if one not in known]
+    if new:
+        starts, stops = np.array(new).T
+        at = (starts + 0.4 * (stops - starts), starts + 0.7 * (stops - starts))
+        heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
+        known.update(zip(new, heard.tolist(), strict=True))
+    tones = (12 * np.log2([max(known[one], 1.0) for one in vowels])).tolist()
     # what comes more than `DRAWING_SECONDS` later does not count, so that it changes nothing here
-    near = voiced & (begins <= begins[:, None] + DRAWING_SECONDS)
-    near &= begins >= begins[:, None] - BEFORE_SECONDS
-    usual = [np.median(tones[own]) if own.any() else 0.0 for own in near]
-    rises: list[float] = np.where(voiced, tones - np.array(usual), 0.0).tolist()
-    return rises
+    firsts = begins.searchsorted(begins - BEFORE_SECONDS).tolist()
+    stops = begins.searchsorted(begins + DRAWING_SECONDS, "right").tolist()
+    return [
+        tone - median(one for one in tones[first:stop] if one) if tone else 0.0
+        for tone, first, stop in zip(tones, firsts, stops, strict=True)
+    ]
 
 
 def stand_out(times: list[float], rises: list[float]) -> list[int]:

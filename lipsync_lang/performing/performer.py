@@ -126,6 +126,11 @@ class Performer:
 
         return tuple(Channel(**fields, gesture=True) for fields in self.gesture_set.channels)
 
+    @cached_property
+    def gesture_copies(self) -> dict[float, Any]:
+        """The compiled kernel's copies of the gestures, by frame rate."""
+        return {}
+
     @property
     def report(self) -> "Report":
         """Origin of every bigram of this pair, by layer."""
@@ -148,6 +153,7 @@ class Performer:
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
         placed: "Sequence[Mapping[str, Any]] | None" = None,
+        whole: Schedule | None = None,
         bends: "Mapping[str, Points] | None" = None,
     ) -> Animation:
         """Animate a schedule.
@@ -168,6 +174,8 @@ class Performer:
             None for no gestures
         placed : gestures placed by hand instead of those of the line, as in a character's file:
             ``[{"gesture": "nod", "word": 2, "scale": 0.5}]``
+        whole : the line of which the schedule is a part, whose gestures the part has; its words
+            count in `placed`. None if the schedule is a whole line
         bends : keys that are added to poses, such as ``{"jaw": [(0.4, 0.2)]}``: seconds and an
             amount from -1 to 1. It runs smoothly from key to key, and fades within 0.12 s at the
             ends. Constraints and limits hold
@@ -189,7 +197,7 @@ class Performer:
         """
         return self.perform_many(
             [schedule], fps, lines=[line], styles=styles, dials=dials, intensity=intensity,
-            gestures=gestures, placed=placed, bends=bends,
+            gestures=gestures, placed=placed, whole=whole, bends=bends,
         )[0]  # fmt: skip
 
     def perform_many(  # noqa: PLR0913 as `perform`
@@ -203,6 +211,7 @@ class Performer:
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
         placed: "Sequence[Mapping[str, Any]] | None" = None,
+        whole: Schedule | None = None,
         bends: "Mapping[str, Points] | None" = None,
     ) -> list[Animation]:
         """Animate many schedules; each animation equals that of `perform` bit by bit.
@@ -213,7 +222,8 @@ class Performer:
         ----------
         schedules : timed phonemes of each line
         lines : name of the line of each schedule, for its edits and settings; None for no line
-        fps, styles, dials, intensity, gestures, placed, bends : as in `perform`, the same for all
+        fps, styles, dials, intensity, gestures, placed, whole, bends : as in `perform`, the same
+            for all
 
         Raises
         ------
@@ -229,7 +239,7 @@ class Performer:
         """
         asked = {
             "styles": styles, "dials": dials, "intensity": intensity, "gestures": gestures,
-            "placed": placed, "bends": bends,
+            "placed": placed, "whole": whole, "bends": bends,
         }  # fmt: skip
         return animate(self, tuple(schedules), fps, lines, asked)
 

@@ -90,6 +90,35 @@ def test_a_pause_nearby_draws_a_blink():
     assert [one.begin for one in drawn if one.trigger == "pause"] == [alone[1] + 0.3]
 
 
+def test_an_edited_line_with_sound_has_the_gestures_of_a_fresh_one():
+    seconds = np.arange(6 * 16_000) / 16_000
+    tone = 8000 * np.sin(2 * np.pi * np.cumsum(120 + 60 * np.sin(2 * seconds)) / 16_000)
+    performer = ll.resolve("english", "arkit")
+    labels, times = ("K", "AA1", "T", "IY1", "M", "AE1") * 10, np.arange(61) * 0.1
+    audio = Audio(tone.astype(np.int16), 16_000)
+    one = ll.Schedule(labels, times, notation="arpabet", audio=audio)
+    performer.perform(one, gestures="all")
+    moved = np.where(np.arange(61) == 7, times + 0.04, times)
+    edited = replace(one, times=moved)
+    fresh = replace(edited, audio=Audio(audio.samples.copy(), 16_000))
+    weights = [performer.perform(said, gestures="all").weights for said in (edited, fresh)]
+    assert weights[0].tobytes() == weights[1].tobytes()
+    assert weights[0].tobytes() != performer.perform(one, gestures="all").weights.tobytes()
+
+
+def test_a_sound_of_few_samples_a_second_has_no_pitch():
+    for rate in (1, 10, 30, 100, 799):
+        assert not pitches(np.ones(4 * rate, np.int16), rate, np.array([0.5, 2.0])).any()
+
+
+def test_a_long_list_of_pitches_is_that_of_its_parts():
+    tone = 8000 * np.sin(2 * np.pi * 110 * np.cumsum(np.linspace(1, 2, 64_000)) / 16_000)
+    times = np.linspace(0.1, 3.9, 2500)
+    found = pitches(tone.astype(np.int16), 16_000, times)
+    alone = [pitches(tone.astype(np.int16), 16_000, times[n : n + 7]) for n in range(0, 2500, 7)]
+    assert found.tobytes() == np.concatenate(alone).tobytes()
+
+
 def test_a_gesture_by_hand_stands_for_those_near_it():
     blink = stated("blink", on=["pause"], apart=0.5)
     by_hand = (PlacedGesture(0, 1.1, 1.0, "by hand", 1.1),)

@@ -375,10 +375,10 @@ def test_an_engine_that_is_not_installed_is_replaced_by_the_other_that_the_pack_
         engine("missing", Settings("x", rules=rules))
 
 
-def test_models_of_g2p2_read_words_and_leave_points_to_the_other_engine():
+def test_models_of_g2p2_read_words_and_leave_points_to_the_rules():
     pytest.importorskip("g2p2", reason="the g2p2 extra is not installed")
     points = (Rule("ש", ("ʃ",)), Rule("ל", ("l",)), Rule("ם", ("m",)), Rule("ו", ("o",)))
-    settings = Settings("x", code="he", rules=points, labels=["ʃ", "m"], otherwise="rules")
+    settings = Settings("x", code="he", rules=points, labels=["ʃ", "m"], otherwise="espeak")
     (found,) = engine("g2p2", settings)(["מלך, שָׁלוֹם"])
     assert [(word.text, "".join(word.labels)) for word in found] == [
         ("מלך", "meleχ"), (",", ""), ("שָׁלוֹם", "ʃlom"),

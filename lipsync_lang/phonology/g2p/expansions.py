@@ -1,10 +1,10 @@
 """Abbreviations, signs, Roman numerals and ruby, replaced by spoken words.
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
-and so on, `~` for a Roman numeral; `{1}` in its expansion is the first of them, and `{1:ordinal}`
-its word in the list `ordinal`. A space of a key may be missing in the text. An expansion with a
-full stop at its end ends a sentence where a capital follows; others with a capital and a full stop
-are titles, which stand before a name.
+and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
+first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
+the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
+with a capital and a full stop are titles, which stand before a name.
 """
 
 import re
@@ -79,7 +79,7 @@ class _Keys:
         self._expansions, self._numbers = expansions, numbers
         self._beginnings: dict[str, dict[tuple[str, bool], list[str]]] = {}
         for key in expansions:
-            literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~]", key[1:])[0]
+            literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
             numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
@@ -176,7 +176,7 @@ def _expanded(found: re.Match[str], read: str, numbers: NumberTables) -> str:
         value = int(written) if written.isdigit() else roman(written)
         if 0 < value <= len(words):
             return words[value - 1]
-        return written if not written.isalpha() else str(value)
+        return str(value) if value and written.isalpha() else written
 
     read = _NUMBER_PLACE.sub(number, read)
     rest = _seen_after(found)
@@ -281,6 +281,8 @@ def _expression(key: str) -> re.Pattern[str]:
         if part.startswith("#")
         else _OPTIONAL_SPACE
         if part == " "
+        else r"([^\W\d_]{2,})"
+        if part == "*"
         # "Le" and "Ce" are words, and no numerals with an ending
         else ("([IVX]{1,6})" if after.isalpha() else "([IVXLC]{1,7})(?![A-Za-z])")
         if part == "~"
@@ -291,6 +293,8 @@ def _expression(key: str) -> re.Pattern[str]:
         parts[0] = f"[{_either(key[0])}]"
     elif key[:1] == "#" != key[1:2]:
         parts[0] = f"([{_MINUS}]?" + parts[0][1:]
+    if "*" in key:
+        parts.append(r"(?![^\W\d_])")
     if key[-1] == "#" or key[-1].isdigit():
         parts.append(r"(?!\d|[.,/:-]\d)")
     return re.compile("".join(parts))
