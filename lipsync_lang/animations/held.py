@@ -6,7 +6,6 @@ poses that it can displace, so that closed lips stay visible. An animation with 
 and 1 is already held and is used as it is; of two contacts on one frame, the first pose is shown.
 """
 
-from dataclasses import replace
 from itertools import pairwise
 from math import ceil, floor
 from typing import NamedTuple
@@ -42,30 +41,19 @@ def held(animation: Animation, rest: str) -> list[HeldShape]:
     Spans have no gaps, and neighbours differ. Movement before 0 s and after the sound is cut. An
     animation without a neutral shape shows `rest`.
     """
-    animation = of_mouth(animation)
+    animation = animation.without_gestures()
     end = animation.offset + sound(animation)
     if end <= 0:
         what = f"the sound ends {-end:g} s before the start of the timeline; give a later offset"
         raise OutputError(f"`offset={animation.offset:g}`: {what}")
     begin, weights = _frames(animation, end)
-    contacts = [n for n, pose in enumerate(animation.poses) if pose in animation.contacts]
+    contacts = [animation.poses.index(pose) for pose in animation.contacts]
     shown = strongest(weights, contacts, _least(animation))
     names = (*animation.poses, animation.neutral or rest)
     starts = [0, *_changes(shown)]
     times = [0.0, *(begin + start / animation.fps for start in starts[1:]), end]
     spans = zip(starts, pairwise(times), strict=True)
     return [HeldShape(names[shown[start]], *span) for start, span in spans]
-
-
-def of_mouth(animation: Animation) -> Animation:
-    """Return only the shapes that speech moves, which a drawing of a mouth can show."""
-    columns = [n for n in shape_columns(animation) if not animation.columns[n].gesture]
-    return replace(
-        animation,
-        poses=tuple(animation.poses[n] for n in columns),
-        weights=animation.weights[:, columns],
-        channels=tuple(animation.columns[n] for n in columns),
-    )
 
 
 def sound(animation: Animation) -> float:
@@ -127,7 +115,8 @@ def _frames(animation: Animation, end: float) -> tuple[float, Floats]:
     room = 2 * _least(animation)
     times = animation.times + animation.offset
     inside = (times > (FRAME_TOLERANCE - 1) / fps) & (times < end - FRAME_TOLERANCE / fps)
-    weights = animation.weights[inside]
+    shapes = np.isin(np.arange(len(animation.poses)), shape_columns(animation))
+    weights = animation.weights[inside] * shapes
     if not inside.any():
         return 0.0, np.zeros((1, len(animation.poses)))
     first, last = times[inside][[0, -1]]

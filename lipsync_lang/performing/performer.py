@@ -370,18 +370,6 @@ class Performer:
             contacts={},
         )
 
-    def without_gestures(self, animation: Animation) -> Animation:
-        """Return an animation of this performer without the columns of gestures, rigged or not."""
-        count = len(animation.poses) - len(self.gesture_set.poses)
-        if animation.poses[count:] != self.gesture_set.poses or not self.gesture_set.poses:
-            return animation
-        return replace(
-            animation,
-            poses=animation.poses[:count],
-            weights=np.ascontiguousarray(animation.weights[:, :count]),
-            channels=animation.channels[:count],
-        )
-
     def held_channels(self, weights: Floats) -> Floats:
         """Return the channels (T, C) of the model for poses (T, P), each row as a held pose.
 

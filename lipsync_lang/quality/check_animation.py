@@ -64,7 +64,7 @@ def check(
         raise LipsyncError("this animation has no performer; give a performer of its face")
     (quality,) = check_all([animation], performer, limits)
     said = PerformedLine.of(animation)
-    if said and performer.without_gestures(animation) is not animation:
+    if said and animation.without_gestures() is not animation:
         from lipsync_lang.performing.gesturing import gesture_rates
 
         remarks = (gesture_rates(said, animation), *remarks)
@@ -87,7 +87,7 @@ def check_all(
         if not isfinite(value) or value < 0:
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
         asked[name] = value
-    animations = [performer.without_gestures(one) for one in animations]
+    animations = [one.without_gestures() for one in animations]
     figures: list[list[Figure]] = [[] for _ in animations]
     for start in range(0, len(animations), BLOCK_LINES):
         scene = scene_of(animations[start : start + BLOCK_LINES], performer)

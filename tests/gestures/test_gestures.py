@@ -206,10 +206,10 @@ def test_speech_is_the_same_beside_gestures(performer):
     assert moving["nod"].any()
     assert len(moving.columns) == len(moving.poses) == moving.weights.shape[1]
     assert moving.columns[moving.poses.index("nod")].node == "Head"
-    plain = performer.without_gestures(moving)
+    plain = moving.without_gestures()
     assert plain.poses == spoken.poses
     assert np.array_equal(plain.weights, spoken.weights)
-    assert performer.without_gestures(spoken) is spoken
+    assert spoken.without_gestures() is spoken
 
 
 def test_the_same_line_has_the_same_gestures(performer):
@@ -329,7 +329,7 @@ def test_a_rig_passes_gestures_on_and_check_leaves_them_out(tmp_path, monkeypatc
     assert shown.columns[shown.poses.index("nod")].node == "head"
     assert rigged.rigged(shown) is shown
     spoken = rigged.rigged(rigged.perform(said()))
-    assert rigged.without_gestures(shown).poses == spoken.poses
+    assert shown.without_gestures().poses == spoken.poses
     assert ll.check(shown).figures == ll.check(spoken).figures
 
 

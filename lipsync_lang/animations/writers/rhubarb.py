@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import TextIO
 
-from lipsync_lang.animations.held import HeldShape, held, of_mouth
+from lipsync_lang.animations.held import HeldShape, held
 from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.model import some
@@ -27,7 +27,8 @@ def _known() -> list[str]:
 def _refuse_others(animation: Animation) -> dict[str, str]:
     """Return Rhubarb's names by their folded form; refuse poses of other names."""
     known = {name.casefold(): name for name in _known()}
-    others = [pose for pose in of_mouth(animation).poses if pose.casefold() not in known]
+    poses = animation.without_gestures().poses
+    others = [pose for pose in poses if pose.casefold() not in known]
     if others:
         unknown = f"{some(others)} {'is' if len(others) == 1 else 'are'} unknown"
         mend = "perform on a character that has those shapes (-c rhubarb)"
