@@ -47,7 +47,8 @@ def engine(settings: Settings) -> G2PEngine:
             lengths[token] = sum(map(len, found))
         clauses = reader.transcribe(plain, voice)
         for text, parts, found in zip(plain, spelled, clauses, strict=True):
-            yield tuple(map(apart, as_written(paired(text, found, lengths), parts)))
+            words = paired(text, found, lengths)
+            yield tuple(map(apart, as_written(words, parts) if respell else words))
 
     lengths: dict[str, int] = {}
     known = frozenset(map(normalise, settings.labels))
