@@ -92,12 +92,12 @@ class LanguageText(Strict):
     and a spelling that is one part twice, such as `haha`, as a whole. Null removes a shared one."""
     abbreviations: dict[Text, str] = Field(default={})
     """The words for abbreviations and signs. `#` in a spelling is a number, `##` a number of two
-    digits, `~` a Roman numeral. `{1}` in the words is the first of them, and `{1:ordinal}` its word
-    in a list of `numbers`. A number and a full stop, `#.`, stand before a small letter. Words
-    with a full stop at their end end a sentence where a capital follows. Other spellings with a
-    capital and a full stop are titles, and stand before a name; the words after `|` serve without
-    one, as in `Saint|Street`. `…str.` is the end of a word. `{month}` in both is each word of the
-    list `month`."""
+    digits, `~` a Roman numeral, and `*` two or more letters of a word: `"1 *a": "una {1}a"`. `{1}`
+    in the words is the first of them, and `{1:ordinal}` its word in a list of `numbers`. A number
+    and a full stop, `#.`, stand before a small letter. Words with a full stop at their end end a
+    sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
+    stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
+    of a word. `{month}` in both is each word of the list `month`."""
     lists: dict[Text, tuple[Text, ...]] = Field(default={})
     """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`."""
     numbers: dict[Text, tuple[str, ...]] = Field(default={})

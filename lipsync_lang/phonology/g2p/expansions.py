@@ -1,11 +1,11 @@
 """Abbreviations, signs, Roman numerals and ruby, replaced by spoken words.
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
-and so on, `~` for a Roman numeral; `{1}` in its expansion is the first of them, and `{1:ordinal}`
-its word in the list `ordinal`. A space of a key may be missing in the text. An expansion with a
-full stop at its end ends a sentence where a capital follows; others with a capital and a full stop
-are titles, which stand before a name; the words after `|` serve without one. A key after `…` is
-the end of a word.
+and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
+first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
+the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
+with a capital and a full stop are titles, which stand before a name; the words after `|` serve
+without one. A key after `…` is the end of a word.
 """
 
 import re
@@ -90,7 +90,7 @@ class _Keys:
         self._beginnings: dict[str, dict[tuple[str, bool], list[str]]] = {}
         self._ends = {key[1:]: read for key, read in self._expansions.items() if key[0] == "…"}
         for key in self._expansions:
-            literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~]", key[1:])[0]
+            literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
             numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
@@ -161,7 +161,7 @@ class _Keys:
             found = _expression(key).match(text, at)
             if found and key[0] == "~" and not roman(found[1]):
                 continue
-            in_word = key[-1].isalpha() or key[-1] == "."
+            in_word = key[-1].isalnum() or key[-1] == "."
             after = text[found.end() : found.end() + 2] if found else ""
             # `les 2 m'ont vu`
             after = after.lstrip("'’") if key[-2:-1] == " " else after
@@ -186,7 +186,7 @@ class _Keys:
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
                 return words[value - 1]
-            if written.isalpha():
+            if value and written.isalpha():
                 return str(value)
             return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
 
@@ -333,6 +333,8 @@ def _expression(key: str) -> re.Pattern[str]:
         if part.startswith("#")
         else _OPTIONAL_SPACE
         if part == " "
+        else r"([^\W\d_]{2,})"
+        if part == "*"
         # "Le" and "Ce" are words, and no numerals with an ending
         else ("([IVX]{1,6})" if after.isalpha() else "([IVXLC]{1,7})(?![A-Za-z])")
         if part == "~"
@@ -343,8 +345,10 @@ def _expression(key: str) -> re.Pattern[str]:
         parts[0] = f"[{_either(key[0])}]"
     elif key[:1] == "#" != key[1:2]:
         parts[0] = f"([{_MINUS}]?" + parts[0][1:]
+    if "*" in key:
+        parts.append(r"(?![^\W\d_])")
     if key[-1] == "#" or key[-1].isdigit():
-        parts.append(r"(?!\d|[.,/:-]\d)")
+        parts.append(r"(?!\d|[.,/:-]\d|\.?[ºª])")
     return re.compile("".join(parts))
 
 

@@ -3,8 +3,8 @@
 Its models are small, and come as packages (`g2p2-group-...`). They are read from there: g2p2 itself
 would download a model that is missing, which nothing here does.
 
-Words with vowel points are read by the engine that the pack names as `otherwise`: the models know
-no points.
+Words with vowel points are read by the rules of the pack, or by the engine that it names as
+`otherwise`: the models know no points.
 """
 
 import lzma
@@ -42,9 +42,8 @@ def engine(settings: Settings) -> G2PEngine:
     """Read text with the g2p2 model of the language's code, from an installed package."""
     model = _model(settings.code or "", settings.language)
     known = frozenset(map(normalise, settings.labels))
-    other = (
-        G2P_ENGINES.find(settings.otherwise, SpeechError)(settings) if settings.otherwise else None
-    )
+    pointing = "rules" if settings.rules else settings.otherwise
+    other = G2P_ENGINES.find(pointing, SpeechError)(settings) if pointing else None
 
     @lru_cache(CACHED_WORDS)
     def read_word(word: str) -> SpokenWord:

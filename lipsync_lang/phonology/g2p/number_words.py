@@ -25,7 +25,7 @@ def number_words(
 
     A rule serves its number and all up to the next rule. `>` in it is the rest, `<` how many
     tens, hundreds, thousands or millions there are; a part in brackets needs a rest other than 0.
-    `<<` and `>>` count in the number of the rule itself, such as 100000, instead.
+    A rule with `<<` or `>>` counts in its own number, such as 100000, instead.
     `>{joined}` and `<{joined}` go by the `named` rules `joined`. An empty rule leaves its numbers
     and larger ones as digits.
 
@@ -55,7 +55,11 @@ def _of_digits(rules: Rules, digits: str, named: Mapping[str, Rules]) -> str:
 def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
     start = max((int(key) for key in rules if int(key) <= value), default=0)
     words = rules.get(str(start), "")
-    power = start if "<<" in words else next((one for one in _POWERS if one <= start), 0)
+    power = (
+        start
+        if "<<" in words or ">>" in words
+        else next((one for one in _POWERS if one <= start), 0)
+    )
     if not power or not words:
         return rules.get(str(value)) or str(value)
     quotient, rest = divmod(value, power)
