@@ -1,4 +1,4 @@
-"""Abbreviations, signs, Roman numerals and ruby, replaced by spoken words.
+"""Abbreviations, signs, Roman numerals, spelled capitals and ruby, replaced by spoken words.
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
 and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
@@ -40,6 +40,8 @@ _AFTER_NAME = re.compile(
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+[a-z]")
 """An `I` after a name that may be the English word."""
+
+_CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
 
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
@@ -99,7 +101,7 @@ class _Keys:
         signs = "".join(
             re.escape(first)
             for first in self._beginnings
-            if not first.isalnum() | (first in _MINUS)
+            if not (first.isalpha() or first.isdecimal() or first in _MINUS)
         )
         starts = [rf"(?<=[^\W\d_]){re.escape(end)}(?!\w)" for end in self._ends]
         starts += [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
@@ -243,7 +245,8 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        for one in sorted((*ruby, *self._keys.find(text), *self._roman(text))):
+        others = (*ruby, *self._keys.find(text), *self._roman(text), *self._spelled(text))
+        for one in sorted(others, key=lambda one: one.start):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
         return found
@@ -251,6 +254,14 @@ class Expansions:
     @cached_property
     def _keys(self) -> _Keys:
         return _Keys(self._forms)
+
+    def _spelled(self, text: str) -> Iterator[Replacement]:
+        """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none."""
+        names = self._forms.letters
+        for one in _CAPITALS.finditer(text) if names else ():
+            known = one[0].lower() in self._forms.interjections
+            if not known and names.keys() >= set(one[0]):
+                yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
