@@ -90,7 +90,7 @@ class EntryWords:
     def _differing(self) -> frozenset[str]:
         """Words that the two engines of the language read differently; none if it has one."""
         manner = self._speaker.manner
-        if manner.settings.otherwise is None:
+        if manner.settings.otherwise in (None, manner.engine):
             return frozenset()
         settings = replace(manner.settings, otherwise=None)
         words = [one.what for one in self._all.tallies()[:MAX_COMPARED_WORDS]]

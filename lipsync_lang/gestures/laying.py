@@ -71,6 +71,7 @@ class GestureSet:
     words: dict[str, tuple[str, ...]]
     """Facts that each word of the language, in lower case, is."""
     _laid: dict[tuple[int, float], LaidCurve] = field(default_factory=dict)
+    _kept: dict[float, Any] = field(default_factory=dict)
 
     @classmethod
     def from_plain(cls, data: dict[str, Any]) -> Self:
@@ -128,13 +129,15 @@ class GestureSet:
         """Names of facts, in the order of the compiled kernel; those of words come last."""
         return *LINE_FACTS, *sorted({one for facts in self.words.values() for one in facts})
 
-    def compiled(self, kernel: Any, manners: Ints, silence: int, fps: float) -> Any:
-        """Give the gestures at a frame rate to the compiled kernel.
+    def kept(self, kernel: Any, manners: Ints, silence: int, fps: float) -> Any:
+        """Return the compiled kernel's copy of the gestures at a frame rate.
 
         Parameters
         ----------
         manners, silence : sound class of each common phoneme, and the number of silence
         """
+        if fps in self._kept:
+            return self._kept[fps]
         shapes, spans, numbers, moved, amounts = self.shapes, [], [], [], []
         for number, one in enumerate(shapes):
             peak, before, block = self.laid(number, fps)
@@ -144,7 +147,7 @@ class GestureSet:
             moved += poses
             amounts.append(block[:, poses].ravel())
         flat = np.concatenate(amounts)
-        return kernel.gestures(
+        kept = self._kept[fps] = kernel.gestures(
             np.empty, len(shapes), len(self.poses), len(self.facts), len(manners), silence,
             len(moved), len(flat), fps, manners,
             np.concatenate((self.low, self.high, self.speed / fps)), np.array(spans, np.intp),
@@ -153,6 +156,7 @@ class GestureSet:
             np.array([[fact in one.at for fact in self.facts] for one in shapes]),
             np.array(moved, np.intp), flat,
         )  # fmt: skip
+        return kept
 
     def laid(self, number: int, fps: float) -> LaidCurve:
         """Return the curve of a gesture at a frame rate, with a frame on its peak."""

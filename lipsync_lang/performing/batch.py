@@ -125,6 +125,7 @@ def animate(
         from lipsync_lang.performing import gesturing
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
+        settings = {"line": line, **asked}
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
         if kept is not None and not (said.blends or said.overlays or said.bends):
             times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
@@ -135,14 +136,8 @@ def animate(
         poses = tuple(channel.name for channel in channels)
         scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:
-            if asked["whole"] is None:
-                placed = gesturing.placed_by_hand(performer, schedule, line, asked["placed"])
-                facts = performer, schedule, sounds, times, fps, scales, placed
-                weights = gesturing.with_gestures(weights, *facts)
-            else:
-                settings = {"line": line, **asked}
-                part = performer, schedule, times, fps, scales, settings
-                weights = np.concatenate((weights, gesturing.part_curves(*part)[0]), axis=1)
+            facts = performer, schedule, sounds, times, fps, scales, settings
+            weights = gesturing.with_gestures(weights, *facts)
             poses += performer.gesture_set.poses
             channels += performer.gesture_channels
         animation = Animation(
@@ -151,7 +146,7 @@ def animate(
             weights,
             fps,
             schedule,
-            PerformedLine(performer, {"line": line, **asked}),
+            PerformedLine(performer, settings),
             channels=channels,
             model=performer.model,
             neutral=performer.compiled.neutral,

@@ -131,17 +131,42 @@ def _parsed(text: str) -> dict[str, float]:
 def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its settings
     performer: "Performer",
     schedule: "Schedule",
-    sounds: "LabelSounds",
     times: Floats,
     fps: float,
     scales: list[float],
-    by_hand: Sequence[PlacedGesture] = (),
+    settings: Mapping[str, Any],
 ) -> tuple[Floats, list[LaidGesture]]:
-    """Return the curves of gestures over (T,) frames, (T, G), and the gestures."""
-    own = performer.gesture_set
-    start, end = float(times[0]), float(times[-1])
-    facts = line_facts(performer, schedule, sounds, (start, end), by_hand)
-    return own.lay(place(own.shapes, scales, facts), start, len(times), fps)
+    """Return the curves of gestures over (T,) frames, (T, G), and the gestures.
+
+    A part of a line has those of the whole line whose facts lie in the part.
+
+    Parameters
+    ----------
+    settings : options of `Performer.perform`, and the name of the line
+    """
+    own, line, stated = performer.gesture_set, settings.get("line"), settings.get("placed")
+    whole: Any = settings.get("whole")
+
+    def found(said: "Schedule", ends: tuple[float, float]) -> list[PlacedGesture]:
+        by_hand = placed_by_hand(performer, said, line, stated)
+        return place(own.shapes, scales, line_facts(performer, said, ends, by_hand))
+
+    def found_in_whole() -> list[PlacedGesture]:
+        # loudness takes time, and adds no frames
+        said = performer.performance(whole, fps, line=line, styles=styles, intensity=0.0)
+        start, *_, end = said.frames.times().tolist()
+        return found(whole, (start, end))
+
+    if whole is None:
+        placed = found(schedule, (float(times[0]), float(times[-1])))
+    else:
+        styles = settings["styles"]
+        given = performer, fps, repr((scales, line, stated, styles))
+        first = schedule.start if schedule.start > whole.start else -inf
+        last = schedule.end if schedule.end < whole.end else inf
+        every = kept_with(whole, "gestures", given, found_in_whole)
+        placed = [one for one in every if first <= one.fact < last]
+    return own.lay(placed, float(times[0]), len(times), fps)
 
 
 def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
@@ -152,17 +177,17 @@ def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
     times: Floats,
     fps: float,
     scales: list[float],
-    by_hand: Sequence[PlacedGesture],
+    settings: Mapping[str, Any],
 ) -> Floats:
     """Return (T, P) weights of speech and the curves of gestures beside them, (T, P + G)."""
-    own, labels = performer.gesture_set, performer.labels
-    if kernel.compiled is None or by_hand or (own.by_voice and schedule.audio is not None):
-        line = performer, schedule, sounds, times, fps, scales, by_hand
-        return np.concatenate((weights, gesture_curves(*line)[0]), axis=1)
-    copies = performer.gesture_copies
-    if fps not in copies:
-        silence = performer.compiled.tables.silence
-        copies[fps] = own.compiled(kernel.compiled, labels.manners, silence, fps)
+    own, labels, line = performer.gesture_set, performer.labels, settings["line"]
+    by_hand = settings["placed"]
+    if by_hand is None and line is not None:
+        by_hand = performer.compiled.line_deliveries.get(line, {}).get("placed")
+    heard = own.by_voice and schedule.audio is not None
+    if kernel.compiled is None or by_hand or heard or settings["whole"] is not None:
+        curves, _ = gesture_curves(performer, schedule, times, fps, scales, settings)
+        return np.concatenate((weights, curves), axis=1)
     texts, firsts, raised, said = schedule.labels, NO_WORDS, NO_WORDS, NO_WORDS
     if schedule.words:
         words = schedule.words
@@ -173,8 +198,10 @@ def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
             number = own.facts.index
             facts = [(number(f), w.first) for w in words for f in word_facts(own, w.text)]
             said = np.array(facts, np.intp)
+    silence = performer.compiled.tables.silence
+    kept = own.kept(kernel.compiled, labels.manners, silence, fps)
     beside: Floats = kernel.compiled.gesture(
-        copies[fps], weights, np.array(scales, float), times[0], times[-1], sounds.ids,
+        kept, weights, np.array(scales, float), times[0], times[-1], sounds.ids,
         sounds.times, sounds.source, labels.stresses(sounds), schedule.times, texts, firsts,
         raised, said,
     )  # fmt: skip
@@ -189,43 +216,8 @@ def laid_gestures(
     scales = scales_of(performer.compiled, said.settings.get("gestures"), line)
     if scales is None:
         return np.zeros((len(animation), 0)), []
-    schedule, times, fps = animation.schedule, animation.times, animation.fps
-    if said.settings.get("whole") is not None:
-        return part_curves(performer, schedule, times, fps, scales, said.settings)
-    (sounds,) = performer.labels.read([schedule])
-    placed = placed_by_hand(performer, schedule, line, said.settings.get("placed"))
-    return gesture_curves(performer, schedule, sounds, times, fps, scales, placed)
-
-
-def part_curves(  # noqa: PLR0913, PLR0917 as `gesture_curves`
-    performer: "Performer",
-    part: "Schedule",
-    times: Floats,
-    fps: float,
-    scales: list[float],
-    settings: Mapping[str, Any],
-) -> tuple[Floats, list[LaidGesture]]:
-    """Return the curves over the (T,) frames of a part of a line, (T, G), and its gestures.
-
-    They are those of the whole line whose facts lie in the part; one that ends far beyond it is
-    left out.
-    """
-    own, whole, line = performer.gesture_set, settings["whole"], settings["line"]
-
-    def found() -> list[PlacedGesture]:
-        by_hand = placed_by_hand(performer, whole, line, settings["placed"])
-        # loudness takes time, and adds no frames
-        said = performer.performance(
-            whole, fps, line=line, styles=settings["styles"], intensity=0.0
-        )
-        start, *_, end = said.frames.times().tolist()
-        return place(own.shapes, scales, line_facts(performer, whole, None, (start, end), by_hand))
-
-    given = performer, fps, repr((scales, line, settings["placed"], settings["styles"]))
-    first = part.start if part.start > whole.start else -inf
-    last = part.end if part.end < whole.end else inf
-    placed = [one for one in kept_with(whole, "gestures", given, found) if first <= one.fact < last]
-    return own.lay(placed, float(times[0]), len(times), fps)
+    line_at = performer, animation.schedule, animation.times, animation.fps
+    return gesture_curves(*line_at, scales, said.settings)
 
 
 def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
@@ -284,7 +276,6 @@ def _seeds(schedule: "Schedule") -> tuple[list[float], list[int]]:
 def line_facts(
     performer: "Performer",
     schedule: "Schedule",
-    sounds: "LabelSounds | None" = None,
     ends: tuple[float, float] | None = None,
     by_hand: Sequence[PlacedGesture] = (),
 ) -> LineFacts:
@@ -292,13 +283,11 @@ def line_facts(
 
     Parameters
     ----------
-    sounds : the sounds of its labels, if they are read already
     ends : times of its first and last frame; None for those of the schedule
     by_hand : gestures that a person placed
     """
     own = performer.gesture_set
-    if sounds is None:
-        (sounds,) = performer.labels.read([schedule])
+    (sounds,) = performer.labels.read([schedule])
     phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
     facts = {
         "phrase_end": [LineFact(end) for _, end in phrases],

@@ -126,11 +126,6 @@ class Performer:
 
         return tuple(Channel(**fields, gesture=True) for fields in self.gesture_set.channels)
 
-    @cached_property
-    def gesture_copies(self) -> dict[float, Any]:
-        """The compiled kernel's copies of the gestures, by frame rate."""
-        return {}
-
     @property
     def report(self) -> "Report":
         """Origin of every bigram of this pair, by layer."""

@@ -25,7 +25,7 @@ def engines_of(
     if manner.engine is not None:
         yield "|".join(filter(None, (manner.engine, manner.settings.otherwise)))
     if manner.settings.respell:
-        yield manner.settings.respell
+        yield "|".join(filter(None, (manner.settings.respell, manner.settings.otherwise)))
     if heard:
         yield from (name.partition(":")[0] for name in manner.audio.align[:1])
     voice = tts or (manner.voice[0] if manner.voice else NO_ENGINE)

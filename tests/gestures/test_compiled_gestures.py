@@ -52,16 +52,17 @@ def line_of(poseset, schedule, fps, scale):
     times = schedule.start - 0.1 + np.arange(int((schedule.end + 0.3) * fps) + 2) / fps
     scales = [scale * (number % 3 != 1) for number in range(len(performer.gesture_set.shapes))]
     weights = np.arange(2.0 * len(times)).reshape(-1, 2)
-    return weights, (performer, schedule, sounds, times, fps, scales, [])
+    settings = {"line": None, "placed": None, "whole": None}
+    return weights, sounds, (performer, schedule, times, fps, scales, settings)
 
 
 @given(st.sampled_from(POSE_SETS), sounds_of, words_of, RATES, st.sampled_from([0.4, 1.0, 2.0]))
 @example("arkit", [(4, 0.3)] * 60, [(0, 3, "no", True)] * 12, 60.0, 2.0)
 @example("facefx", [(3, 0.08), (0, 0.3)] * 30, [], 60.0, 1.0)
 def test_the_kernel_gives_the_bytes_of_the_modules(poseset, sounds, words, fps, scale):
-    weights, line = line_of(poseset, spoken(sounds, words), fps, scale)
+    weights, read, line = line_of(poseset, spoken(sounds, words), fps, scale)
     curves, _ = gesture_curves(*line)
-    made = with_gestures(weights, *line)
+    made = with_gestures(weights, *line[:2], read, *line[2:])
     assert made[:, :2].tobytes() == weights.tobytes()
     assert made[:, 2:].tobytes() == curves.tobytes()
 

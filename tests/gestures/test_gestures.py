@@ -16,7 +16,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.gestures.laying import GestureSet
 from lipsync_lang.gestures.pitch import pitches
 from lipsync_lang.gestures.placing import LineFact, LineFacts, PlacedGesture, place
-from lipsync_lang.performing.gesturing import gesture_curves, line_facts, placed_by_hand
+from lipsync_lang.performing.gesturing import gesture_curves, line_facts
 from lipsync_lang.schedules.schedule import Audio, Word
 
 BLINK = [[0, 0], [0.08, 1], [0.12, 1], [0.26, 0]]
@@ -231,10 +231,9 @@ def test_emphasis_draws_the_brows(performer):
     schedule = said()
     marked = replace(schedule, words=[replace(w, emphasis=float(w is schedule.words[5]))
                                       for w in schedule.words])  # fmt: skip
-    (sounds,) = performer.labels.read([marked])
     times = np.arange(0, 6, 1 / 60)
     scales = [1.0] * len(performer.gesture_set.shapes)
-    _, laid = gesture_curves(performer, marked, sounds, times, 60, scales)
+    _, laid = gesture_curves(performer, marked, times, 60, scales, {})
     facts = [one.gesture.fact for one in laid if one.gesture.trigger == "emphasis"]
     near = [at for at in facts if abs(at - marked.words[5].start) <= 0.5]
     assert all(marked.words[5].start <= at < marked.words[5].end for at in near)
@@ -249,9 +248,8 @@ def test_a_raised_voice_gives_height(performer):
     tone = np.where((times > 2) & (times < 2.6), 170.0, 110.0)
     sound = (6000 * np.sin(2 * np.pi * np.cumsum(tone) / rate)).astype(np.int16)
     heard = replace(schedule, audio=Audio(sound, rate))
-    (sounds,) = performer.labels.read([heard])
     scales = [1.0] * len(performer.gesture_set.shapes)
-    laid = gesture_curves(performer, heard, sounds, np.arange(0, 6, 1 / 60), 60, scales)[1]
+    laid = gesture_curves(performer, heard, np.arange(0, 6, 1 / 60), 60, scales, {})[1]
     nods = [one.gesture for one in laid if one.gesture.trigger == "stress"]
     high = [one.height for one in nods if 2 < one.fact < 2.5]
     low = [one.height for one in nods if one.fact < 1.5]
@@ -339,11 +337,9 @@ def test_a_rig_passes_gestures_on_and_check_leaves_them_out(tmp_path, monkeypatc
 
 
 def triggers(performer, schedule, line=None, times=None):
-    (sounds,) = performer.labels.read([schedule])
     scales = [1.0] * len(performer.gesture_set.shapes)
     times = np.arange(0, schedule.end, 1 / 60) if times is None else times
-    by_hand = placed_by_hand(performer, schedule, line)
-    _, laid = gesture_curves(performer, schedule, sounds, times, 60, scales, by_hand)
+    _, laid = gesture_curves(performer, schedule, times, 60, scales, {"line": line})
     names = [shape.name for shape in performer.gesture_set.shapes]
     return [(names[one.gesture.number], one.gesture.trigger, one.gesture.fact) for one in laid]
 

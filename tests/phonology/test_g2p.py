@@ -15,10 +15,17 @@ from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import Language
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
-from lipsync_lang.phonology.g2p import G2P_ENGINES, RESPELLERS, Settings, SpokenWord, engine
+from lipsync_lang.phonology.g2p import (
+    G2P_ENGINES,
+    RESPELLERS,
+    Settings,
+    SpokenWord,
+    engine,
+    tashkeel,
+)
 from lipsync_lang.phonology.g2p.corrections import corrector
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts
+from lipsync_lang.phonology.g2p.espeak_g2p import as_written, paired, parts
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, MissingReaderError, Rule, respeller
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.phonology.g2p.rules import (
@@ -385,6 +392,35 @@ def test_models_of_g2p2_read_words_and_leave_points_to_the_rules():
     ]  # fmt: skip
     with pytest.raises(SpeechError, match="no installed package has a g2p2 model of 'xx'"):
         engine("g2p2", Settings("x", code="xx"))
+
+
+def test_vowel_marks_are_guessed_for_words_that_have_none(monkeypatch):
+    def mark(text):
+        return "".join(c + "\u064e" * ("\u0621" <= c <= "\u064a") for c in text)
+
+    monkeypatch.setattr(tashkeel, "_marker", lambda: mark)
+    text = "كتب، ذَهب (hello) " + "نعم " * 600
+    pairs = tashkeel.respell(text)
+    assert "".join(written for written, _ in pairs) == text
+    read = "".join(spelled for _, spelled in pairs)
+    assert read.startswith("كَتَبَ، ذَهب (hello) نَعَمَ"), "a word that has marks keeps them"
+    words = [SpokenWord("كَتَبَ", ("k",)), SpokenWord(",", ()), SpokenWord("ذَهب (hello) نَعَمَ", ("h",))]
+    first, _, second = as_written(words, pairs)
+    assert (first.text, first.respelled) == ("كتب", "كَتَبَ")
+    assert (second.text, second.respelled) == ("ذَهب (hello) نعم", "ذَهب (hello) نَعَمَ")
+    monkeypatch.setattr(tashkeel, "_marker", lambda: lambda text: text[1:])
+    assert tashkeel.respell("كتب") == [("كتب", "كتب")], "letters that a model changes are not taken"
+    monkeypatch.setattr(tashkeel, "_marker", lambda: None)
+    assert tashkeel.respell("كتب") == [("كتب", "كتب")], "without the extra"
+
+
+def test_a_voice_of_sentences_reads_guessed_vowels_under_the_words_of_the_user():
+    pytest.importorskip("dengjen_tashkeel_py", reason="the tashkeel extra is not installed")
+    pytest.importorskip("espeakng_loader", reason="speaks")
+    settings = Settings("x", voice="ar", respell="tashkeel")
+    (found,) = engine("espeak", settings)(["ذهب الولد إلى المدرسة."])
+    assert [word.text for word in found] == ["ذهب", "الولد", "إلى", "المدرسة"]
+    assert "".join(found[0].labels) == "ðahaba"
 
 
 def test_stated_readings_count_for_whole_words_between_their_contexts():

@@ -96,7 +96,8 @@ class LanguageText(Strict):
     in the words is the first of them, and `{1:ordinal}` its word in a list of `numbers`. A number
     and a full stop, `#.`, stand before a small letter. Words with a full stop at their end end a
     sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
-    stand before a name. `{month}` in both is each word of the list `month`."""
+    stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
+    of a word. `{month}` in both is each word of the list `month`."""
     lists: dict[Text, tuple[Text, ...]] = Field(default={})
     """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`."""
     numbers: dict[Text, tuple[str, ...]] = Field(default={})
@@ -106,8 +107,12 @@ class LanguageText(Strict):
     """Rules that put the words of numbers together, by name, used as a list of `numbers` is.
     `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
     many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
-    `>{joined}` and `<{joined}` go by the rules `joined`. From an empty rule on, numbers are read as
-    the engine reads them."""
+    `>{joined}` and `<{joined}` go by the rules `joined`; `<<` and `>>` count in the number of the
+    rule itself, such as 100000. From an empty rule on, numbers are read as the engine does."""
+    thousands: str = Field(default="", max_length=1)
+    """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
+    decimal: str = ""
+    """The word of the decimal sign in numbers whose words come from `number_rules`."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})

@@ -5,7 +5,7 @@ It says a text clause by clause and tells its words apart, but not which of the 
 themselves, they are these; else the clause is one `SpokenWord` as a whole.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from types import MappingProxyType
 
@@ -46,8 +46,9 @@ def engine(settings: Settings) -> G2PEngine:
         for token, found in zip(unmet, reader.transcribe(unmet, voice), strict=True):
             lengths[token] = sum(map(len, found))
         clauses = reader.transcribe(plain, voice)
-        for text, found in zip(plain, clauses, strict=True):
-            yield tuple(map(apart, paired(text, found, lengths)))
+        for text, parts, found in zip(plain, spelled, clauses, strict=True):
+            words = paired(text, found, lengths)
+            yield tuple(map(apart, as_written(words, parts) if respell else words))
 
     lengths: dict[str, int] = {}
     known = frozenset(map(normalise, settings.labels))
@@ -66,6 +67,29 @@ def engine(settings: Settings) -> G2PEngine:
         return said._replace(labels=tuple(labels), stress=marks)
 
     return read
+
+
+def as_written(
+    words: Iterable[SpokenWord], parts: Sequence[tuple[str, str]]
+) -> Iterator[SpokenWord]:
+    """Yield words in the user's spelling; `parts` are (user's spelling, the one that was read)."""
+    written = "".join(piece for piece, _ in parts)
+    read = "".join(spelling for _, spelling in parts)
+    at = 0
+    places: list[int] = []  # in the user's text, of each character that was read
+    for piece, spelling in parts:
+        places += (at + min(n, len(piece)) for n in range(len(spelling)))
+        at += len(piece)
+    places.append(at)
+    done = 0
+    for word in words:
+        start = read.find(word.text, done) if word.labels else -1
+        if start < 0:
+            yield word
+            continue
+        done = start + len(word.text)
+        text = written[places[start] : places[done]]
+        yield word if text == word.text else word._replace(text=text, respelled=word.text)
 
 
 def known_as(label: str, known: Collection[str]) -> bool:

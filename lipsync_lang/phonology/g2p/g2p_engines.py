@@ -113,7 +113,9 @@ WHISPER = "\u0325"
 """Mark in respelled text of a vowel without voice. Labels may hold it; no voice reads it."""
 
 RESPELLERS: Extensions[Respeller] = Extensions(
-    "respellers", "respeller", modules={"kana": f"{_HERE}.kana"}
+    "respellers",
+    "respeller",
+    modules={"kana": f"{_HERE}.kana", "tashkeel": f"{_HERE}.tashkeel"},
 )
 """Functions that respell text, by name."""
 
