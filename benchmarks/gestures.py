@@ -9,7 +9,8 @@ talking, silent   gestures a minute of lines, with lead-in and tail, and of rest
 head              two standard deviations of the turns of bones in speech, in degrees
 same              share of the lines that repeat with the same bytes
 before            share of the lines whose gestures stay up to 1 s before a changed last word
-cost              microseconds that gestures add to a line of 40 phonemes without sound
+cost              microseconds that gestures add to a line of 40 phonemes without sound; and to one
+                  of ten words with marks of stress
 """
 
 import argparse
@@ -33,15 +34,15 @@ TALK = (
     "Why should I believe you?", "Because I have never lied to you.", "Well, that is true.",
     "Do you want to stay for dinner?", "Nothing would make me happier.",
 )  # fmt: skip
+WORDS = "no you did not see the key there my friend"
 LINES, FPS, REST_SECONDS, ROUNDS = 100, 60, 600.0, 200
 
 
 def laid(performer: ll.Performer, line: ll.Schedule) -> tuple[np.ndarray, Counter[str], float]:
     """Return the turns of a line's gestures, their number by name, and its minutes."""
     times = performer.perform(line, FPS).times
-    (sounds,) = performer.labels.read([line])
     scales = [1.0] * len(performer.gesture_set.shapes)
-    curves, found = gesture_curves(performer, line, sounds, times, FPS, scales)
+    curves, found = gesture_curves(performer, line, times, FPS, scales, {})
     own = performer.gesture_set
     turns = curves[:, [channel["node"] is not None for channel in own.channels]]
     counts = Counter(own.shapes[one.gesture.number].name for one in found)
@@ -74,10 +75,8 @@ def steady(performer: ll.Performer, lines: Sequence[ll.Schedule]) -> tuple[float
     return same / len(lines), before / len(lines)
 
 
-def cost(performer: ll.Performer) -> float:
-    """Return the microseconds that gestures add to 40 phonemes: the least of several rounds."""
-    words = ("k", "æ", "t", "b", "iː") * 8
-    line = ll.Schedule(words, np.arange(41) * 0.08, notation="ipa", language="english")
+def cost(performer: ll.Performer, line: ll.Schedule) -> float:
+    """Return the microseconds that gestures add to a line: the least of several rounds."""
 
     def least(gestures: str | None) -> float:
         found = []
@@ -96,13 +95,17 @@ def measured(poseset: str, lines: Sequence[ll.Schedule]) -> dict[str, object]:
     rest = ll.Schedule(("_",), [0, REST_SECONDS])
     turns = np.concatenate([laid(performer, line)[0] for line in lines])
     same, before = steady(performer, lines)
+    plain = ll.Schedule(("k", "æ", "t", "b", "iː") * 8, np.arange(41) * 0.08, notation="ipa")
+    words = [ll.Word(text, 4 * n, 4 * n + 4) for n, text in enumerate(WORDS.split())]
+    worded = replace(plain, labels=("k", "ˈæ", "t", "b", "iː") * 8, words=words)
     return {
         "talking": rates(performer, lines),
         "silent": rates(performer, [rest]),
         "head_degrees": 2 * float(np.sqrt(turns.var(axis=0).sum())),
         "same": same,
         "before": before,
-        "cost_us": cost(performer),
+        "cost_us": cost(performer, plain),
+        "words_cost_us": cost(performer, worded),
     }
 
 
@@ -122,7 +125,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("  a minute     talking  silent")
         for gesture, rate in found["talking"].items():
             print(f"  {gesture:<12} {rate:7.1f} {found['silent'][gesture]:7.1f}")
-        print(f"  head {found['head_degrees']:.1f} degrees; cost {found['cost_us']:.0f} us")
+        costs = f"cost {found['cost_us']:.0f} us, {found['words_cost_us']:.0f} us with words"
+        print(f"  head {found['head_degrees']:.1f} degrees; {costs}")
         print(f"  same bytes {found['same']:.0%}; same up to 1 s before {found['before']:.0%}")
     json_figures.write_figures(options.json, {"posesets": figures, "lines": len(lines)})
     return 0

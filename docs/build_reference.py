@@ -459,8 +459,15 @@ def posesets() -> str:
         if (HERE.parent / "images" / f"{model.name}-poses.png").is_file():
             sheet = f"../images/{model.name}-poses.png"
             parts.append(f"![Every pose of {model.title} on its model, alone]({sheet})")
-        rows = [(f"`{name}`", pose.region, pose.title) for name, pose in model.poses.items()]
-        parts.append(table(("pose", "region", "shape"), rows))
+        groups = {
+            "pose": model.poses,
+            "pose that few models have": model.optional_poses,
+            "pose of gestures": model.gesture_poses,
+        }
+        for heading, own in groups.items():
+            rows = [(f"`{name}`", pose.region, pose.title) for name, pose in own.items()]
+            if rows:
+                parts.append(table((heading, "region", "shape"), rows))
         for rig in library.rigs(model.name):
             lost = losses(library, rig)
             told = [(f"`{one.pose}`", f"{one.shown:.2f}", one.what, one.why) for one in lost]

@@ -1,10 +1,9 @@
-"""Draw the pictures of the studio and of the page of a voice into docs/images or another folder.
+"""Draw the pictures of the studio, of the page of a line and of that of a voice into docs/images.
 
-    python docs/draw_studio.py [FOLDER] [--only studio|hour|voice]
+    python docs/draw_studio.py [FOLDER] [--only studio|hour|line|voice]
 
-A headless browser uses both as the tests do (tests/browser/studio.mjs and voice.mjs), so it needs
-what they need: Chromium, and LIPSYNC_LANG_NODE_MODULES with playwright-core. Pillow writes the
-pictures.
+A headless browser uses them by scripts of tests/browser, so it needs what the tests need: Chromium,
+and LIPSYNC_LANG_NODE_MODULES with playwright-core. Pillow writes the pictures.
 """  # noqa: INP001 a script, not a package
 
 import argparse
@@ -33,6 +32,8 @@ COLOURS = 192
 
 FILM_MS, FILM_PIXELS, VOICE_PIXELS = 90, (960, 540), (800, 368)
 HOUR_MS, HOUR_PIXELS = 1600, (980, 630)
+
+PAGED = "Please buy five more maps before Bob moves away."
 
 SAID = "Bob may buy a map of Mali by now, or so my mother told me."
 
@@ -98,6 +99,24 @@ def draw_hour(folder: Path) -> None:
         moving(sorted(Path(made).glob("*.png")), folder / "studio-hour.webp", HOUR_PIXELS, HOUR_MS)
 
 
+def draw_line(folder: Path) -> None:
+    """Draw the page of a line on a desktop, and on a phone beside that of two takes."""
+    with TemporaryDirectory() as made:
+        drawn = Path(made)
+        line, takes = drawn / "line.html", drawn / "takes.html"
+        run = [sys.executable, "-m", "lipsync_lang", "run", PAGED, "-l", "english", "-c", "facefx"]
+        for page, more in ((line, ()), (takes, ("--against", "keyframes"))):
+            subprocess.run([*run, *more, "-o", page], check=True)  # noqa: S603 our own program
+        browse("line_album.mjs", line, takes, drawn)
+        files = [drawn / f"{name}.png" for name in ("desktop", "light", "dark")]
+        desktop, light, dark = (Image.open(file).convert("RGB") for file in files)
+        phones = Image.new("RGB", (light.width + dark.width, light.height))
+        phones.paste(light, (0, 0))
+        phones.paste(dark, (light.width, 0))
+        for name, picture in (("line-page", desktop), ("line-page-phone", phones)):
+            picture.quantize(COLOURS).save(folder / f"{name}.png", optimize=True)
+
+
 def draw_voice(folder: Path) -> None:
     """Draw the page of a voice as somebody talks; the browser hears a recording."""
     with TemporaryDirectory() as made, served("live", "--page", "-c", "facefx") as address:
@@ -111,7 +130,7 @@ def draw_voice(folder: Path) -> None:
         moving(frames[:-1], folder / "voice-page.webp", VOICE_PIXELS, lasts)
 
 
-DRAWN = {"studio": draw_studio, "hour": draw_hour, "voice": draw_voice}
+DRAWN = {"studio": draw_studio, "hour": draw_hour, "line": draw_line, "voice": draw_voice}
 
 
 def main() -> None:

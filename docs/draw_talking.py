@@ -75,7 +75,8 @@ class Page:
 
     def _curves(self) -> None:
         left, right = FACE + 84, WIDTH - EDGE
-        poses = [p for p in self.animation.poses if self.animation[p].max() > 0.05]  # noqa: PLR2004
+        columns = zip(self.animation.columns, self.animation, strict=True)
+        poses = [p for c, (p, curve) in columns if curve.max() > 0.05 and not c.gesture]  # noqa: PLR2004
         row = (FACE - 2 * EDGE) / len(poses)
         for number, pose in enumerate(poses):
             foot = BAR + EDGE + (number + 1) * row
@@ -143,7 +144,7 @@ def performed() -> ll.Animation:
     path = Path(os.environ["LIPSYNC_LANG_TEST_DATA"], RECORDING)
     text = path.with_suffix(".lab").read_text("utf-8").strip().lower()
     schedule = ll.align(path.with_suffix(".flac"), text, LANGUAGE)
-    return ll.resolve(LANGUAGE, CHARACTER).perform(schedule, fps=60)
+    return ll.resolve(LANGUAGE, CHARACTER).perform(schedule, fps=60, gestures="all")
 
 
 def moving(frames: list[Image.Image], path: Path, fps: float = FPS, quality: int = QUALITY) -> None:

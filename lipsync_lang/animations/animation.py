@@ -254,6 +254,18 @@ class Animation:
         inside = (self.times > self.schedule.start - half) & (self.times < self.schedule.end + half)
         return replace(self, times=self.times[inside], weights=self.weights[inside])
 
+    def without_gestures(self) -> Self:
+        """Return the animation without the columns of gestures; itself if it has none."""
+        kept = [n for n, channel in enumerate(self.channels) if not channel.gesture]
+        if len(kept) == len(self.channels):
+            return self
+        return replace(
+            self,
+            poses=tuple(self.poses[n] for n in kept),
+            weights=np.ascontiguousarray(self.weights[:, kept]),
+            channels=tuple(self.channels[n] for n in kept),
+        )
+
     def save(
         self,
         path: str | Path,

@@ -1,8 +1,8 @@
 """Formats with a fixed list of shapes.
 
 The lists are text files in `names/`, with one name per line in file order: first the shapes, then,
-after an empty line, the rotations of head and eyes. Speech leaves rotations at 0. Columns match
-shapes by the name rules of `rigs/shape_matching.py`, so spelling variants are accepted.
+after an empty line, the rotations of head and eyes, of which only those of the head move. Columns
+match shapes by the name rules of `rigs/shape_matching.py`, so spelling variants are accepted.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,6 +16,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.rigs.head_turn import HEAD_ANGLES, HeadTurn, head_angles
 from lipsync_lang.rigs.model import some
 from lipsync_lang.rigs.shape_matching import places
 
@@ -36,10 +37,11 @@ def names(file: str) -> FormatNames:
 
 
 def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
-    """Arrange the weights in the fixed order of a format: (T, N), clipped to 0 to 1.
+    """Arrange the weights in the fixed order of a format: (T, N).
 
-    Shapes without a column are 0. If two columns match one shape, the larger weight is used. Raises
-    OutputError if no column matches a shape of the format.
+    Weights are clipped to 0 to 1, and turns of the head are radians. Shapes without a column are 0.
+    If two columns match one shape, the larger weight is used. Raises OutputError if no column
+    matches a shape of the format.
     """
     table = np.zeros((len(animation.times), len(held.shapes) + len(held.turns)))
     found = shapes_held(animation.columns, held, program)
@@ -47,7 +49,16 @@ def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
         for shape in shapes:
             number = held.shapes.index(shape)
             table[:, number] = np.maximum(table[:, number], animation.weights[:, column])
-    return table.clip(0.0, 1.0)
+    table = table.clip(0.0, 1.0)
+    if _turns_head(held):
+        first = len(held.shapes)
+        turned = HeadTurn.of(animation.columns)(animation.weights)
+        table[:, first : first + len(HEAD_ANGLES)] = head_angles(turned)
+    return table
+
+
+def _turns_head(held: FormatNames) -> bool:
+    return held.turns[: len(HEAD_ANGLES)] == HEAD_ANGLES
 
 
 def shapes_held(
@@ -66,7 +77,10 @@ def shapes_held(
 
 def doubts(animation: Animation, file: str, program: str) -> Iterator[str]:
     """Yield warnings about omitted channels and a delayed sound, for a name list."""
-    found = places(animation.columns, names(file).shapes)
+    columns, held = animation.columns, names(file)
+    found = {*places(columns, held.shapes)}
+    if _turns_head(held):
+        found.update(HeadTurn.of(columns).columns)
     yield from _lost(animation, [n for n in range(len(animation.poses)) if n not in found], program)
     yield from late(animation, program)
 
@@ -84,10 +98,11 @@ def first_frame(animation: Animation) -> int:
     return round(float(animation.timeline[0]) * animation.fps)
 
 
-def boneless(animation: Animation, program: str) -> Iterator[str]:
-    """Yield a warning about moving bones, for formats without bones."""
-    bones = [n for n, channel in enumerate(animation.columns) if channel.node is not None]
-    yield from _lost(animation, bones, program)
+def boneless(animation: Animation, program: str, *, head: bool = False) -> Iterator[str]:
+    """Yield a warning about moving bones, for formats without bones, except perhaps the `head`."""
+    shown = HeadTurn.of(animation.columns).columns if head else ()
+    bones = [n for n, one in enumerate(animation.columns) if one.node is not None]
+    yield from _lost(animation, [n for n in bones if n not in shown], program)
 
 
 def late(animation: Animation, program: str) -> Iterator[str]:

@@ -41,6 +41,7 @@ def held(animation: Animation, rest: str) -> list[HeldShape]:
     Spans have no gaps, and neighbours differ. Movement before 0 s and after the sound is cut. An
     animation without a neutral shape shows `rest`.
     """
+    animation = animation.without_gestures()
     end = animation.offset + sound(animation)
     if end <= 0:
         what = f"the sound ends {-end:g} s before the start of the timeline; give a later offset"

@@ -126,12 +126,8 @@ def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, 
         spoken = any(getattr(options, of) is not None for of in ("text", "schedule", "audio"))
         schedule = schedule_for(options, performer) if spoken else None
         return read_for(performer, options.animation, schedule, channels=options.channels)
-    from lipsync_lang.performing.gesturing import gesture_rates
-    from lipsync_lang.performing.performed_line import PerformedLine
 
     animation = perform_line(options, performer, schedule_for(options, performer))
     if options.channels and performer.compiled.rig is None:
         raise LipsyncError(f"{performer.character} has no rig; leave out --channels")
-    said = PerformedLine.of(animation)
-    told = gesture_rates(said, animation) if said and options.gestures else ""
-    return (performer.rigged(animation) if options.channels else animation), (told,) * bool(told)
+    return (performer.rigged(animation) if options.channels else animation), ()

@@ -107,7 +107,7 @@ def run(options: Namespace) -> int:
         export=ExportSettings(offset, error, lines, _against(options, performer, animation)),
     )
 
-    spoken = shown if options.gestures is not None else performer.without_gestures(shown)
+    spoken = shown if options.gestures is not None else shown.without_gestures()
     takes = {path: shown if writer.shows else spoken for path, writer in writers.items()}
 
     def writing(path: Path) -> Callable[[Any], None]:
@@ -115,7 +115,7 @@ def run(options: Namespace) -> int:
 
     outputs = {path: writing(path) for path in writers}
     if options.plot:
-        outputs[options.plot] = _plotting(options, performer.without_gestures(animation))
+        outputs[options.plot] = _plotting(options, animation.without_gestures())
     write_all(outputs)
     print(_summary(performer, spoken, list(outputs)), file=sys.stderr)
     if options.schedule is None and performer.speaker.manner.weak:
@@ -133,7 +133,7 @@ def run(options: Namespace) -> int:
     if options.check:
         from lipsync_lang.quality.check_animation import check
 
-        print(check(animation), file=sys.stderr)
+        print(check(spoken), file=sys.stderr)
     return SOUND
 
 

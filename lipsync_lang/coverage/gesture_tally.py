@@ -32,10 +32,7 @@ class GestureTally:
     def add(self, schedule: "Schedule") -> None:
         """Count the gestures of a line."""
         times = self._performer.performance(schedule, COUNTED_FPS).frames.times()
-        (sounds,) = self._performer.labels.read([schedule])
-        _, laid = gesture_curves(
-            self._performer, schedule, sounds, times, COUNTED_FPS, self._scales
-        )
+        _, laid = gesture_curves(self._performer, schedule, times, COUNTED_FPS, self._scales, {})
         self._counts.update((one.gesture.number, one.gesture.trigger) for one in laid)
         self.seconds += float(times[-1] - times[0])
 

@@ -17,6 +17,9 @@ PITCH_WINDOW_SECONDS = 0.05
 VOICED_LEAST = 0.5
 """Least correlation of a voiced sound with itself a period later."""
 
+BLOCK_PITCHES = 1024
+"""Pitches sought at once, so that an hour of sound needs little memory."""
+
 FIRST_PEAK = 0.9
 """The first peak this close to the highest is the period, for two periods correlate as well."""
 
@@ -30,10 +33,14 @@ def pitches(samples: npt.NDArray[np.int16], rate: float, times: Floats) -> Float
     >>> pitches(tone, 16000, np.array([0.2])).round()
     array([121.])
     """
+    if len(times) > BLOCK_PITCHES:
+        parts = np.split(times, range(BLOCK_PITCHES, len(times), BLOCK_PITCHES))
+        return np.concatenate([pitches(samples, rate, part) for part in parts])
     step = max(int(rate / RATE), 1)  # voices need no more; what is folded in is not periodic
     samples, rate = samples[::step], rate / step
     size = int(PITCH_WINDOW_SECONDS * rate)
-    if len(samples) < size or not len(times):
+    # at fewer than two samples a period, no pitch can be told
+    if rate < 2 * HIGHEST or len(samples) < size or not len(times):
         return np.zeros(len(times))
     firsts = np.clip((times * rate).astype(int) - size // 2, 0, len(samples) - size)
     sound = samples[firsts[:, None] + np.arange(size)].astype(float)

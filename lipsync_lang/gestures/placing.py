@@ -54,6 +54,12 @@ class GestureShape:
         """Least seconds between the beginnings of two."""
         return max(self.apart, self.seconds)
 
+    @cached_property
+    def per_second(self) -> tuple[float, float]:
+        """Times a second in speech, and in silence."""
+        in_speech, in_silence = self.rates or (0.0, 0.0)
+        return in_speech / 60, in_silence / 60
+
 
 class LineFact(NamedTuple):
     """A time at which a gesture may be placed."""
@@ -182,7 +188,7 @@ def _by_itself(
 
     They pass in a clock that runs with the rate of the moment.
     """
-    in_speech, in_silence = (rate / 60 for rate in gesture.rates or (0.0, 0.0))
+    in_speech, in_silence = gesture.per_second
     salt = 2 * number
     seed = line.seed(line.start + OPENING_SECONDS)
     # a line begins at a random place within a gap, and long gaps cover more places

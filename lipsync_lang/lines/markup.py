@@ -5,8 +5,9 @@ These are not spoken, and listed in the result:
 - tags: ``<i>``, ``{i}``, ``{/color}``, ``{\an8}``, ``<#ff0000>``; the words between two tags stay.
   ``<break/>``, ``{w}`` and ``{p}`` are pauses, ``<emphasis>`` is emphasis,
 - ruby, the small reading above a word: ``<rt>..</rt>``, ``{rt}..{/rt}``,
-- placeholders whose value only the game knows: ``{name}``, ``[name]``, ``%s``, ``%(name)s``,
-  ``$name``; notes in square brackets, such as ``[sighs]``, look the same,
+- placeholders whose value only the game knows: ``{name}``, ``[name]``, ``%s``, ``$name``; notes in
+  square brackets, such as ``[sighs]``, look the same,
+- codes of colours, sizes and waits: ``§a``, ``\C[4]``, ``|cFF0000``,
 - asides: ``(laughs)``, ``*sighs*`` (see `asides`),
 - addresses, hashtags, emoji, arrows, notes of music, and signs such as ``~``,
 - passages that a project lists.
@@ -50,70 +51,112 @@ UNSEEN = re.compile("[\u00ad\u034f\u061c\u200e\u200f\u202a-\u202e\u2060-\u2069\u
 APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
 """An apostrophe within a word, in any of its spellings."""
 
-RUBY_TAG = r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>|\{rt\}(?:(?!\{rt\}).)*?\{/rt\}"
-ALIAS_TAG = r"<sub\s[^<>]{0,200}?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<>]*>[^<>]*</sub>"
-MARKUP_TAG = (
-    r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|<%[^<>]*%>|</>"
-    r"|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
-)
-BRACES = r"\{\{(?:[#/^>!][^{}]*|\s*-?\$?[\w.]+\s*(?:[|:][^{}]*)?)\}\}|\{\{|\}\}|[%@#$\\]?\{[^{}]*\}"
-BRACKETS = r"\[\[|\]\]|\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]"
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 """The name of a variable; it ends where a word of another script begins."""
-PERCENT_PLACEHOLDER = (
-    rf"(?<!\d)%%[sd](?![A-Za-z_])|%%|%{NAME[:-1]}+%(?!%|[sd](?![A-Za-z]))|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]|%<\w+>[a-z]?"
-    # glued to a word: `%sen`, `%d個`, `%dfach`, but not `%damage`; a digit before it makes it a
-    # percentage, `5%des` or `5 %des`, and so does the ending of a number, `%50den`
-    r"|(?<!\d)(?<!\d )%(?:(?!d[aeiouyrw][a-z]{3})(?:[+,]|-\d*)?(?:ll?d|[sd@])"
-    r"|\d+d(?=[b-df-hj-np-tvxz]))"
-    r"|%(?:\d+\$[-+#0,]*\d*(?:\.\d+)?|[-+#0,]*\d*\.\d+|0\d+)l{0,2}[sdifuxXoc@]"
-    r"|(?:%[-+#0,]*\d*(?:hh?|ll?|[zj])?[sdifuxXcog@]|(?<!\d)(?<!\d )%-?[A-Za-z])(?![A-Za-z_À-ɏ])"
-    rf"|(?<![\d%])(?<!\d )%[A-Za-z]{NAME}|%L?1(?![\d%'’.,])"
-)
-DOLLAR = (
-    rf"@[\w.]+@|@\d+(?!\w)|#[\w.]+#|\${NAME}(?:\|[^\s$]{{1,4}})?\$|£{NAME}£?|__[A-Z][A-Z0-9_]*__"
-    rf"|(?<![\w:])::?{NAME}::?(?![A-Za-z0-9:])|\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)"
-    rf"|\$(?:{NAME}|[^\W\d]\w*)(?:(?:->|\.)[a-z_][A-Za-z0-9_]*)*"
-)
-RPG_CODE = r"§[A-Za-z!]|§\d(?=[^\W\d])|\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[A-Z](?![a-z])|\\[.|!^<>]"
-"""Codes of RPG Maker, Minecraft and Paradox: colours, names, waits."""
-TEXT_ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
-ASIDE_FORMS = (
-    r"\((?P<round>[^()\[\]{}<>]{1,80})\)|(?P<doublewidth>（[^（）]{1,80}）)"
-    r"|(?<![*\\\w])\*{1,2}(?P<star>[^*\n]{1,80})\*{1,2}(?![*\w])"
-)
-ADDRESS = (
-    r"(?i:https?://|www\.)[^\s<>\"\[\]{}]*[^\s<>\"\[\]{}.,;:!?)]"
-    r"|(?<![\w.+-])[\w+-]{1,64}(?:\.[\w+-]{1,64}){0,4}@[\w-]{1,64}(?:\.[\w-]{1,64}){1,4}"
-)
-HASHTAG = r"(?<![\w&#])#(?=\w*[^\W\d_])\w+"
-WAY_ON = r"(?:->|<-) ?[\w.]+$|<>|(?<= )# ?[^\W\d_]\w*(?:: ?[\w.-]+)?$"
-"""Marks of Ink: diverts, the glue between two lines, and tags."""
+LATIN_CHARS = "A-Za-z0-9À-ɏ"
+NO_PERCENTAGE = r"(?<!\d)(?<!\d )%"
+"""A percent sign that does not follow a number, as in `5%des` and `5 %des`."""
+NO_SHARE = r"(?![\d%]|[.,]\d|['’](?!s\b))"
+"""End of the number of a placeholder, `%1`; a share goes on, as in `%1,5` and `%1'i`."""
 SYMBOL = (
     "[\u2190-\u21ff\u2300-\u23ff\u2500-\u27bf\u27f0-\u27ff\u2900-\u297f\u2b00-\u2bff"
     "\u2022\u203b\u20e3\u3004\u3012\u3013\u3020\u3030\u303d\u3297\u3299\ufe0e\ufe0f"
     "\U0001f000-\U0001fbff\U000e0020-\U000e007f|^`_]"
 )
 """Arrows, shapes, notes of music, emoji and their parts, and marks of typewriters."""
+FORMS = {
+    # colours, sizes, waits and icons of Minecraft, Paradox, Quake, RPG Maker, Rockstar and Warcraft
+    "code": {
+        r"\C[4] \I[5]": r"\\(?![NPV]+\[)[A-Za-z]{1,6}\[[^\[\]]*\]",
+        r"\cff \ca": r"\\c(?:[0-9A-Fa-f]{6}|[0-9A-Fa-f]{2,3}(?![A-Za-z])|[a-z-])",
+        r"\G \. \!": r"\\[A-Z](?![a-z\[])|\\[.|!^<>]",
+        r"\{ \}": r"\\\{(?!\w+\})|\\\}",
+        "§a §!": r"§[A-Za-z!]|§\d(?=[^\W\d])",
+        "&a &6": rf"(?<![{LATIN_CHARS}&])&(?!c\.)[0-9a-fk-or](?![a-z0-9])",
+        "^1 ^xF00": rf"(?<![{LATIN_CHARS})])\^(?:\d|x[0-9A-Fa-f]{{3}})",
+        "|cFF0000 |cffff0000": r"\|c(?:[0-9A-Fa-f]{8}|[0-9A-Fa-f]{6})",
+        "~r~ ~INPUT_JUMP~": r"~(?:[A-Za-z0-9]|[A-Z]+_[A-Z0-9_]+)~",
+    },
+    "tag": {
+        "<rt>かん</rt>": r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>",
+        '<sub alias="x">y</sub>': r"<sub\s[^<>]{0,200}?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"']"
+        r"[^<>]*>[^<>]*</sub>",
+        "<!--x--> <<wait>>": r"<!--.{0,500}?-->|<<[^<>]*>>",
+        "<i> </color> <@user>": r"</?[@$]?[A-Za-z][^<>]*>",
+        "</> <0> </0> <1/>": r"<(?:/?\d{0,2}|\d{1,2}/)>",
+        "<%=x%> <#ff0000> <00:10.5>": r"<%[^<>]*%>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>",
+    },
+    "placeholder": {
+        "@name@ #name#": r"@[\w.]+@|#[\w.]+#",
+        "$NAME$ $NAME|x$ $1$": rf"\$(?:{NAME}|\d)(?:\|[^\s$]{{1,4}})?\$",
+        "£gold £gold£": rf"£{NAME}£?",
+        "__NAME__ __name__": r"__[A-Za-z][A-Za-z0-9_]*?__",
+        ":name: ::name::": rf"(?:(?<!\S)::?{NAME}::?(?!:)"
+        rf"|(?<![{LATIN_CHARS}:])::?{NAME}::?(?![{LATIN_CHARS}:]))",
+        "&player;": rf"(?<![{LATIN_CHARS}])&{NAME};",
+        "@1": rf"@\d(?![\d:{LATIN_CHARS}]|[.,]\d)",
+        "@name @player.name": rf"(?<![{LATIN_CHARS}.])@{NAME}(?:\.{NAME})*",
+        "$[name] $(name) $t(a.b) $sum()": r"\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)",
+        r"$name \$name $имя $a.b $a->b": rf"\\?\$(?:{NAME}|[\u0370-\u052f]\w*)"
+        r"(?:(?:->|\.)[a-z_][A-Za-z0-9_]*)*",
+        r"\N[1] \V[\V[2]]": r"\\[NPV]+\[(?:[^\[\]]|\[[^\[\]]*\])*\]",
+        "{rt}かん{/rt}": r"\{rt\}(?:(?!\{rt\}).)*?\{/rt\}",
+        "{{#if}} {{name|upper}}": r"\{\{(?:[#/^>!][^{}]*|\s*-?\$?[\w.]+\s*(?:[|:][^{}]*)?)\}\}",
+        "{{ }}": r"\{\{|\}\}",
+        r"{name} ${name} #{name} \{name}": r"\\?[%@#$]?\{[^{}]*\}",
+        "[[ ]]": r"\[\[|\]\]",
+        "[name] [a[b]]": r"\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]",
+        # Glued to a word: `%sen`, `%d個`, `%dfach`, but not `%damage` and the ending of `%50den`.
+        "%%name%% %%s %%": r"%%\w+%%|(?<!\d)%%[sd](?![A-Za-z_])|%%",
+        "%NAME% %1%": rf"%(?:{NAME[:-1]}+|\d)%(?!%|[sd](?![A-Za-z]))",
+        "%(name)s %(n).2f": r"%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]",
+        "%<name>s": r"%<\w+>[a-z]?",
+        "%1!s!": r"%\d!\w{1,3}!",
+        "%s %d %-5d %@": rf"{NO_PERCENTAGE}(?!d[aeiouyrw][a-z]{{3}})(?:[+,]|-\d*)?(?:ll?d|[sd@])",
+        "%5dk": rf"{NO_PERCENTAGE}\d+d(?=[b-df-hj-np-tvxz])",
+        "%1$s %.2f %03d": r"%(?:\d+\$[-+#0,]*\d*(?:\.\d+)?|[-+#0,]*\d*\.\d+|0\d+)l{0,2}"
+        r"[sdifuxXoc@]",
+        "%i %*d %zu": r"%[-+#0,]*(?:\d*|\*)(?:hh?|ll?|[zj])?[sdifuxXcog@](?![A-Za-z_À-ɏ])",
+        "%L1 %1": rf"%(?:L\d|1{NO_SHARE})",
+        "%n %-m %item": rf"{NO_PERCENTAGE}(?:-?[A-Za-z](?![A-Za-z_À-ɏ])|(?<!%%)[A-Za-z]{NAME})",
+    },
+    "escape": {r"\n \p \"": r"\\(?:[nrtplf]|(?P<kept>[\\\"'%\[{ ]))"},
+    "aside": {
+        "(laughs)": r"\((?P<round>[^()\[\]{}<>]{1,80})\)",
+        "（笑）": r"（(?P<doublewidth>[^（）]{1,80})）",
+        "*sighs*": r"(?<![*\\\w])\*{1,2}(?P<star>[^*\n]{1,80})\*{1,2}(?![*\w])",
+    },
+    "sign": {
+        "- x": r"^(?:[-+*]+ )+(?=\D)",
+        "->END <>": r"(?:->|<-) ?[\w.]+$|<>",
+        "x # angry": r"(?<= )# ?[^\W\d_]\w*(?:: ?[\w.-]+)?$",
+        "#tag": r"(?<![\w&#])#(?=\w*[^\W\d_])\w+",
+        "}/{ %d/%d": r"(?:(?<=[}\]])|(?<=[%$][sdiu]))/(?=[%${\[\d])",
+        "♪ 👍🏽": rf"{SYMBOL}(?:\u200d?{SYMBOL})*",
+        "<3 --> <= >> <<": r"<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}",
+    },
+    "wave": {"~": r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"},
+}
+"""Kinds of markup: examples, and the pattern that finds them; the first that fits counts."""
+UNSURE_FORMS = {
+    "%2": ("placeholder", rf"%[2-9]{NO_SHARE}", r"%L?1(?!\d)"),
+    "§6": ("code", r"§\d(?!\d)", r"§[A-Za-z]|§\d(?=[^\W\d])"),
+    "&b": ("code", r"&[0-9a-fk-or]", r"&r(?![a-z])"),
+    "^7": ("code", r"\^\d", rf"(?<![{LATIN_CHARS})])\^\d"),
+    "|r": ("code", r"\|r", r"\|c[0-9A-Fa-f]{6}"),
+    "|n": ("escape", r"\|n", r"\|[cr]"),
+}
+"""Examples of markup that may be text: its kind, its pattern, and its proof elsewhere in a line."""
+SILENT_KINDS = frozenset({"code", "tag", "sign", "wave", "face"})
+ADDRESS = (
+    r"(?i:https?://|www\.)[^\s<>\"\[\]{}]*[^\s<>\"\[\]{}.,;:!?)]"
+    rf"|(?<![\w.+-])[\w+-]{{1,64}}(?:\.[\w+-]{{1,64}}){{0,4}}"
+    rf"@[{LATIN_CHARS}-]{{1,64}}(?:\.[{LATIN_CHARS}-]{{1,64}}){{1,4}}"
+)
 EMOTICONS = (
     r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt>oO-][_.][Tt<oO-])"
     r"(?![^\s.,!?])"
 )
-FRACTION = r"(?:(?<=[}\]])|(?<=[%$][sdiu]))/(?=[%${\[\d])"
-"""The stroke of `%d/%d`."""
-BULLET = r"^(?:[-+*]+ )+(?=\D)"
-SYMBOLS = (
-    rf"{BULLET}|{FRACTION}|{SYMBOL}(?:\u200d?{SYMBOL})*"
-    r"|<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}"
-)
-WAVES = r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"
-
-MARKUP_FORMS = (
-    f"{RUBY_TAG}|{ALIAS_TAG}|{DOLLAR}|{WAY_ON}|{MARKUP_TAG}|{BRACES}|{BRACKETS}|{PERCENT_PLACEHOLDER}|(?P<code>{RPG_CODE})|{TEXT_ESCAPE}"
-    f"|{ASIDE_FORMS}|{HASHTAG}|(?P<sign>{SYMBOLS})|(?P<soundless>{WAVES})"
-)
-MARKUP = rf"(?![^\W_]|[\s.,!?'\"])(?:{MARKUP_FORMS})|{ADDRESS}|(?P<face>{EMOTICONS})"
-"""Markup; nearly all of it begins with a character that is neither a letter nor a pause."""
 SUSPECT = re.compile(
     r"[][<>{}%$§£\\(（*~〜～#&@/=]|__|:[A-Za-z_]|^[-+]|www\.|[:;]-?[DPpOo3]|[xX]D|[Tto]\.[Tto]|"
     + SYMBOL
@@ -121,8 +164,8 @@ SUSPECT = re.compile(
 """A trace of markup; text without one is spoken as it is."""
 DOUBLED = {"{{": "", "}}": "", "[[": "", "]]": "", "%%": "%"}
 CLOSING = re.compile(r"([{\[])/(\w+)[}\]]")
-SOUNDLESS = re.compile(r"[<#]|\[/|\{(?:[/\\]|rt\}|\w+=)")
-"""Pattern of the start of markup that leaves no gap."""
+SOUNDLESS = re.compile(r"\[/|\{(?:[/\\]|rt\}|\w+=)")
+"""Pattern of the start of tags in brackets, which leave no gap."""
 PAUSING = re.compile(r"<break\b|\{[wp](?:=[\d.]*)?\}", re.IGNORECASE)
 BREAKING = re.compile(r"</?(?:br|div|h[1-6]|li|p|s|t[dr])\b|\{br\}", re.IGNORECASE)
 """Tags that separate words."""
@@ -216,7 +259,10 @@ class TextCleaner:
 
     def spoken(self) -> SpokenText:
         """Return the spoken text."""
-        pattern, done, at = _markup(self.cleaning.unspoken), 0, 0
+        proven = (
+            kind for kind, (_, _, proof) in UNSURE_FORMS.items() if re.search(proof, self.text)
+        )
+        pattern, done, at = _markup(self.cleaning.unspoken, tuple(proven)), 0, 0
         while found := pattern.search(self.text, at):
             start = found.start()
             if (instead := self._instead(found)) is None:
@@ -225,15 +271,14 @@ class TextCleaner:
             self._say(self._sound(done, start) + instead)
             whole = found[0]
             done = at = found.end()
-            silent = found["sign"] or found["face"] or found["soundless"] or SOUNDLESS.match(whole)
+            silent = found.lastgroup in SILENT_KINDS or SOUNDLESS.match(whole)
             if not (instead or silent or whole in DOUBLED or self._is_tag(whole)):
                 self._gaps.append(self._solid)
                 if ending := LEFT_LETTER.match(self.text, at):
                     done = at = ending.end()
                 # The words on both sides of a placeholder are not one word.
                 beside = self.text[max(start - 1, 0) : start], self.text[at : at + 1]
-                glued = found["code"] is None and all(map(str.isalnum, beside))
-                self._left.append(" " if glued else "")
+                self._left.append(" " if all(map(str.isalnum, beside)) else "")
         self._say(self._sound(done, len(self.text)))
         tidy = " ".join(PAUSED.sub(_paused, " ".join("".join(self._left).split())).split())
         said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)
@@ -278,13 +323,13 @@ class TextCleaner:
         before = self.text[max(found.start() - 1, 0) : found.start()]
         after = self.text[found.end() : found.end() + 1]
         # A sign between two words, as in "one->two", stands for the space that it lacks.
-        parts = found["sign"] and before.isalnum() and after.isalnum()
+        parts = found.lastgroup == "sign" and before.isalnum() and after.isalnum()
         return " " if parts or BREAKING.match(whole) else ""
 
     def _meant(self, found: re.Match[str]) -> str | None:
         """Return the text that a mark stands for; None if it is not spoken."""
         whole = found[0]
-        if whole[0] == "\\" and found["code"] is None:
+        if found.lastgroup == "escape":
             return found["kept"] or " "
         if EMPHASIS_TAG.match(whole):
             return "*"
@@ -303,15 +348,21 @@ class TextCleaner:
 
 
 @lru_cache(64)
-def _markup(unspoken: tuple[str, ...]) -> re.Pattern[str]:
-    """Return the pattern of markup, with the passages that a project lists."""
+def _markup(unspoken: tuple[str, ...], proven: tuple[str, ...]) -> re.Pattern[str]:
+    """Return the pattern of markup, with the passages of a project and the forms with a proof."""
     ways = []
     for one in unspoken:
         opening, _, closing = map(re.escape, ordinary(one).partition("..."))
         inner = rf".{{0,{MAX_UNSPOKEN_CHARS}}}?" + (closing or "$")
         ways.append(opening + (inner if "..." in one else ""))
     listed = f"(?P<listed>{'|'.join(ways)})|" if ways else ""
-    return re.compile(listed + MARKUP, re.DOTALL)
+    sections = []
+    for kind, forms in FORMS.items():
+        unsure = [pattern for of, pattern, _ in map(UNSURE_FORMS.__getitem__, proven) if of == kind]
+        sections.append(f"(?P<{kind}>{'|'.join([*forms.values(), *unsure])})")
+    # Nearly all markup begins with a character that is neither a letter nor a pause.
+    signs = rf"(?![^\W_]|[\s.,!?'\"])(?:{'|'.join(sections)})"
+    return re.compile(f"{listed}{signs}|(?P<address>{ADDRESS})|(?P<face>{EMOTICONS})", re.DOTALL)
 
 
 def _paused(found: re.Match[str]) -> str:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.live.addresses import STANDARD_OUTPUT, LiveAddress
-from lipsync_lang.live.head_turn import HeadTurn
 from lipsync_lang.live.live_frame import LiveFrame, Outlet, as_row
+from lipsync_lang.rigs.head_turn import HeadTurn
 from lipsync_lang.rigs.model import read_model
 
 if TYPE_CHECKING:
@@ -125,8 +125,8 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
     """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session."""
     performer, fps, channels, head = player.performer, player.fps, player.channels, None
     if player.gestures is not None:
-        head = HeadTurn.of(performer, len(channels))
         channels += performer.gesture_channels
+        head = HeadTurn.of(channels)
     if address.kind == STANDARD_OUTPUT:
         return LineOutlet(sys.stdout)
     if address.kind == "ws":

@@ -24,9 +24,9 @@ from uuid import NAMESPACE_DNS, uuid5
 from lipsync_lang.animations.fixed import names, shapes_held
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
-from lipsync_lang.live.head_turn import HeadAngles, HeadTurn, head_angles
 from lipsync_lang.live.live_frame import LiveFrame
 from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.rigs.head_turn import HEAD_ANGLES, HeadTurn, head_angles
 
 if TYPE_CHECKING:
     from pythonosc.osc_message import OscMessage
@@ -64,7 +64,7 @@ class LiveLinkPacket:
         self.places = [
             (column, numbers[shape]) for column, shapes in found.items() for shape in shapes
         ]
-        self.rotations = slice(len(held.shapes), len(held.shapes) + len(HeadAngles._fields))
+        self.rotations = slice(len(held.shapes), len(held.shapes) + len(HEAD_ANGLES))
         rate = Fraction(fps).limit_denominator(MAX_DENOMINATOR)
         self.fps, self.start, self.count = fps, start, len(held.shapes) + len(held.turns)
         device = str(uuid5(NAMESPACE_DNS, subject)).upper().encode()
@@ -80,7 +80,7 @@ class LiveLinkPacket:
         for column, number in self.places:
             values[number] = max(values[number], min(max(weights[column], 0.0), 1.0))
         if self.turn is not None:
-            values[self.rotations] = head_angles(self.turn(frame.weights))
+            (values[self.rotations],) = head_angles(self.turn(frame.weights[None])).tolist()
         at = self.start + max(frame.seconds, 0.0) * self.fps
         whole = int(at + 1e-6)
         rest = struct.pack(
@@ -126,7 +126,7 @@ def vmc_messages(
         for number, name in names:
             bundle.add_content(message(VALUE, ("s", name), ("f", weights[number])))
         if head is not None:
-            x, y, z, w = head(frame.weights).tolist()
+            ((x, y, z, w),) = head(frame.weights[None]).tolist()
             moved = [("f", number) for number in (*place, x, -y, -z, w)]
             bundle.add_content(message(BONE, ("s", HEAD), *moved))
         bundle.add_content(apply)

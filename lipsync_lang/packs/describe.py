@@ -54,13 +54,7 @@ def show(library: "Library", kind: "Kind", name: str) -> Description:
 
 def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
     model = pack.model
-    lines = [f"{model.title or model.name}, {shown(pack.path)}", "poses"]
-    width = max(12, *(len(pose) + 2 for pose in model.poses))
-    region = max(8, *(len(p.region) + 2 for p in model.poses.values()))
-    lines += [
-        f"  {pose:<{width}}{p.region:<{region}}{p.title}".rstrip()
-        for pose, p in model.poses.items()
-    ]
+    lines = [f"{model.title or model.name}, {shown(pack.path)}", *_poses(model)]
     if model.neutral is not None:
         lines.append(f"at rest: {model.neutral}")
     lines.append(f"priority, lowest first: {' < '.join(model.priority) or 'none yields'}")
@@ -90,6 +84,23 @@ def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
         lines += [f"{word} {path.stem}: {shown(path)}" for path in paths]
     lines += _model(pack, model.model)
     return Description("\n".join(lines), model.model_dump(mode="json", by_alias=True))
+
+
+def _poses(model: "models.PoseSet") -> "Iterator[str]":
+    """List the poses of speech and of gestures, a line each."""
+    groups: dict[str, Mapping[str, models.Pose | models.GesturePose]] = {
+        "poses": model.poses,
+        "poses that few models have": model.optional_poses,
+        "poses of gestures": model.gesture_poses,
+    }
+    every = [(pose, one.region) for own in groups.values() for pose, one in own.items()]
+    width = max(12, *(len(pose) + 2 for pose, _ in every))
+    wide = max(8, *(len(region) + 2 for _, region in every))
+    for heading, own in groups.items():
+        if own:
+            yield heading
+        for name, pose in own.items():
+            yield f"  {name:<{width}}{pose.region:<{wide}}{pose.title}".rstrip()
 
 
 def _checks(checks: "models.Checks") -> "Iterator[str]":

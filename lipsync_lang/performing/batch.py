@@ -122,9 +122,10 @@ def animate(
     kept = _neutral_copy(performer, fps)
     moving = asked.get("gestures")
     if moving:
-        from lipsync_lang.performing.gesturing import gesture_curves, placed_by_hand, scales_of
+        from lipsync_lang.performing import gesturing
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
+        settings = {"line": line, **asked}
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
         if kept is not None and not (said.blends or said.overlays or said.bends):
             times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
@@ -133,11 +134,10 @@ def animate(
             times, weights = made.frames.times(), made.weights()
         channels = performer.shown_channels(said.tables)
         poses = tuple(channel.name for channel in channels)
-        scales = scales_of(performer.compiled, moving, line) if moving else None
+        scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:
-            placed = placed_by_hand(performer, schedule, line, asked["placed"])
-            curves, _ = gesture_curves(performer, schedule, sounds, times, fps, scales, placed)
-            weights = np.concatenate((weights, curves), axis=1)
+            facts = performer, schedule, sounds, times, fps, scales, settings
+            weights = gesturing.with_gestures(weights, *facts)
             poses += performer.gesture_set.poses
             channels += performer.gesture_channels
         animation = Animation(
@@ -146,7 +146,7 @@ def animate(
             weights,
             fps,
             schedule,
-            PerformedLine(performer, {"line": line, **asked}),
+            PerformedLine(performer, settings),
             channels=channels,
             model=performer.model,
             neutral=performer.compiled.neutral,

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import accumulate
 from math import inf
+from statistics import median
 from typing import TYPE_CHECKING, Any
 from zlib import crc32
 
@@ -26,6 +27,7 @@ from lipsync_lang.gestures.placing import (
 )
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
+from lipsync_lang.pipeline import kernel
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -70,6 +72,9 @@ BY_HAND = "by hand"
 
 MARKS = ".,;:!?\"'()[]«»“”„’…¡¿。、！？"
 """Marks around a word of a transcript."""
+
+NO_WORDS = np.zeros(0, np.intp)
+"""Numbers for a line without words, whose labels stand for them."""
 
 MARKED_PROMINENCE = 1000.0
 """Prominence of a word with emphasis in the text, above any pitch and length."""
@@ -126,17 +131,81 @@ def _parsed(text: str) -> dict[str, float]:
 def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its settings
     performer: "Performer",
     schedule: "Schedule",
+    times: Floats,
+    fps: float,
+    scales: list[float],
+    settings: Mapping[str, Any],
+) -> tuple[Floats, list[LaidGesture]]:
+    """Return the curves of gestures over (T,) frames, (T, G), and the gestures.
+
+    A part of a line has those of the whole line whose facts lie in the part.
+
+    Parameters
+    ----------
+    settings : options of `Performer.perform`, and the name of the line
+    """
+    own, line, stated = performer.gesture_set, settings.get("line"), settings.get("placed")
+    whole: Any = settings.get("whole")
+
+    def found(said: "Schedule", ends: tuple[float, float]) -> list[PlacedGesture]:
+        by_hand = placed_by_hand(performer, said, line, stated)
+        return place(own.shapes, scales, line_facts(performer, said, ends, by_hand))
+
+    def found_in_whole() -> list[PlacedGesture]:
+        # loudness takes time, and adds no frames
+        said = performer.performance(whole, fps, line=line, styles=styles, intensity=0.0)
+        start, *_, end = said.frames.times().tolist()
+        return found(whole, (start, end))
+
+    if whole is None:
+        placed = found(schedule, (float(times[0]), float(times[-1])))
+    else:
+        styles = settings["styles"]
+        given = performer, fps, repr((scales, line, stated, styles))
+        first = schedule.start if schedule.start > whole.start else -inf
+        last = schedule.end if schedule.end < whole.end else inf
+        every = kept_with(whole, "gestures", given, found_in_whole)
+        placed = [one for one in every if first <= one.fact < last]
+    return own.lay(placed, float(times[0]), len(times), fps)
+
+
+def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
+    weights: Floats,
+    performer: "Performer",
+    schedule: "Schedule",
     sounds: "LabelSounds",
     times: Floats,
     fps: float,
     scales: list[float],
-    by_hand: Sequence[PlacedGesture] = (),
-) -> tuple[Floats, list[LaidGesture]]:
-    """Return the curves of gestures over (T,) frames, (T, G), and the gestures."""
-    own = performer.gesture_set
-    start, end = float(times[0]), float(times[-1])
-    facts = line_facts(performer, schedule, sounds, (start, end), by_hand)
-    return own.lay(place(own.shapes, scales, facts), start, len(times), fps)
+    settings: Mapping[str, Any],
+) -> Floats:
+    """Return (T, P) weights of speech and the curves of gestures beside them, (T, P + G)."""
+    own, labels, line = performer.gesture_set, performer.labels, settings["line"]
+    by_hand = settings["placed"]
+    if by_hand is None and line is not None:
+        by_hand = performer.compiled.line_deliveries.get(line, {}).get("placed")
+    heard = own.by_voice and schedule.audio is not None
+    if kernel.compiled is None or by_hand or heard or settings["whole"] is not None:
+        curves, _ = gesture_curves(performer, schedule, times, fps, scales, settings)
+        return np.concatenate((weights, curves), axis=1)
+    texts, firsts, raised, said = schedule.labels, NO_WORDS, NO_WORDS, NO_WORDS
+    if schedule.words:
+        words = schedule.words
+        texts = tuple([word.text for word in words])
+        firsts = np.array([word.first for word in words], np.intp)
+        raised = np.array([(one.first, one.stop) for one in words if one.emphasis], np.intp)
+        if own.words:
+            number = own.facts.index
+            facts = [(number(f), w.first) for w in words for f in word_facts(own, w.text)]
+            said = np.array(facts, np.intp)
+    silence = performer.compiled.tables.silence
+    kept = own.kept(kernel.compiled, labels.manners, silence, fps)
+    beside: Floats = kernel.compiled.gesture(
+        kept, weights, np.array(scales, float), times[0], times[-1], sounds.ids,
+        sounds.times, sounds.source, labels.stresses(sounds), schedule.times, texts, firsts,
+        raised, said,
+    )  # fmt: skip
+    return beside
 
 
 def laid_gestures(
@@ -147,20 +216,13 @@ def laid_gestures(
     scales = scales_of(performer.compiled, said.settings.get("gestures"), line)
     if scales is None:
         return np.zeros((len(animation), 0)), []
-    schedule, times, fps = animation.schedule, animation.times, animation.fps
-    (sounds,) = performer.labels.read([schedule])
-    placed = placed_by_hand(performer, schedule, line, said.settings.get("placed"))
-    return gesture_curves(performer, schedule, sounds, times, fps, scales, placed)
+    line_at = performer, animation.schedule, animation.times, animation.fps
+    return gesture_curves(*line_at, scales, said.settings)
 
 
 def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
-    """Describe how often an animation has each gesture, and how far its head turns.
-
-    It is empty for an animation without gestures.
-    """
+    """Describe how often an animation has each gesture, and how far its head turns."""
     curves, laid = laid_gestures(said, animation)
-    if not curves.size:
-        return ""
     own, minutes = said.performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
     counts = Counter(one.gesture.number for one in laid)
     told = []
@@ -214,7 +276,6 @@ def _seeds(schedule: "Schedule") -> tuple[list[float], list[int]]:
 def line_facts(
     performer: "Performer",
     schedule: "Schedule",
-    sounds: "LabelSounds | None" = None,
     ends: tuple[float, float] | None = None,
     by_hand: Sequence[PlacedGesture] = (),
 ) -> LineFacts:
@@ -222,13 +283,11 @@ def line_facts(
 
     Parameters
     ----------
-    sounds : the sounds of its labels, if they are read already
     ends : times of its first and last frame; None for those of the schedule
     by_hand : gestures that a person placed
     """
     own = performer.gesture_set
-    if sounds is None:
-        (sounds,) = performer.labels.read([schedule])
+    (sounds,) = performer.labels.read([schedule])
     phrases, pauses = _phrases(sounds, performer.compiled.tables.silence)
     facts = {
         "phrase_end": [LineFact(end) for _, end in phrases],
@@ -384,16 +443,22 @@ def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
     """Return how far the voice rises in each vowel over those before and soon after: semitones."""
     from lipsync_lang.gestures.pitch import pitches
 
-    at = (begins + 0.4 * (ends - begins), begins + 0.7 * (ends - begins))
-    heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
-    tones = 12 * np.log2(np.maximum(heard, 1.0))
-    voiced = heard > 0
+    vowels = [*zip(begins.tolist(), ends.tolist(), strict=True)]
+    known: dict[tuple[float, float], float] = kept_with(audio, "pitches", None, dict)
+    new = [one for one in vowels if one not in known]
+    if new:
+        starts, stops = np.array(new).T
+        at = (starts + 0.4 * (stops - starts), starts + 0.7 * (stops - starts))
+        heard = np.maximum(*(pitches(audio.samples, audio.rate, one) for one in at))
+        known.update(zip(new, heard.tolist(), strict=True))
+    tones = (12 * np.log2([max(known[one], 1.0) for one in vowels])).tolist()
     # what comes more than `DRAWING_SECONDS` later does not count, so that it changes nothing here
-    near = voiced & (begins <= begins[:, None] + DRAWING_SECONDS)
-    near &= begins >= begins[:, None] - BEFORE_SECONDS
-    usual = [np.median(tones[own]) if own.any() else 0.0 for own in near]
-    rises: list[float] = np.where(voiced, tones - np.array(usual), 0.0).tolist()
-    return rises
+    firsts = begins.searchsorted(begins - BEFORE_SECONDS).tolist()
+    stops = begins.searchsorted(begins + DRAWING_SECONDS, "right").tolist()
+    return [
+        tone - median(one for one in tones[first:stop] if one) if tone else 0.0
+        for tone, first, stop in zip(tones, firsts, stops, strict=True)
+    ]
 
 
 def stand_out(times: list[float], rises: list[float]) -> list[int]:

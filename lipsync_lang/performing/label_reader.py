@@ -262,7 +262,7 @@ class LabelReader:
             firsts = np.zeros(len(marks), np.intp)
             # backwards, so that the first sound of a label is written last, and stays
             firsts[sounds.source[::-1]] = sounds.ids[::-1]
-            found = stresses_of(marks, self._manners[firsts])
+            found = stresses_of(marks, self.manners[firsts])
             self._stressed[0] = sounds, found
         return found
 
@@ -333,7 +333,7 @@ class LabelReader:
         return ["", *(kinds.get(name) or "sound" for name in self.compiled.phonemes[1:])]
 
     @cached_property
-    def _manners(self) -> Ints:
+    def manners(self) -> Ints:
         """(N,) of each common phoneme: 0 for silence, 2 for a vowel, 1 for other sounds."""
         manners = {"": SILENT_MANNER, VOWEL: VOWEL_MANNER}
         return np.array([manners.get(kind, CONSONANT_MANNER) for kind in self._classes], np.intp)

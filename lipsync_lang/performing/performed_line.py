@@ -31,7 +31,7 @@ class PerformedLine:
 
     def performance(self, animation: "Animation") -> "Performance":
         """Repeat the performance of an animation, with access to each stage."""
-        beside = {"gestures", "placed"}
+        beside = {"gestures", "placed", "whole"}
         spoken = {name: value for name, value in self.settings.items() if name not in beside}
         return self.performer.performance(animation.schedule, animation.fps, **spoken)
 

@@ -124,7 +124,7 @@ class Performer:
         """Channel of each pose of gestures."""
         from lipsync_lang.rigs.channel import Channel
 
-        return tuple(Channel(**fields) for fields in self.gesture_set.channels)
+        return tuple(Channel(**fields, gesture=True) for fields in self.gesture_set.channels)
 
     @property
     def report(self) -> "Report":
@@ -148,6 +148,7 @@ class Performer:
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
         placed: "Sequence[Mapping[str, Any]] | None" = None,
+        whole: Schedule | None = None,
         bends: "Mapping[str, Points] | None" = None,
     ) -> Animation:
         """Animate a schedule.
@@ -168,6 +169,8 @@ class Performer:
             None for no gestures
         placed : gestures placed by hand instead of those of the line, as in a character's file:
             ``[{"gesture": "nod", "word": 2, "scale": 0.5}]``
+        whole : the line of which the schedule is a part, whose gestures the part has; its words
+            count in `placed`. None if the schedule is a whole line
         bends : keys that are added to poses, such as ``{"jaw": [(0.4, 0.2)]}``: seconds and an
             amount from -1 to 1. It runs smoothly from key to key, and fades within 0.12 s at the
             ends. Constraints and limits hold
@@ -189,7 +192,7 @@ class Performer:
         """
         return self.perform_many(
             [schedule], fps, lines=[line], styles=styles, dials=dials, intensity=intensity,
-            gestures=gestures, placed=placed, bends=bends,
+            gestures=gestures, placed=placed, whole=whole, bends=bends,
         )[0]  # fmt: skip
 
     def perform_many(  # noqa: PLR0913 as `perform`
@@ -203,6 +206,7 @@ class Performer:
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
         placed: "Sequence[Mapping[str, Any]] | None" = None,
+        whole: Schedule | None = None,
         bends: "Mapping[str, Points] | None" = None,
     ) -> list[Animation]:
         """Animate many schedules; each animation equals that of `perform` bit by bit.
@@ -213,7 +217,8 @@ class Performer:
         ----------
         schedules : timed phonemes of each line
         lines : name of the line of each schedule, for its edits and settings; None for no line
-        fps, styles, dials, intensity, gestures, placed, bends : as in `perform`, the same for all
+        fps, styles, dials, intensity, gestures, placed, whole, bends : as in `perform`, the same
+            for all
 
         Raises
         ------
@@ -229,7 +234,7 @@ class Performer:
         """
         asked = {
             "styles": styles, "dials": dials, "intensity": intensity, "gestures": gestures,
-            "placed": placed, "bends": bends,
+            "placed": placed, "whole": whole, "bends": bends,
         }  # fmt: skip
         return animate(self, tuple(schedules), fps, lines, asked)
 
@@ -363,18 +368,6 @@ class Performer:
             channels=(*driver.channels, *animation.channels[count:]),
             model=self.model,
             contacts={},
-        )
-
-    def without_gestures(self, animation: Animation) -> Animation:
-        """Return an animation of this performer without the columns of gestures, rigged or not."""
-        count = len(animation.poses) - len(self.gesture_set.poses)
-        if animation.poses[count:] != self.gesture_set.poses or not self.gesture_set.poses:
-            return animation
-        return replace(
-            animation,
-            poses=animation.poses[:count],
-            weights=np.ascontiguousarray(animation.weights[:, :count]),
-            channels=animation.channels[:count],
         )
 
     def held_channels(self, weights: Floats) -> Floats:

@@ -1,20 +1,25 @@
-"""Sound memory: results that a sound decides, kept as long as it. Edits of curves leave them."""
+"""Sound memory: results that a sound or a line decides, kept as long as it.
+
+Edits of curves leave them.
+"""
 
 from collections.abc import Callable, Hashable
 from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
-from lipsync_lang.schedules.schedule import Audio
+from lipsync_lang.schedules.schedule import Audio, Schedule
 
 Result = TypeVar("Result")
 
-_known: "WeakKeyDictionary[Audio, dict[str, tuple[Hashable, Any]]]" = WeakKeyDictionary()
+_known: "WeakKeyDictionary[Audio | Schedule, dict[str, tuple[Hashable, Any]]]" = WeakKeyDictionary()
 """The last result of each kind, with its other inputs."""
 
 
-def kept_with(audio: Audio, kind: str, given: Hashable, compute: Callable[[], Result]) -> Result:
+def kept_with(
+    owner: Audio | Schedule, kind: str, given: Hashable, compute: Callable[[], Result]
+) -> Result:
     """Return a result of a kind, computed again only if it is given something else."""
-    results = _known.setdefault(audio, {})
+    results = _known.setdefault(owner, {})
     if kind not in results or results[kind][0] != given:
         results[kind] = given, compute()
     found: Result = results[kind][1]

@@ -16,6 +16,7 @@ before any is used. There is no static state; the GIL is released while the stag
 #include <Python.h>
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,7 +43,7 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 2         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 3         /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
@@ -53,6 +54,18 @@ typedef unsigned char Byte;
 #define CHAINS 10           /* rows whose running minima are computed at once */
 #define LATEST 1e9          /* seconds; beyond it frames have no place */
 #define MAX_VIEWS 20
+#define PI 3.141592653589793
+#define PAUSE_SECONDS 0.12  /* gesturing.py, and the next four */
+#define PAUSE_SETTLED 0.3
+#define MARKED 1000.0
+#define VOWEL 2
+#define PRIMARY 1
+#define DRAWING 0.5         /* placing.py */
+#define OPENING 0.9         /* placing.py */
+#define SHIFT 0.25          /* laying.py */
+#define ROUNDED 1e-9        /* laying.py */
+#define MAX_TRIGGERS 64
+#define LONGEST 1e6         /* seconds of a line with gestures */
 
 INLINE double least(double a, double b) { return a < b ? a : b; }
 INLINE double most(double a, double b) { return a > b ? a : b; }
@@ -662,6 +675,381 @@ static int run_all(const Bank *bank, const Plan *plan, const Track *track, const
     return 0;
 }
 
+/* ---------------------------------------------------------------- placing.py, laying.py, gesturing.py
+
+Gestures have the same bytes as those of the modules, for a line whose voice scales none. */
+
+enum { PAUSE, PHRASE_END, STRESS, EMPHASIS, TAKEN }; /* triggers that are found here; words have others */
+
+typedef struct {
+    Size before, rows, moves; /* frames before its peak, all frames, and poses */
+    const Size *pose;         /* (moves,) */
+    const double *amount;     /* (rows, moves) */
+    const Byte *on, *at;      /* (triggers,) */
+    double share, lead, rates[2], room, spread, peak;
+} Gesture;
+
+typedef struct {
+    Views views;
+    PyObject *empty; /* numpy.empty */
+    Size count, poses, triggers, phonemes, silence;
+    double fps;
+    const Size *manners;               /* (phonemes,) */
+    const double *low, *high, *step;   /* (poses,) */
+    Gesture *gesture;                  /* (count,) */
+} Gestures;
+
+typedef struct {
+    double start, end; /* of the frames */
+    Size frames;
+    Size sounds, labels, words;
+    const Size *ids;         /* (sounds,) */
+    const double *bounds;    /* (sounds + 1,) */
+    const Size *source;      /* (sounds,) */
+    const double *times;     /* (labels + 1,) */
+    const Size *stresses;    /* (labels,), or NULL without marks */
+    const Size *raised;      /* (raised_count, 2) labels of words with emphasis: first and stop */
+    const Size *said;        /* (said_count, 2) trigger of a word, and its first label */
+    Size raised_count, said_count;
+    double *starts;          /* (words,) */
+    uint32_t *seeds;         /* (words + 1,) */
+    double *phrases;         /* (phrase_count, 2) */
+    Size phrase_count;
+    double *facts[MAX_TRIGGERS];
+    Size fact_count[MAX_TRIGGERS];
+} Line;
+
+typedef struct {
+    Size *first; /* (count,) first frame of each gesture, those of a kind together */
+    Size count, room;
+} Placed;
+
+/* `seed_after`: CRC-32 goes on with the bytes of a text. */
+static uint32_t seed_after(uint32_t seed, const char *text, Size length)
+{
+    static const uint32_t table[16] = {
+        0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
+        0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c, 0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c,
+    };
+    seed = ~seed;
+    for (Size i = 0; i < length; i++) {
+        seed ^= (Byte)text[i];
+        seed = table[seed & 15] ^ seed >> 4;
+        seed = table[seed & 15] ^ seed >> 4;
+    }
+    return ~seed;
+}
+
+INLINE double uniform(uint32_t seed, uint32_t salt)
+{
+    uint32_t bits = seed + 0x9E3779B1u * (salt + 1);
+    bits = (bits ^ bits >> 16) * 0x85EBCA6Bu;
+    bits = (bits ^ bits >> 13) * 0xC2B2AE35u;
+    return ((bits ^ bits >> 16) + 0.5) / 4294967296.0;
+}
+
+static double gap(uint32_t seed, uint32_t salt, double spread, double shift)
+{
+    const double radius = sqrt(-2 * log(uniform(seed, salt)));
+    const double normal = radius * cos(2 * PI * uniform(seed, salt + 31));
+    return exp(spread * (normal + shift));
+}
+
+/* `bisect_left` of rising numbers. */
+static Size place_of(const double *numbers, Size count, double wanted)
+{
+    Size low = 0;
+    while (low < count) {
+        const Size middle = low + (count - low) / 2;
+        if (numbers[middle] < wanted)
+            low = middle + 1;
+        else
+            count = middle;
+    }
+    return low;
+}
+
+static uint32_t seed_at(const Line *line, double time)
+{
+    Size at = place_of(line->starts, line->words, time += 1e-9);
+    while (at < line->words && line->starts[at] <= time)
+        at++;
+    return line->seeds[at];
+}
+
+INLINE void add_fact(Line *line, Size trigger, double time) { line->facts[trigger][line->fact_count[trigger]++] = time; }
+
+static void add_phrase(Line *line, double begin, double end)
+{
+    if (!(end > begin))
+        return;
+    line->phrases[2 * line->phrase_count] = begin;
+    line->phrases[2 * line->phrase_count++ + 1] = end;
+    add_fact(line, PHRASE_END, end);
+}
+
+/* `_phrases`, and the facts around them. */
+static void take_pauses(const Gestures *own, Line *line)
+{
+    double edge = line->bounds[0];
+    for (Size i = 0; i < line->sounds; i++) {
+        if (line->ids[i] != own->silence)
+            continue;
+        const double begin = line->bounds[i];
+        double end = line->bounds[i + 1];
+        while (i + 1 < line->sounds && (line->ids[i + 1] == own->silence || line->bounds[i + 2] == end))
+            end = line->bounds[++i + 1];
+        if (!(end - begin >= PAUSE_SECONDS))
+            continue;
+        add_phrase(line, edge, begin);
+        add_fact(line, PAUSE, least((begin + end) / 2, begin + PAUSE_SETTLED));
+        edge = end;
+    }
+    add_phrase(line, edge, line->bounds[line->sounds]);
+}
+
+/* `_vowel_facts` without sound. */
+static void take_vowels(const Gestures *own, Line *line, Size *manners, double *begins, double *rises)
+{
+    Size count = 0, word = 0;
+    if (!line->stresses) {
+        for (Size label = 0; label < line->labels; label++)
+            manners[label] = own->manners[0];
+        for (Size i = line->sounds; i--;) /* backwards, so that the first sound of a label stays */
+            manners[line->source[i]] = own->manners[line->ids[i]];
+    }
+    for (Size label = 0; label < line->labels; label++) {
+        if (line->stresses ? line->stresses[label] != PRIMARY : manners[label] != VOWEL)
+            continue;
+        while (word < line->raised_count && line->raised[2 * word + 1] <= label)
+            word++;
+        begins[count] = line->times[label];
+        rises[count] = line->times[label + 1] - line->times[label];
+        if (word < line->raised_count && line->raised[2 * word] <= label)
+            rises[count] += MARKED;
+        if (line->stresses)
+            add_fact(line, STRESS, begins[count]);
+        count++;
+    }
+    for (Size i = 0; i < count; i++) { /* `stand_out` */
+        Size before = i, after = i + 1;
+        while (before && begins[before - 1] >= begins[i] - DRAWING && rises[before - 1] < rises[i])
+            before--;
+        if (before && begins[before - 1] >= begins[i] - DRAWING)
+            continue;
+        while (after < count && begins[after] <= begins[i] + DRAWING && rises[after] <= rises[i])
+            after++;
+        if (after == count || begins[after] > begins[i] + DRAWING)
+            add_fact(line, EMPHASIS, begins[i]);
+    }
+}
+
+/* `fitted`; -1 without memory. */
+static int add_placed(const Gestures *own, const Gesture *one, const Line *line, double begin, Placed *placed)
+{
+    const Size asked = (Size)rint((begin + one->peak - line->start) * own->fps) - one->before;
+    const Size first = least_size(most_size(asked, 1), line->frames - 1 - one->rows);
+    if (first < 1 || fabs((double)(first - asked)) > SHIFT * own->fps)
+        return 0;
+    if (placed->count == placed->room) {
+        const Size room = 2 * placed->room + 64;
+        Size *more = realloc(placed->first, (size_t)room * sizeof(Size));
+        if (!more)
+            return -1;
+        placed->first = more;
+        placed->room = room;
+    }
+    placed->first[placed->count++] = first;
+    return 0;
+}
+
+/* `placing`: of a time; -1 without memory. */
+INLINE int place_at(const Gestures *own, const Gesture *one, const Line *line, double time, double *free_from,
+                    Placed *placed)
+{
+    const double begin = time - one->lead;
+    if (begin < *free_from)
+        return 0;
+    *free_from = begin + one->room;
+    return add_placed(own, one, line, begin, placed);
+}
+
+/* `_on_facts`; -1 without memory. */
+static int place_on_facts(const Gestures *own, Size number, const Line *line, Placed *placed)
+{
+    const Gesture *one = own->gesture + number;
+    Size next[MAX_TRIGGERS] = {0};
+    double free_from = -INFINITY;
+    for (;;) {
+        Size soonest = -1;
+        double time = 0;
+        for (Size k = 0; k < own->triggers; k++)
+            if (one->on[k] && next[k] < line->fact_count[k] && (soonest < 0 || line->facts[k][next[k]] < time)) {
+                soonest = k;
+                time = line->facts[k][next[k]];
+            }
+        if (soonest < 0)
+            return 0;
+        next[soonest]++;
+        if ((one->share >= 1 || uniform(seed_at(line, time), (uint32_t)number) < one->share) &&
+            place_at(own, one, line, time, &free_from, placed) < 0)
+            return -1;
+    }
+}
+
+/* `_by_itself`; -1 without memory. */
+static int place_by_itself(const Gestures *own, Size number, const Line *line, Placed *placed)
+{
+    const Gesture *one = own->gesture + number;
+    const double spread = one->spread;
+    uint32_t salt = 2 * (uint32_t)number;
+    const uint32_t seed = seed_at(line, line->start + OPENING);
+    double passed = uniform(seed, salt + 97) * gap(seed, salt, spread, spread / 2);
+    double at = line->start, clock = 0, drawn_from = at, free_from = -INFINITY;
+    Size begun = 0;
+    while (at < line->end) {
+        while (begun < line->phrase_count && line->phrases[2 * begun] <= at)
+            begun++;
+        const int speaking = begun && at < line->phrases[2 * begun - 1];
+        const double until = speaking ? line->phrases[2 * begun - 1]
+                             : begun < line->phrase_count ? line->phrases[2 * begun] : line->end;
+        const double rate = one->rates[!speaking];
+        const double time = rate > 0 ? at + (passed - clock) / rate : INFINITY;
+        if (time >= until) {
+            clock += (until - at) * rate;
+            at = until;
+            continue;
+        }
+        double found = time, distance = INFINITY;
+        for (Size k = 0; k < own->triggers; k++) {
+            const double *facts = line->facts[k];
+            Size i = one->at[k] ? place_of(facts, line->fact_count[k], time - DRAWING) : line->fact_count[k];
+            for (; i < line->fact_count[k] && facts[i] <= time + DRAWING; i++) {
+                const double far = fabs(facts[i] - time);
+                if (facts[i] >= drawn_from && (far < distance || (far == distance && facts[i] < found))) {
+                    found = facts[i];
+                    distance = far;
+                }
+            }
+        }
+        if (place_at(own, one, line, found, &free_from, placed) < 0)
+            return -1;
+        drawn_from = most(drawn_from, found + one->room);
+        salt += 1000;
+        passed += gap(seed_at(line, time), salt, spread, -spread / 2);
+    }
+    return 0;
+}
+
+/* `_below` for a row and its steps; `sign` -1 is for the curve's negative. */
+static void slow_below(const double *row, Size width, double step, double sign, double *out)
+{
+    double lowest = INFINITY;
+    for (Size t = 0; t < width; t++) {
+        const double slope = (double)t * step;
+        lowest = least(lowest, sign * row[t] - slope);
+        out[t] = lowest + 2 * slope;
+    }
+    lowest = INFINITY;
+    for (Size t = width; t--;) {
+        lowest = least(lowest, out[t]);
+        out[t] = least(lowest - (double)t * step, sign * row[t]);
+    }
+}
+
+/* `guard` for a column of the whole line; `memory` has 3 times as many numbers as it has frames. */
+static void guard(const Gestures *own, Size pose, double *column, Size stride, Size frames, double *memory)
+{
+    const double low = own->low[pose], high = own->high[pose], step = own->step[pose];
+    double *bound = memory, *below = bound + frames, *above = below + frames;
+    for (Size t = 0; t < frames; t++)
+        bound[t] = least(most(column[t * stride], low), high);
+    slow_below(bound, frames, step, 1, below);
+    slow_below(bound, frames, step, -1, above);
+    for (Size t = 0; t < frames; t++) {
+        const double ramp = least((double)t * step, (double)(frames - 1 - t) * step);
+        const double slow = (below[t] - above[t]) / 2;
+        const double kept = least(most(slow, most(-ramp, low)), least(ramp, high));
+        if (!(fabs(kept - column[t * stride]) < ROUNDED))
+            column[t * stride] = kept;
+    }
+}
+
+/* `lay` beside the weights of speech in `out`; `ends` are the ends of each kind in `placed`. */
+static void lay_gestures(const Gestures *own, const double *scales, const Line *line, const Placed *placed,
+                         Size *next, const Size *ends, Size *past, Byte *guarded, double *memory, double *out,
+                         Size stride)
+{
+    double *curves = out + stride - own->poses;
+    for (;;) { /* in order of their first frames, of equals in the order of the pose set */
+        Size number = -1, first = 0;
+        for (Size k = 0; k < own->count; k++)
+            if (next[k] < ends[k] && (number < 0 || placed->first[next[k]] < first)) {
+                number = k;
+                first = placed->first[next[k]];
+            }
+        if (number < 0)
+            break;
+        next[number]++;
+        const Gesture *one = own->gesture + number;
+        const double height = scales[number];
+        for (Size m = 0; m < one->moves; m++) {
+            const Size pose = one->pose[m];
+            guarded[pose] |= height > 1 || first < past[pose]; /* `past` is one more there: 0 is none */
+            past[pose] = most_size(past[pose], first + one->rows + 1);
+            double *here = curves + first * stride + pose;
+            for (Size row = 0; row < one->rows; row++)
+                here[row * stride] += height * one->amount[row * one->moves + m];
+        }
+    }
+    for (Size pose = 0; pose < own->poses; pose++)
+        if (guarded[pose])
+            guard(own, pose, curves + pose, stride, line->frames, memory);
+}
+
+/* Place and lay the gestures of a line; -1 without memory. */
+static int move_face(const Gestures *own, const double *scales, Line *line, double *out, Size stride)
+{
+    const Size n = line->labels, m = line->sounds, others = own->triggers - TAKEN;
+    const size_t doubles = (size_t)(4 * (m + 2) + 4 * n + others * line->said_count + 3 * line->frames);
+    const size_t sizes = (size_t)(n + 2 * own->count + own->poses);
+    double *memory = malloc(doubles * sizeof(double) + sizes * sizeof(Size) + (size_t)own->poses);
+    if (!memory)
+        return -1;
+    double *end = line->phrases = memory;
+    end += 2 * (m + 2);
+    const Size room[TAKEN] = {m + 2, m + 2, n, n};
+    for (Size k = 0; k < own->triggers; k++) {
+        line->facts[k] = end;
+        end += k < TAKEN ? room[k] : line->said_count;
+    }
+    double *begins = end, *rises = begins + n, *rows = rises + n;
+    Size *manners = (Size *)(memory + doubles), *next = manners + n, *ends = next + own->count;
+    Size *past = ends + own->count;
+    Byte *guarded = (Byte *)(past + own->poses);
+    memset(past, 0, (size_t)own->poses * sizeof(Size));
+    memset(guarded, 0, (size_t)own->poses);
+    take_pauses(own, line);
+    take_vowels(own, line, manners, begins, rises);
+    for (Size i = 0; i < line->said_count; i++)
+        add_fact(line, line->said[2 * i], line->times[line->said[2 * i + 1]]);
+    Placed placed = {NULL, 0, 0};
+    int done = 0;
+    for (Size k = 0; k < own->count && done == 0; k++) {
+        const Byte *on = own->gesture[k].on;
+        next[k] = placed.count;
+        if (scales[k] > 0)
+            done = memchr(on, 1, (size_t)own->triggers) ? place_on_facts(own, k, line, &placed)
+                                                        : place_by_itself(own, k, line, &placed);
+        ends[k] = placed.count;
+    }
+    if (done == 0)
+        lay_gestures(own, scales, line, &placed, next, ends, past, guarded, rows, out, stride);
+    free(placed.first);
+    free(memory);
+    return done;
+}
+
 /* ---------------------------------------------------------------- Python's side */
 
 static void release_views(Views *views)
@@ -884,10 +1272,10 @@ static Size read_dials(PyObject *given, const Plan *plan, Dial **dials)
 }
 
 /* Call numpy.empty(shape) and give its memory. */
-static PyObject *new_array(const Plan *plan, Py_buffer *view, Size rows, Size columns)
+static PyObject *new_array(PyObject *empty, Py_buffer *view, Size rows, Size columns)
 {
-    PyObject *array = columns ? PyObject_CallFunction(plan->empty, "((nn))", rows, columns)
-                              : PyObject_CallFunction(plan->empty, "n", rows);
+    PyObject *array = columns ? PyObject_CallFunction(empty, "((nn))", rows, columns)
+                              : PyObject_CallFunction(empty, "n", rows);
     if (!array)
         return NULL;
     if (PyObject_GetBuffer(array, view, PyBUF_WRITABLE) < 0) {
@@ -909,7 +1297,7 @@ static PyObject *performed(const Bank *bank, const Plan *plan, const Track *trac
 {
     Py_buffer out;
     int done;
-    PyObject *weights = new_array(plan, &out, span[1] - span[0], plan->size[POSES]);
+    PyObject *weights = new_array(plan->empty, &out, span[1] - span[0], plan->size[POSES]);
     if (!weights)
         return NULL;
     Py_BEGIN_ALLOW_THREADS
@@ -926,7 +1314,7 @@ static PyObject *performed(const Bank *bank, const Plan *plan, const Track *trac
 static PyObject *frame_times(const Plan *plan, const Frames *frames)
 {
     Py_buffer out;
-    PyObject *times = new_array(plan, &out, frames->count, 0);
+    PyObject *times = new_array(plan->empty, &out, frames->count, 0);
     if (!times)
         return NULL;
     double *at = out.buf;
@@ -1043,11 +1431,269 @@ static PyObject *weigh(PyObject *module, PyObject *const *args, Py_ssize_t nargs
     return made;
 }
 
+static void discard_gestures(Gestures *own)
+{
+    release_views(&own->views);
+    Py_XDECREF(own->empty);
+    PyMem_Free(own->gesture);
+    PyMem_Free(own);
+}
+
+static void free_gestures(PyObject *capsule)
+{
+    discard_gestures(PyCapsule_GetPointer(capsule, "lipsync_lang.gestures"));
+}
+
+/* Spread the arrays over the gestures; 0 with an exception where a number is out of range. */
+static int spread_gestures(Gestures *own, const Size *spans, const double *numbers, const Byte *on, const Byte *at,
+                           const Size *moved, Size moved_count, const double *amounts, Size amount_count)
+{
+    for (Size k = 0; k < own->count; k++) {
+        Gesture *one = own->gesture + k;
+        one->before = *spans++;
+        one->rows = *spans++;
+        one->moves = *spans++;
+        one->pose = moved;
+        one->amount = amounts;
+        one->on = on + k * own->triggers;
+        one->at = at + k * own->triggers;
+        int sound = one->moves > 0 && one->moves <= moved_count && one->before >= 0 && one->before < one->rows &&
+                    one->rows <= amount_count / one->moves;
+        double *const fields[] = {&one->share, &one->lead, &one->rates[0], &one->rates[1],
+                                  &one->room,  &one->spread, &one->peak};
+        for (int i = 0; i < 7; i++) {
+            *fields[i] = *numbers++;
+            sound &= fabs(*fields[i]) <= LATEST;
+        }
+        if (!sound || one->rates[0] < 0 || one->rates[0] > 4 || one->rates[1] < 0 || one->rates[1] > 4 ||
+            one->spread < 0 || one->spread > 2 || !(one->room > 0)) {
+            PyErr_Format(PyExc_ValueError, "gesture %zd is out of range", k);
+            return 0;
+        }
+        moved += one->moves;
+        moved_count -= one->moves;
+        amounts += one->moves * one->rows;
+        amount_count -= one->moves * one->rows;
+    }
+    if (moved_count || amount_count)
+        PyErr_SetString(PyExc_ValueError, "poses or amounts of no gesture");
+    return !moved_count && !amount_count;
+}
+
+/* gestures(empty, count, poses, triggers, phonemes, silence, moved, amounts, fps, arrays) -> what `gesture` needs */
+static PyObject *make_gestures(PyObject *module, PyObject *args)
+{
+    PyObject *a[8];
+    Size moved_count, amount_count;
+    Gestures *own = PyMem_Calloc(1, sizeof(Gestures));
+    (void)module;
+    if (!own)
+        return PyErr_NoMemory();
+    if (!PyArg_ParseTuple(args, "OnnnnnnndOOOOOOOO", &own->empty, &own->count, &own->poses, &own->triggers,
+                          &own->phonemes, &own->silence, &moved_count, &amount_count, &own->fps, &a[0], &a[1], &a[2],
+                          &a[3], &a[4], &a[5], &a[6], &a[7])) {
+        own->empty = NULL;
+        goto fail;
+    }
+    Py_INCREF(own->empty);
+    if (own->count < 0 || own->count > 0xffff || own->poses < 1 || own->poses > 0xffff || own->triggers < TAKEN ||
+        own->triggers > MAX_TRIGGERS || own->phonemes < 1 || own->phonemes > 0xffff || moved_count < 0 ||
+        moved_count > 0xffffff || amount_count < 0 || amount_count > PY_SSIZE_T_MAX / 16 ||
+        !(own->fps > 1e-3 && own->fps < 1e6)) {
+        PyErr_SetString(PyExc_ValueError, "gestures without poses, triggers, phonemes or frames");
+        goto fail;
+    }
+    Views *v = &own->views;
+    const Size count = own->count, poses = own->poses;
+    const Size *spans, *moved;
+    const double *numbers, *amounts;
+    const Byte *on, *at;
+    if (!(own->manners = keep(v, a[0], sizeof(Size), own->phonemes, "manners")) ||
+        !(own->low = keep(v, a[1], sizeof(double), 3 * poses, "bounds")) ||
+        !(spans = keep(v, a[2], sizeof(Size), 3 * count, "spans")) ||
+        !(numbers = keep(v, a[3], sizeof(double), 7 * count, "numbers")) ||
+        !(on = keep(v, a[4], 1, count * own->triggers, "on")) || !(at = keep(v, a[5], 1, count * own->triggers, "at")) ||
+        !(moved = keep(v, a[6], sizeof(Size), moved_count, "moved")) ||
+        !(amounts = keep(v, a[7], sizeof(double), amount_count, "amounts")) ||
+        !within(moved, moved_count, poses, "moved") || !within(&own->silence, 1, own->phonemes, "silence"))
+        goto fail;
+    own->high = own->low + poses;
+    own->step = own->high + poses;
+    own->gesture = PyMem_Calloc((size_t)count + 1, sizeof(Gesture));
+    if (!own->gesture) {
+        PyErr_NoMemory();
+        goto fail;
+    }
+    if (!spread_gestures(own, spans, numbers, on, at, moved, moved_count, amounts, amount_count))
+        goto fail;
+    PyObject *capsule = PyCapsule_New(own, "lipsync_lang.gestures", free_gestures);
+    if (capsule)
+        return capsule;
+fail:
+    discard_gestures(own);
+    return NULL;
+}
+
+/* Count the items of a kept array that may have any number of them; -1 with an exception. */
+static Size keep_any(Views *views, PyObject *array, Size item, const void **items)
+{
+    Py_buffer *view = &views->view[views->views];
+    if (PyObject_GetBuffer(array, view, PyBUF_SIMPLE) < 0)
+        return -1;
+    views->views++;
+    *items = view->buf;
+    if (view->len % item == 0)
+        return view->len / item;
+    PyErr_Format(PyExc_ValueError, "%zd bytes for items of %zd", view->len, item);
+    return -1;
+}
+
+/* Number the words up to each of a tuple of texts; 0 with an exception. */
+static int read_texts(PyObject *texts, Size count, uint32_t *seeds)
+{
+    seeds[0] = 0;
+    for (Size i = 0; i < count; i++) {
+        PyObject *text = PyTuple_GetItem(texts, i), *bytes = NULL;
+        Size length;
+        const char *held = text && PyUnicode_Check(text) ? PyUnicode_AsUTF8AndSize(text, &length) : NULL;
+        if (!held) {
+            PyErr_Clear(); /* half of a pair has no UTF-8 */
+            bytes = text ? PyUnicode_AsEncodedString(text, "utf-8", "surrogatepass") : NULL;
+            if (!bytes || PyBytes_AsStringAndSize(bytes, (char **)&held, &length) < 0) {
+                Py_XDECREF(bytes);
+                return 0;
+            }
+        }
+        seeds[i + 1] = seed_after(seeds[i], held, length);
+        Py_XDECREF(bytes);
+    }
+    return 1;
+}
+
+/* Place and lay the gestures of a line beside its (T, P) weights: (T, P + G) as a new array. */
+static PyObject *beside(const Gestures *own, const double *scales, Line *line, const double *weights, Size spoken)
+{
+    Py_buffer out;
+    int done;
+    const Size width = spoken + own->poses;
+    PyObject *array = new_array(own->empty, &out, line->frames, width);
+    if (!array)
+        return NULL;
+    Py_BEGIN_ALLOW_THREADS
+    double *row = out.buf;
+    for (Size t = 0; t < line->frames; t++, row += width) {
+        memcpy(row, weights + t * spoken, (size_t)spoken * sizeof(double));
+        memset(row + spoken, 0, (size_t)own->poses * sizeof(double));
+    }
+    done = move_face(own, scales, line, out.buf, width);
+    Py_END_ALLOW_THREADS
+    PyBuffer_Release(&out);
+    if (done < 0) {
+        Py_DECREF(array);
+        return PyErr_NoMemory();
+    }
+    return array;
+}
+
+/* Take in words and labels, and call `beside`; `firsts` is NULL where labels stand for words. */
+static PyObject *with_texts(const Gestures *own, const double *scales, Line *line, const double *weights, Size spoken,
+                            PyObject *texts, const Size *firsts)
+{
+    const size_t count = (size_t)line->words;
+    double *memory = malloc(count * sizeof(double) + (count + 1) * sizeof(uint32_t));
+    if (!memory)
+        return PyErr_NoMemory();
+    line->starts = memory;
+    line->seeds = (uint32_t *)(memory + count);
+    for (Size i = 0; i < line->words; i++)
+        memory[i] = line->times[firsts ? firsts[i] : i];
+    PyObject *made = read_texts(texts, line->words, line->seeds) ? beside(own, scales, line, weights, spoken) : NULL;
+    free(memory);
+    return made;
+}
+
+/* gesture(gestures, weights, scales, start, end, ids, bounds, source, stresses, times, texts, firsts, raised, said)
+-> (T, P + G) weights; start and end are the seconds of the frames */
+static PyObject *gesture(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    if (nargs != 14) {
+        PyErr_SetString(PyExc_TypeError, "gesture takes 14 arguments");
+        return NULL;
+    }
+    const Gestures *own = PyCapsule_GetPointer(args[0], "lipsync_lang.gestures");
+    if (!own)
+        return NULL;
+    Line line = {.start = PyFloat_AsDouble(args[3]), .end = PyFloat_AsDouble(args[4])};
+    if (PyErr_Occurred())
+        return NULL;
+    Views views = {.views = 0};
+    PyObject *made = NULL;
+    const void *found[5];
+    Py_buffer *spoken = &views.view[0];
+    if (PyObject_GetBuffer(args[1], spoken, PyBUF_ND) < 0)
+        return NULL;
+    views.views = 1;
+    if (spoken->ndim != 2 || spoken->shape[0] < 1 || spoken->itemsize != sizeof(double) ||
+        spoken->shape[1] < 1 || spoken->shape[1] > 0xffff ||
+        !(line.start > -LATEST && line.end - line.start >= 0 && line.end - line.start < LONGEST) ||
+        !PyTuple_Check(args[10])) {
+        PyErr_SetString(PyExc_ValueError, "weights, frames or texts out of range");
+        goto done;
+    }
+    line.frames = spoken->shape[0];
+    line.words = PyTuple_Size(args[10]);
+    const double *scales = keep(&views, args[2], sizeof(double), own->count, "scales");
+    const Size times = scales ? keep_any(&views, args[9], sizeof(double), &found[0]) : -1;
+    const Size sounds = times < 0 ? -1 : keep_any(&views, args[5], sizeof(Size), &found[1]);
+    const Size raised = sounds < 0 ? -1 : keep_any(&views, args[12], 2 * sizeof(Size), &found[2]);
+    const Size said = raised < 0 ? -1 : keep_any(&views, args[13], 2 * sizeof(Size), &found[3]);
+    const Size firsts = said < 0 ? -1 : keep_any(&views, args[11], sizeof(Size), &found[4]);
+    if (firsts < 0)
+        goto done;
+    line.labels = times - 1;
+    line.sounds = sounds;
+    line.raised_count = raised;
+    line.said_count = said;
+    line.times = found[0];
+    line.ids = found[1];
+    line.raised = found[2];
+    line.said = found[3];
+    const Size *first = firsts ? found[4] : NULL;
+    int sound = times > 1 && sounds > 0 && line.words == (firsts ? firsts : line.labels);
+    for (Size k = 0; k < own->count; k++)
+        sound &= scales[k] >= 0 && scales[k] <= 1e4;
+    for (Size i = 0; sound && i < said; i++)
+        sound &= line.said[2 * i] >= TAKEN && line.said[2 * i] < own->triggers && line.said[2 * i + 1] >= 0 &&
+                 line.said[2 * i + 1] < line.labels;
+    if (!sound) {
+        PyErr_SetString(PyExc_ValueError, "scales, labels, sounds or words out of range");
+        goto done;
+    }
+    if (!(line.bounds = keep(&views, args[6], sizeof(double), sounds + 1, "bounds")) ||
+        !(line.source = keep(&views, args[7], sizeof(Size), sounds, "source")) ||
+        !within(line.ids, sounds, own->phonemes, "ids") || !within(line.source, sounds, line.labels, "source") ||
+        !within(first, firsts, line.labels, "firsts") || !rising(line.times, times) || !rising(line.bounds, sounds + 1))
+        goto done;
+    const Size marks = keep_any(&views, args[8], sizeof(Size), &found[0]);
+    if (marks > 0 && marks != line.labels)
+        PyErr_SetString(PyExc_ValueError, "stresses of other labels");
+    else if (marks >= 0) {
+        line.stresses = marks ? found[0] : NULL;
+        made = with_texts(own, scales, &line, spoken->buf, spoken->shape[1], args[10], first);
+    }
+done:
+    release_views(&views);
+    return made;
+}
+
 static PyMethodDef methods[] = {
     {"bank", make_bank, METH_VARARGS, "Keep the curves of a language and a character."},
     {"plan", make_plan, METH_VARARGS, "Keep what a motion at a frame rate needs."},
     {"utter", (PyCFunction)(void (*)(void))utter, METH_FASTCALL, "Perform phonemes in time."},
     {"weigh", (PyCFunction)(void (*)(void))weigh, METH_FASTCALL, "Perform a track that is laid."},
+    {"gestures", make_gestures, METH_VARARGS, "Keep the gestures of a pose set at a frame rate."},
+    {"gesture", (PyCFunction)(void (*)(void))gesture, METH_FASTCALL, "Add the gestures of a line to its weights."},
     {NULL, NULL, 0, NULL},
 };
 

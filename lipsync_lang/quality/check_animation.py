@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.performing.performed_line import performer_of
+from lipsync_lang.performing.performed_line import PerformedLine, performer_of
 from lipsync_lang.quality.figures import Figure, Quality
 from lipsync_lang.quality.measured_scene import scene_of
 from lipsync_lang.quality.measures import load_measures
@@ -63,6 +63,11 @@ def check(
     if performer is None:
         raise LipsyncError("this animation has no performer; give a performer of its face")
     (quality,) = check_all([animation], performer, limits)
+    said = PerformedLine.of(animation)
+    if said and animation.without_gestures() is not animation:
+        from lipsync_lang.performing.gesturing import gesture_rates
+
+        remarks = (gesture_rates(said, animation), *remarks)
     if animation.schedule is not None and animation.schedule.likely:
         remarks = (*remarks, HEARD_REMARK)
     return replace(quality, remarks=remarks)
@@ -82,7 +87,7 @@ def check_all(
         if not isfinite(value) or value < 0:
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
         asked[name] = value
-    animations = [performer.without_gestures(one) for one in animations]
+    animations = [one.without_gestures() for one in animations]
     figures: list[list[Figure]] = [[] for _ in animations]
     for start in range(0, len(animations), BLOCK_LINES):
         scene = scene_of(animations[start : start + BLOCK_LINES], performer)

@@ -372,6 +372,7 @@ def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict
                 "names": [text for one in pose.names for text in expanded(one)],
                 "node": pose.node,
                 "rotation": pose.rotation,
+                "head_axis": pose.head_axis(model.front),
             },
         }
         for name, pose in model.gesture_poses.items()

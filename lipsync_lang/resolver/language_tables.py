@@ -169,6 +169,8 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         doubled=stated.doubled,
         hyphenated=stated.hyphenated,
         vowels=vowels,
+        thousands=stated.thousands,
+        decimal=stated.decimal,
     )
 
 

@@ -19,3 +19,7 @@ class Channel(NamedTuple):
     """Rotation axis; the channel's values are degrees."""
     translation: Vector | None = None
     """Translation for a value of 1, in the model's units."""
+    head_axis: Vector | None = None
+    """Axis of a turn of the head, in axes of the face: x to its left, y up, z to the front."""
+    gesture: bool = False
+    """True for what gestures move, not speech."""

@@ -59,7 +59,7 @@ def export(workshop: Workshop, formats: Iterable[str]) -> Exported:
     animation = workshop.perform(schedule=whole, gestures=stated or "all")
     settings = ExportSettings((project and project.offset) or 0.0)
     shown = replace(performer.rigged(animation), export=settings)
-    spoken = shown if stated else performer.without_gestures(shown)
+    spoken = shown if stated else shown.without_gestures()
     found: dict[str, bytes] = {}
     failed: list[str] = []
     remarks: dict[str, None] = {}

@@ -16,7 +16,8 @@ def gesture_data(animation: Animation) -> Json | None:
     """Return the gestures of an animation as JSON data; None if it has no columns for them.
 
     `kinds` are those that are on. `hand` is the number of a gesture that a person placed, among the
-    `placed` of the line, and -1 for one that came by rule.
+    `placed` of the line, and -1 for one that came by rule. `first` is the number in the line of the
+    first word shown.
     """
     said = PerformedLine.of(animation)
     if said is None:
@@ -25,8 +26,9 @@ def gesture_data(animation: Animation) -> Json | None:
     scales = scales_of(performer.compiled, settings["gestures"], settings["line"])
     if scales is None:
         return None
-    own, schedule = performer.gesture_set, animation.schedule
-    hands = placed_by_hand(performer, schedule, settings["line"], settings["placed"])
+    own, part = performer.gesture_set, animation.schedule
+    whole = settings["whole"] or part
+    hands = placed_by_hand(performer, whole, settings["line"], settings["placed"])
     places = {(one.number, one.fact): n for n, one in enumerate(hands)}
     rows = []
     for one in laid_gestures(said, animation)[1]:
@@ -47,4 +49,5 @@ def gesture_data(animation: Animation) -> Json | None:
         for one, scale in zip(own.shapes, scales, strict=True)
         if scale
     ]
-    return {"poses": list(own.poses), "kinds": kinds, "rows": rows}
+    first = sum(word.start < part.start for word in whole.words)
+    return {"poses": list(own.poses), "kinds": kinds, "rows": rows, "first": first}

@@ -454,19 +454,20 @@ class Workshop:
         gestures: str | None = None,
     ) -> Animation:
         """Perform the shown part of the line, or another schedule of it, with any performer."""
-        schedule, settings = schedule or self.spoken.part(self.part_seconds), self.settings
+        line, settings = self.spoken, self.settings
+        schedule = schedule or line.part(self.part_seconds)
         loud = None if schedule.audio is None else settings.intensity
         performer = performer or self.performer
         return performer.perform(
             schedule, settings.fps, line=settings.line, styles=settings.styles or None,
             dials=settings.dials or None, intensity=loud, bends=settings.bends or None,
             gestures=gestures if performer.gesture_set.poses else None, placed=settings.placed,
+            whole=None if schedule is line.whole else line.whole,
         )  # fmt: skip
 
     def perform_shown(self, performer: Performer | None = None) -> Animation:
-        """Perform the shown line with its gestures; a part of a long line has none."""
-        whole = self.schedule is self.spoken.whole
-        return self.perform(performer, gestures=self.gestures if whole else None)
+        """Perform the shown part of the line with its gestures."""
+        return self.perform(performer, gestures=self.gestures)
 
     def lines(self) -> list[tuple[str, str]]:
         """Return the lines of the open language with their characters: of the script, or kept."""

@@ -11,7 +11,9 @@ from file_bytes import bytes_of
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.writers.vrma import HUMANOID, TURN_ERROR
 from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.rigs.head_turn import HeadTurn
 
 SCHEDULE = ll.Schedule(
     ("M", "AA1", "P", "OW1", "_"), (0, 0.1, 0.5, 0.6, 1.0, 1.2), notation="arpabet"
@@ -19,21 +21,22 @@ SCHEDULE = ll.Schedule(
 
 
 def from_vrma(content, _):
-    """Return the times of the sound and weights of each expression: {name: (times, weights)}."""
+    """Return times of the sound and values of each expression and bone: {name: (times, values)}."""
     (length,) = struct.unpack_from("<I", content, 12)
     document, data = json.loads(content[20 : 20 + length]), content[28 + length :]
     extension = document["extensions"]["VRMC_vrm_animation"]
     assert extension["specVersion"] == "1.0"
+    bones = extension.get("humanoid", {}).get("humanBones", {})
     named = {
         node["node"]: name
-        for own in extension["expressions"].values()
+        for own in (bones, *extension["expressions"].values())
         for name, node in own.items()
     }
 
     def values(number):
         row = document["accessors"][number]
         view = document["bufferViews"][row["bufferView"]]
-        width = {"SCALAR": 1, "VEC3": 3}[row["type"]]
+        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[row["type"]]
         found = np.frombuffer(data, "<f4", row["count"] * width, view["byteOffset"])
         return found.reshape(row["count"], width).astype(float)
 
@@ -41,11 +44,13 @@ def from_vrma(content, _):
     start = take["extras"]["audio_start"]
     found = {}
     for channel in take["channels"]:
-        assert channel["target"]["path"] == "translation"
-        sampler = take["samplers"][channel["sampler"]]
-        times, places = values(sampler["input"])[:, 0], values(sampler["output"])
-        assert not places[:, 1:].any()
-        found[named[channel["target"]["node"]]] = (times - start, places[:, 0])
+        sampler, target = take["samplers"][channel["sampler"]], channel["target"]
+        times, shown = values(sampler["input"])[:, 0], values(sampler["output"])
+        if target["node"] not in [bone["node"] for bone in bones.values()]:
+            assert target["path"] == "translation"
+            assert not shown[:, 1:].any()
+            shown = shown[:, 0]
+        found[named[target["node"]]] = (times - start, shown)
     return found
 
 
@@ -89,3 +94,38 @@ def test_keys_are_joined_by_straight_lines(keys):
     found = from_vrma(bytes_of("vrma", replace(animation, export=export)), animation)
     shown = np.interp(animation.times, *found["aa"])
     assert np.abs(shown - animation["aa"]).max() <= (keys or ERROR) + 1e-4
+
+
+@pytest.mark.parametrize("name", ["vrm", "vrm0", "arkit"])
+def test_the_head_turns_as_its_poses_say(name):
+    animation = ll.resolve("english", name).perform(SCHEDULE, gestures="all")
+    axes = {"nod": (1, 0, 0), "turn": (0, 1, 0), "tilt": (0, 0, 1), "lift": (-1, 0, 0)}
+    moving = [(axes[pose], animation.poses.index(pose)) for pose in axes if pose in animation.poses]
+    wanted = HeadTurn(np.array([axis for axis, _ in moving]), tuple(n for _, n in moving))
+    content = bytes_of("vrma", animation)
+    times, turns = from_vrma(content, animation)["head"]
+    shown = np.column_stack([np.interp(animation.times, times, one) for one in turns.T])
+    assert np.ptp(turns, axis=0).max() > 0.03
+    np.testing.assert_allclose(shown, wanted(animation.weights), atol=TURN_ERROR + 1e-4)
+    assert not any("has nothing for" in one for one in WRITERS["vrma"].remarks(animation))
+
+
+def test_the_bones_that_vrm_requires_stand_upright_under_the_head():
+    bones = json.loads(HUMANOID.read_text("utf-8"))
+    above = {child: n for n, bone in enumerate(bones) for child in bone.get("children", ())}
+    places = {}
+    for number, bone in enumerate(bones):
+        base = places[bones[above[number]]["name"]] if number else np.zeros(3)
+        places[bone["name"]] = base + bone["translation"]
+    assert len(places) == 15
+    assert max(places, key=lambda name: places[name][1]) == "head"
+    for side in ("left", "right"):
+        arm = [places[f"{side}{part}"] for part in ("UpperArm", "LowerArm", "Hand")]
+        assert len({place[1] for place in arm}) == 1
+        assert (arm[2][0] > arm[0][0]) == (side == "left")
+        assert places[f"{side}Foot"][1] > 0
+
+
+def test_without_gestures_there_is_no_humanoid():
+    animation = ll.resolve("english", "vrm").perform(SCHEDULE)
+    assert b"humanoid" not in bytes_of("vrma", animation)

@@ -375,3 +375,24 @@ def test_moho_takes_the_names_of_any_drawings():
 def test_a_suffix_names_the_form(name, tmp_path):
     assert find_writer(tmp_path / f"line{WRITERS[name].suffix}").name == name
     assert find_writer(tmp_path / "line.json").name == "json"
+
+
+@pytest.mark.parametrize("name", [*RHUBARB, "moho", "spine", "renpy"])
+def test_gestures_are_no_drawings_of_a_mouth(name):
+    spoken = performed()
+    lids = np.sin(np.arange(len(spoken)))[:, None] ** 2
+    alive = replace(
+        spoken,
+        poses=(*spoken.poses, "blink"),
+        weights=np.hstack([spoken.weights, lids]),
+        channels=(*spoken.columns, Channel("blink", gesture=True)),
+    )
+    assert bytes_of(name, alive) == bytes_of(name, spoken)
+
+
+def test_a_face_that_nods_and_blinks_has_the_mouths_of_one_that_does_not():
+    performer = ll.resolve("english", "facefx")
+    alive = performer.perform(SCHEDULE, gestures="all")
+    alive["nod"][:] = 5
+    alive["blink"][:] = 1
+    assert held(alive, "rest") == held(performer.perform(SCHEDULE), "rest")

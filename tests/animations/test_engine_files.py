@@ -386,6 +386,21 @@ def test_our_own_reader_takes_a_take_for_what_it_is(offset, tmp_path):
     np.testing.assert_allclose(recording.values[:, columns], animation.weights, atol=DENSE)
 
 
+def test_a_take_has_the_turns_of_the_head_in_radians(tmp_path):
+    animation = ll.resolve("english", "arkit").perform(SCHEDULE, gestures="all")
+    degrees = {"nod": 4, "lift": 1, "turn": -7, "tilt": 2}
+    for pose, most in degrees.items():
+        animation[pose][:] = most * np.sin(animation.times)
+    recording = read_live_link(tmp_path / "take.csv", bytes_of("live-link-face", animation))
+    angles = {"headYaw": -7, "headPitch": 4 - 1, "headRoll": 2}
+    for name, most in angles.items():
+        shown = np.degrees(recording.values[:, recording.names.index(name)])
+        # angles add up but for the turns of one another's axes
+        np.testing.assert_allclose(shown, most * np.sin(animation.times), atol=0.5)
+    assert not recording.values[:, -6:].any(), "eyes do not turn"
+    assert not any("has nothing for" in told for told in remarks("live-link-face", animation))
+
+
 @pytest.mark.parametrize(
     ("seconds", "fps", "code"),
     [

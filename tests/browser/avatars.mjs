@@ -24,7 +24,11 @@ async function vrma() {
     const mixed = track.createInterpolant();
     return [name, times.map((time) => mixed.evaluate(time)[0])];
   }));
-  return { preset: rows(read.expressionTracks.preset), custom: rows(read.expressionTracks.custom) };
+  const head = read.humanoidTracks.rotation.get("head")?.createInterpolant();
+  return {
+    preset: rows(read.expressionTracks.preset), custom: rows(read.expressionTracks.custom),
+    head: head && times.map((time) => [...head.evaluate(time)]),
+  };
 }
 
 /** Values of each parameter at the times, as the framework of Live2D in pixi-live2d-display reads them. */

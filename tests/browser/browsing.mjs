@@ -40,6 +40,25 @@ export async function settle(page) {
   }
 }
 
+/** Go to a moment of the page of a line by the slider, halving the way, and wait until it is drawn. */
+export const go = (page, seconds) => page.evaluate(async (wanted) => {
+  const slider = document.querySelector("#scrub");
+  const clock = () => parseFloat(document.querySelector("#clock").textContent.replace("−", "-"));
+  let low = 0, high = Number(slider.max);
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    slider.value = middle;
+    slider.dispatchEvent(new Event("input"));
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    if (clock() < wanted - 1e-3) low = middle + 1;
+    else high = middle;
+  }
+  slider.value = low;
+  slider.dispatchEvent(new Event("input"));
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  return clock();
+}, seconds);
+
 /** Addresses of the studio's views, with what each shows once it is loaded. */
 export const VIEWS = {
   "sentence": "#timeline",

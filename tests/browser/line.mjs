@@ -5,7 +5,7 @@
 // CLOSED and OPEN are seconds at which the mouth is shut and open. Printed is JSON: `said` and `asked`,
 // the errors and the requests of all this; the rest below.
 import { pathToFileURL } from "node:url";
-import { WEBGL, launch, settle, watch } from "./browsing.mjs";
+import { WEBGL, go, launch, settle, watch } from "./browsing.mjs";
 
 const [modules, chromium, file, closed, open] = process.argv.slice(2);
 
@@ -19,25 +19,6 @@ async function show(options = {}) {
   await page.waitForSelector("html[data-ready]", { timeout: 120000 });
   return page;
 }
-
-/** Go to a moment by the slider, halving the way, and wait until it is drawn. */
-const go = (page, seconds) => page.evaluate(async (wanted) => {
-  const slider = document.querySelector("#scrub");
-  const clock = () => parseFloat(document.querySelector("#clock").textContent.replace("−", "-"));
-  let low = 0, high = Number(slider.max);
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    slider.value = middle;
-    slider.dispatchEvent(new Event("input"));
-    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-    if (clock() < wanted - 1e-3) low = middle + 1;
-    else high = middle;
-  }
-  slider.value = low;
-  slider.dispatchEvent(new Event("input"));
-  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-  return clock();
-}, seconds);
 
 /** The pixels of a face, small. */
 const pixels = (page, number = 0) => page.evaluate((which) => {

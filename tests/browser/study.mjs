@@ -17,6 +17,7 @@ const said = [], asked = [];
 async function show(options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, acceptDownloads: true, ...options });
   const page = await context.newPage();
+  if (options.storeless) await page.addInitScript(() => { Object.defineProperty(window, "localStorage", { get() { throw new Error("refused"); } }); });
   watch(page, said);
   page.on("request", (one) => /^(file|data|blob):/.test(one.url()) || asked.push(`${one.method()} ${new URL(one.url()).pathname}`));
   await page.goto(url);
@@ -104,10 +105,14 @@ try {
   result.anew = [await page.isVisible("#welcome"), await page.isChecked("#agree")];
   await page.context().close();
 
-  const phone = await show({ viewport: { width: 360, height: 740 }, colorScheme: "dark", hasTouch: true, isMobile: true });
+  const phone = await show({ storeless: true, viewport: { width: 360, height: 740 }, colorScheme: "dark", hasTouch: true, isMobile: true });
   await phone.screenshot({ path: join(folder, "welcome-phone.png") });
   await phone.check("#agree");
   await phone.click("#begin");
+  result.warned = await phone.textContent("#trouble");
+  await phone.reload();
+  await phone.waitForSelector("html[data-ready]");
+  result.storeless = await phone.isVisible("#rating");
   await play(phone);
   result.overflow = await phone.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   await phone.screenshot({ path: join(folder, "pair-phone.png"), fullPage: true });

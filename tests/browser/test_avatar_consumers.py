@@ -23,8 +23,8 @@ SCHEDULE = ll.Schedule(
 )
 
 
-def performed(character, keys=None):
-    animation = ll.resolve("english", character).perform(SCHEDULE, fps=60)
+def performed(character, keys=None, gestures=None):
+    animation = ll.resolve("english", character).perform(SCHEDULE, fps=60, gestures=gestures)
     return replace(animation, export=replace(animation.export, key_error=keys))
 
 
@@ -43,10 +43,22 @@ def test_three_vrm_reads_the_expressions(tmp_path, character, kind):
         np.testing.assert_allclose(shown[kind][pose], animation[pose], atol=ERROR + 1e-4)
 
 
-def test_the_validator_of_gltf_has_no_fault_to_find_in_a_vrm_animation(tmp_path):
+def test_three_vrm_turns_the_head_forward_by_a_nod(tmp_path):
+    animation, path = performed("vrm", gestures="nod"), tmp_path / "line.vrma"
+    animation.save(path)
+    shown = read("@pixiv/three-vrm-animation", "vrma", path, animation.timeline)
+    x, *rest = np.transpose(shown["head"])
+    nodded = 2 * np.degrees(np.arcsin(x))
+    assert nodded.max() > 3
+    np.testing.assert_allclose(nodded, animation["nod"], atol=0.2)
+    np.testing.assert_allclose(rest[:2], 0, atol=1e-6)
+
+
+@pytest.mark.parametrize("gestures", [None, "all"])
+def test_the_validator_of_gltf_has_no_fault_to_find_in_a_vrm_animation(tmp_path, gestures):
     node, modules = found("gltf-validator")
     path = tmp_path / "line.vrma"
-    performed("vrm").save(path)
+    performed("vrm", gestures=gestures).save(path)
     issues = run(node, HERE / "validate.mjs", modules, path)
     assert [one for one in issues["messages"] if one["severity"] <= WARNING] == []
 

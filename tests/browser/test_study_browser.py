@@ -88,6 +88,8 @@ def test_a_rater_answers_reloads_and_exports(study, tmp_path):
     assert shown["asks"].startswith("Press again")
     assert shown["anew"] == [True, False], "the next person begins with consent"
     assert shown["others"]["rater"] != saved["rater"]
+    assert shown["warned"].startswith("This browser does not store answers")
+    assert shown["storeless"], "a browser without a store keeps the answers over a reload"
     assert len(submissions_in(tmp_path / "answers.json")) == 1
     rules = SortingRules(failed_checks=1, least_seconds=0.5)
     counted = sort_answers([tmp_path / "answers.json"], study.study, rules)

@@ -86,6 +86,14 @@ const units = {
     assert.deepEqual(placedAt("nod", 0.3, 0.5, { times: [0, 1], words: [] }), { gesture: "nod", at: 0.3, scale: 0.5 });
     assert.equal(secondsOf({ gesture: "nod", at: 0.3 }, spoken), 0.3);
   },
+  "a part of a line shows its own gestures by hand"() {
+    const spoken = { times: [9, 10, 11, 12], words: [["a", 0, 1], ["b", 1, 3]], first: 7 };
+    assert.deepEqual(placedAt("nod", 10.2, 1, spoken), { gesture: "nod", word: 8, after: 0.2 });
+    near([secondsOf({ gesture: "nod", word: 8, after: 0.2 }, spoken)], [10.2]);
+    const placed = [{ word: 6 }, { word: 7 }, { word: 9 }, { at: 3 }, { at: 11.5 }].map((one) => ({ gesture: "nod", ...one }));
+    const took = { kinds: [{ name: "nod", lead: 0.1, seconds: 0.5, room: 0.5 }], rows: [] };
+    assert.deepEqual(shownGestures(took, placed, spoken).map((one) => [one.hand, one.at]), [[1, 9], [4, 11.5]]);
+  },
   "gestures by hand keep those by rule away"() {
     const spoken = { times: [0, 1, 2, 3], words: [["a", 0, 1], ["b", 1, 2], ["c", 2, 3]] };
     const kinds = [{ name: "nod", lead: 0.1, seconds: 0.5, room: 0.5 }];

@@ -77,6 +77,11 @@ def test_check_counts_gestures(capsys):
     assert "degrees (2 standard deviations)" in told
     assert main(["check", "--schedule", "line.json", *PAIR]) in {0, 1}
     assert "gestures" not in capsys.readouterr().out
+    run = ["run", "--schedule", "line.json", *PAIR, "--check", "-o", "line.csv"]
+    assert main([*run, "--gestures", "all"]) == 0
+    assert "gestures a minute: blink " in capsys.readouterr().err
+    assert main(run) == 0
+    assert "gestures" not in capsys.readouterr().err
 
 
 def test_a_line_idles_by_option_and_by_project(folder):

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 import lipsync_lang as ll
 from lipsync_lang.live.addresses import LiveAddress
-from lipsync_lang.live.head_turn import HeadTurn, head_angles
 from lipsync_lang.live.live_frame import LiveFrame
 from lipsync_lang.live.live_gestures import LiveGestures
 from lipsync_lang.live.live_player import LivePlayer
 from lipsync_lang.live.outlets import outlet
+from lipsync_lang.rigs.head_turn import HeadTurn, head_angles
 
 SETS = ("arkit", "vrm", "vrm0", "facefx")
 NO_TILT = ("vrm", "vrm0")
@@ -134,10 +134,9 @@ def test_a_posture_stands_before_the_turns_of_the_head():
 @given(st.lists(st.floats(-15, 15), min_size=4, max_size=4))
 def test_angles_give_the_turn_again(amounts):
     performer = ll.resolve("english", "arkit")
-    head = HeadTurn.of(performer, len(performer.poses))
-    weights = np.zeros(head.columns[-1] + 1)
-    weights[[*head.columns]] = amounts
+    head = HeadTurn.of(performer.gesture_channels)
+    weights = np.zeros((1, head.columns[-1] + 1))
+    weights[:, [*head.columns]] = amounts
     turn = head(weights)
-    yaw, pitch, roll = map(math.degrees, head_angles(turn))
-    again = HeadTurn(np.eye(3)[[1, 0, 2]], (0, 1, 2))(np.array([yaw, pitch, roll]))
+    again = HeadTurn(np.eye(3)[[1, 0, 2]], (0, 1, 2))(np.degrees(head_angles(turn)))
     assert again == pytest.approx(turn, abs=1e-12)

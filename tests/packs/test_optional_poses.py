@@ -42,6 +42,13 @@ def test_a_drafted_character_names_what_its_model_has(tongued, tmp_path, monkeyp
     assert ll.resolve("english", "anna").poses[-1] == "tongueUp"
 
 
+def test_a_pose_set_is_shown_with_them(cli):
+    shown = cli("posesets", "show", "arkit").out.splitlines()
+    heading = shown.index("poses that few models have")
+    assert shown[heading + 1].split()[:2] == ["tongueUp", "tongue"]
+    assert any(line.split()[:2] == ["nod", "head"] for line in shown)
+
+
 def test_a_character_may_only_have_optional_poses_of_its_set(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "characters" / "anna.yaml"

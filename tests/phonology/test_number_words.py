@@ -34,11 +34,23 @@ RULES = {
         ("2.500", "two thousand five hundred"),
         ("1,000,000", "one million"),
         ("3,5", "three,five"),
+        ("0351", "nought three five one"),
         ("7" * (MAX_DIGITS + 1), " ".join(["seven"] * (MAX_DIGITS + 1))),
     ],
 )
 def test_rules_put_the_words_together(written, words):
     assert number_words(RULES, written) == words
+
+
+def test_a_rule_may_count_in_its_own_number():
+    rules = {**RULES, "100000": "<< lakh[ >>]"}
+    assert number_words(rules, "350000") == "three lakh fivety thousand"
+    assert number_words(rules, "1200000") == "one million two lakh"
+
+
+def test_digits_after_a_decimal_sign_are_read_one_by_one():
+    assert number_words(RULES, "20.05", decimal="point") == "twoty point nought five"
+    assert number_words(RULES, "2.500", decimal="point") == "two thousand five hundred"
 
 
 def test_a_number_without_a_rule_stays():

@@ -11,6 +11,7 @@ import importlib.util
 import os
 import sys
 import time
+from dataclasses import replace
 from random import Random
 
 LIBRARY = "LIPSYNC_LANG_TEST_KERNEL"
@@ -51,10 +52,13 @@ def recorded():
 
     kernel.compiled = Recorder()
     times = np.cumsum([0.1, 0.1, 0.05, 0.2, 0.1, 0.3])
-    line = ll.Schedule(("M", "AA", "B", "UW", "F"), times, notation="arpabet")
+    words = ll.Word("no", 0, 2, emphasis=1.0), ll.Word("who", 3, 4)
+    marked = ll.Schedule(("M", "AA1", "B", "UW", "F"), times, words=words, notation="arpabet")
+    line = replace(marked, labels=("M", "AA", "B", "UW", "F"), words=())
     for character in ("facefx", "arkit"):
         performer = ll.resolve("english", character)
-        performer.perform(line)
+        performer.perform(line, gestures="all")
+        performer.perform(marked, gestures="all")
         stream = performer.stream(60, notation="arpabet")
         for number, label in enumerate(line.labels):
             stream.feed(label, times[number], times[number + 1])
@@ -106,7 +110,7 @@ def damaged_array(rng, value, kind):
 def main(seconds, seed):
     """Call the kernel with damaged arguments until a time; print the counts of answers."""
     calls = recorded()
-    assert {"bank", "plan", "utter", "weigh"} <= set(calls), sorted(calls)
+    assert {"bank", "plan", "utter", "weigh", "gestures", "gesture"} <= set(calls), sorted(calls)
     rng, answers, end = Random(seed), {}, time.monotonic() + seconds  # noqa: S311 no secret
     while time.monotonic() < end:
         name = rng.choice(sorted(calls))

@@ -58,9 +58,9 @@ def ran(environment, *arguments):
 
 @full
 def test_the_tests_of_the_kernel_hold_under_sanitizers(environment):
-    room = "tests/pipeline/test_kernel.py"
+    rooms = "tests/pipeline/test_kernel.py", "tests/gestures/test_compiled_gestures.py"
     quiet = ("-q", "-p", "no:cacheprovider", "-p", "no:randomly")
-    ran(environment, "-m", "pytest", "-p", "sanitized_kernel", room, "-m", "not full", *quiet)
+    ran(environment, "-m", "pytest", "-p", "sanitized_kernel", *rooms, "-m", "not full", *quiet)
 
 
 @full
@@ -69,5 +69,5 @@ def test_damaged_arguments_are_refused_or_performed_within_bounds(environment):
     script = str(TESTS / "pipeline/sanitized_kernel.py")
     told = ran(environment, script, str(FUZZ_SECONDS), seed)
     assert int(told.split()[0]) > 20
-    for name in ("bank", "plan", "utter", "weigh"):
+    for name in ("bank", "plan", "utter", "weigh", "gestures", "gesture"):
         assert f"{name} refused" in told

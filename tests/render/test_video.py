@@ -27,6 +27,7 @@ from lipsync_lang.render.model.scene import FAN, STRIP, _triangles
 from lipsync_lang.render.picture_writers import write_mp4, write_png
 from lipsync_lang.render.staging import staged
 from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.rigs.parts import Part, take, write_glb
 
 SIZE, FPS, RATE = 96, 30, 8000
 WHOLE = Window(0, 0, 64, 64)
@@ -335,6 +336,32 @@ def test_what_has_moved_stays_where_it_is(tmp_path):
     scene = staged(damaged(tmp_path, lambda _: None))
     np.testing.assert_allclose(scene.points(9.0), scene.points(1 / FPS), atol=1e-6)
     np.testing.assert_allclose(scene.points(-9.0), scene.points(0.0), atol=1e-6)
+
+
+def test_no_gap_opens_between_what_moves_and_what_stands_still(tmp_path):
+    place = np.linspace(-1, 1, 41)
+    points = np.array([(x, y, 0) for y in place for x in place])
+    corner = np.array([41 * row + column for row in range(40) for column in range(40)])
+    corners = [corner, corner + 1, corner + 42, corner, corner + 42, corner + 41]
+    sheet = np.stack(corners, axis=1).reshape(-1, 3)
+    # moves ever less from the middle outwards, and at last not at all
+    fading = 0.0014 * (1 - np.linalg.norm(points, axis=1)).clip(0, 1)[:, None] ** 2 * (1, -1, 0)
+    whole = Part("sheet", points, sheet, (0.0, 1.0, 0.0, 1.0), targets={"up": fading})
+    small = (points[sheet].mean(axis=1)[:, :2] < (-0.2, 0)).all(axis=1)
+    backdrop = Part("backdrop", points - (0, 0, 0.1), sheet, (1.0, 0.0, 0.0, 1.0))
+    path = tmp_path / "a.glb"
+    with path.open("wb") as stream:
+        parts = [take(whole, small, "small"), take(whole, ~small, "large"), backdrop]
+        write_glb(stream, parts, ["up"], {"name": "sheet"}, {})
+    scene = staged(animation_of(path, Channel("up")))
+    assert scene.moving.any()
+    assert not scene.moving.all()
+    found = {}
+    for point, moves in zip(scene.rest.round(4).tolist(), scene.moving, strict=True):
+        assert found.setdefault(tuple(point), moves) == moves, "a seam moves on one side alone"
+    picture = Artist(scene, 600).draw(1 / FPS)
+    red, _, blue = picture[60:-60, 60:-60].astype(int).transpose(2, 0, 1)
+    assert (red == blue).all(), "the backdrop is not seen"
 
 
 @pytest.mark.parametrize(("rotation", "front"), [([0, 0, 0, 1], 1), ([0, 1, 0, 0], -1)])

@@ -10,6 +10,7 @@ from studio_calls import Caller, unpacked
 
 import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import Schedule, Word
+from lipsync_lang.studio.gesture_data import gesture_data
 from lipsync_lang.studio.workshop import Workshop
 
 SOUNDS = [("M AA1 M AH0", "mama"), ("T IY1", "tea"), ("S OW1 D AH0", "soda"), ("K AA1 R", "car")]
@@ -133,10 +134,35 @@ def test_what_cannot_be_placed_is_refused_and_the_line_stays(caller, workshop, p
     assert workshop.settings.placed == []
 
 
-def test_a_line_in_parts_and_a_face_without_gestures_have_none(caller, workshop):
+def test_the_parts_of_a_line_have_the_gestures_of_the_whole(caller, workshop):
     workshop.take_up(line(SOUNDS * 100, 0.2), "long")
-    assert shown(caller)["takes"][0]["gestures"] is None
-    workshop.take_up(line(), "mama tea")
+    whole = workshop.perform(schedule=workshop.spoken.whole, gestures="all")
+    every = [(row["name"], row["at"]) for row in gesture_data(whole)["rows"]]
+    parts = shown(caller)["part"]["count"]
+    assert parts > 1
+    found = []
+    for part in range(parts):
+        take = unpacked(caller.post(f"part/{part}"))[0]["takes"][0]
+        found += map(key, take["gestures"]["rows"])
+        assert take["poses"] == list(whole.poses)
+        words = workshop.schedule.words
+        assert workshop.spoken.whole.words[take["gestures"]["first"]].start == words[0].start
+    assert len(found) > 100
+    assert set(found) <= set(every)
+    assert len(set(every) - set(found)) <= 2 * parts, "only those across a cut are left out"
+
+
+def test_a_gesture_by_hand_in_a_part_counts_the_words_of_the_line(caller, workshop):
+    workshop.take_up(line(SOUNDS * 100, 0.2), "long")
+    caller.post("part/1")
+    first = shown(caller)["takes"][0]["gestures"]["first"]
+    placed = [{"gesture": "nod", "word": first + 3}, {"gesture": "nod", "word": 0}]
+    (own,) = [row for row in rows(caller, placed) if row["hand"] >= 0]
+    assert (own["hand"], own["at"]) == (0, pytest.approx(workshop.schedule.words[3].start))
+    assert "by hand" in str(workshop.perform_shown().explain(own["begin"] + 0.1))
+
+
+def test_a_face_without_gestures_has_none(caller):
     shown(caller, [{"gesture": "nod", "word": 1}])
     other = unpacked(caller.post("beside", {"character": "oculus", "face": False}))[0]
     assert other["take"]["gestures"] is None

@@ -1,8 +1,9 @@
 """CSV recordings of Live Link Face, the face capture app for Unreal Engine.
 
 One row per frame, in the column order of the app: a timecode `HH:MM:SS:FF.mmm` with thousandths of
-a frame, the number of values, the 52 ARKit shapes, and the rotations of head and eyes. Weights are
-clipped to 0 to 1. Timecode counts whole frames, so one timecode second at 23.976 fps lasts 1.001 s.
+a frame, the number of values, the 52 ARKit shapes, and the rotations of head and eyes in radians,
+of which those of the head follow gestures. Weights are clipped to 0 to 1. Timecode counts whole
+frames, so one timecode second at 23.976 fps lasts 1.001 s.
 """
 
 from functools import partial

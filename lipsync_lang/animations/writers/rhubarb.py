@@ -27,7 +27,8 @@ def _known() -> list[str]:
 def _refuse_others(animation: Animation) -> dict[str, str]:
     """Return Rhubarb's names by their folded form; refuse poses of other names."""
     known = {name.casefold(): name for name in _known()}
-    others = [pose for pose in animation.poses if pose.casefold() not in known]
+    poses = animation.without_gestures().poses
+    others = [pose for pose in poses if pose.casefold() not in known]
     if others:
         unknown = f"{some(others)} {'is' if len(others) == 1 else 'are'} unknown"
         mend = "perform on a character that has those shapes (-c rhubarb)"

@@ -1,15 +1,17 @@
 """A VRM animation, `.vrma`: a GLB whose nodes stand for the expressions of an avatar.
 
 Based on VRMC_vrm_animation 1.0 (github.com/vrm-c/vrm-specification). The x of a node's translation
-is the weight of its expression. Columns that match no preset of VRM are custom expressions. Bones
-are left out: the extension allows them only as part of a whole humanoid. Keys are joined by
-straight lines, because players read no other values. glTF has no negative time; `audio_start` in
-the animation's extras is the start of the sound in seconds.
+is the weight of its expression. Columns that match no preset of VRM are custom expressions. Turns
+of the head are the rotation of a bone, for which the extension wants a whole humanoid at rest:
+`names/vrm-humanoid.json`, with T-pose, y up and z to the front. Other bones are left out. Keys are
+joined by straight lines, because players read no other values. glTF has no negative time;
+`audio_start` in the animation's extras is the start of the sound in seconds.
 """
 
 import json
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
@@ -17,9 +19,10 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.fixed import boneless, late, names, shape_columns
-from lipsync_lang.animations.keys import ERROR, KeyedCurve
+from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
 from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
+from lipsync_lang.rigs.head_turn import HeadTurn
 from lipsync_lang.rigs.shape_matching import places
 
 if TYPE_CHECKING:
@@ -28,22 +31,36 @@ if TYPE_CHECKING:
 VRM_ANIMATION = "VRMC_vrm_animation"
 FLOAT_TYPE = 5126
 
+HUMANOID = Path(__file__).parent / "names" / "vrm-humanoid.json"
+"""The bones that VRM requires, as nodes of glTF."""
+
+TURN_ERROR = 0.001
+"""Largest error of the components of a quaternion: a tenth of a degree."""
+
 
 def doubts(animation: Animation) -> Iterator[str]:
     """Yield warnings about bones and a delayed sound."""
-    yield from boneless(animation, "a .vrma")
+    yield from boneless(animation, "a .vrma", head=True)
     yield from late(animation, "a .vrma")
 
 
 @binary_writer("vrma", suffix=".vrma", remarks=doubts)
 def write_vrma(animation: Animation, out: BinaryIO) -> None:
-    """A VRM animation: keyframes of expressions, for every VRM avatar."""
+    """A VRM animation: keyframes of expressions and of the head, for every VRM avatar."""
     presets = set(names("vrm.txt").shapes)
-    curves = _expressions(animation)
-    made = [_rows(2 * number, curve) for number, curve in enumerate(curves)]
+    curves, turned = _expressions(animation), _head(animation)
+    bones = [] if turned is None else json.loads(HUMANOID.read_text("utf-8"))
+    nodes = {one.name: {"node": number} for number, one in enumerate(curves, len(bones))}
+    humanoid = {bone["name"]: {"node": number} for number, bone in enumerate(bones)}
+    tracks = [
+        (nodes[one.name]["node"], "translation", one.times, np.outer(one.values, (1.0, 0.0, 0.0)))
+        for one in curves
+    ]
+    if turned is not None:
+        tracks.append((humanoid["head"]["node"], "rotation", *turned))
+    made = [_rows(2 * number, *keys) for number, (_, _, *keys) in enumerate(tracks)]
     blocks = [block for _, own in made for block in own]
     sizes = np.cumsum([0, *map(len, blocks)]).tolist()
-    nodes = {curve.name: {"node": number} for number, curve in enumerate(curves)}
     known = {
         "preset": {name: node for name, node in nodes.items() if name in presets},
         "custom": {name: node for name, node in nodes.items() if name not in presets},
@@ -51,19 +68,23 @@ def write_vrma(animation: Animation, out: BinaryIO) -> None:
     line = {
         "name": animation.title,
         "channels": [
-            {"sampler": n, "target": {"node": n, "path": "translation"}} for n in range(len(curves))
+            {"sampler": n, "target": {"node": node, "path": path}}
+            for n, (node, path, *_) in enumerate(tracks)
         ],
-        "samplers": [{"input": 2 * n, "output": 2 * n + 1} for n in range(len(curves))],
+        "samplers": [{"input": 2 * n, "output": 2 * n + 1} for n in range(len(tracks))],
         "extras": {"audio_start": round(animation.begins, 6)},
     }
     expressions = {kind: own for kind, own in known.items() if own}
+    extension: Json = {"specVersion": "1.0", "expressions": expressions}
+    if humanoid:
+        extension["humanoid"] = {"humanBones": humanoid}
     document = {
         "asset": {"version": "2.0", "generator": "lipsync_lang"},
         "extensionsUsed": [VRM_ANIMATION],
-        "extensions": {VRM_ANIMATION: {"specVersion": "1.0", "expressions": expressions}},
+        "extensions": {VRM_ANIMATION: extension},
         "scene": 0,
-        "scenes": [{"nodes": [*range(len(curves))]}],
-        "nodes": [{"name": curve.name} for curve in curves],
+        "scenes": [{"nodes": [*range(bool(bones)), *(one["node"] for one in nodes.values())]}],
+        "nodes": [*bones, *({"name": name} for name in nodes)],
         "animations": [line],
         "accessors": [accessor for accessors, _ in made for accessor in accessors],
         "bufferViews": [
@@ -92,17 +113,25 @@ def _expressions(animation: Animation) -> list[KeyedCurve]:
     return shown.keyframes(ERROR, lines=True)
 
 
-def _rows(view: int, curve: KeyedCurve) -> tuple[list[Json], list[bytes]]:
-    """Return the accessors of times and weights, in two buffer views, and their bytes."""
-    times = curve.times.astype("<f4")
-    kept = np.append(True, np.diff(times) > 0)
-    weights = np.zeros((int(kept.sum()), 3), "<f4")
-    weights[:, 0] = curve.values[kept]
-    times = times[kept]
-    plain: Json = {"componentType": FLOAT_TYPE, "count": len(times)}
-    bounds = {"min": [float(times[0])], "max": [float(times[-1])]}
+def _head(animation: Animation) -> "tuple[Floats, Floats] | None":
+    """Return the times and the quaternions of the head; None for a head that rests."""
+    turn = HeadTurn.of(animation.columns)
+    if not animation.weights[:, [*turn.columns]].any():
+        return None
+    turned = turn(animation.weights)
+    kept = needed(animation.timeline, turned, TURN_ERROR)
+    return animation.timeline[kept], turned[kept]
+
+
+def _rows(view: int, times: "Floats", values: "Floats") -> tuple[list[Json], list[bytes]]:
+    """Return the accessors of times and values, in two buffer views, and their bytes."""
+    seconds = times.astype("<f4")
+    kept = np.append(True, np.diff(seconds) > 0)
+    seconds, rows = seconds[kept], values[kept].astype("<f4")
+    plain: Json = {"componentType": FLOAT_TYPE, "count": len(seconds)}
+    bounds = {"min": [float(seconds[0])], "max": [float(seconds[-1])]}
     accessors = [
         {"bufferView": view, "type": "SCALAR", **plain, **bounds},
-        {"bufferView": view + 1, "type": "VEC3", **plain},
+        {"bufferView": view + 1, "type": f"VEC{rows.shape[1]}", **plain},
     ]
-    return accessors, [times.tobytes(), weights.tobytes()]
+    return accessors, [seconds.tobytes(), rows.tobytes()]

@@ -43,7 +43,7 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
 
 
 def _written_forms(language: "Pack[models.Language]") -> Iterator[Fault]:
-    """Check that rules of numbers and lists of words have the names by which others use them."""
+    """Check that tables and lists have the names by which others use them, and numbers a place."""
     text = language.model.text
     if text is None:
         return
@@ -53,10 +53,17 @@ def _written_forms(language: "Pack[models.Language]") -> Iterator[Fault]:
             for name in set(named_rules(words)) - tables.keys():
                 at = ("text", "number_rules", table, number)
                 yield language.unknown(at, "P236", "rules of numbers", name, tables)
-    for spelling in text.abbreviations:
+    known = tables.keys() | text.numbers.keys()
+    for spelling, words in text.abbreviations.items():
+        loc = ("text", "abbreviations", spelling)
         for name in set(re.findall(r"\{(\w+)\}", spelling)) - lists.keys():
-            loc = ("text", "abbreviations", spelling)
             yield language.unknown(loc, "P236", "list of words", name, lists, key=True)
+        places = [str(1 + n) for n, _ in enumerate(re.findall("#+|[~*]", spelling))]
+        for number, table in re.findall(r"\{(\d)(?::([\w-]+))?\}", words):
+            if number not in places:
+                yield language.unknown(loc, "P236", "place of the spelling", number, places)
+            if table and table not in known:
+                yield language.unknown(loc, "P236", "list of numbers", table, known)
 
 
 def _own_labels(model: "models.Language") -> "Iterator[tuple[Loc, Sequence[str]]]":

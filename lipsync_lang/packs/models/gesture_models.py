@@ -27,6 +27,9 @@ Trigger = Literal[
 GestureScale = Annotated[float, Field(ge=0, le=2)]
 """Scale of a gesture: 0 leaves it out, 1 is as the pose set states."""
 
+HEAD_REGION = "head"
+"""Region whose poses turn the head."""
+
 STEEPEST = 1.5
 """Greatest slope of the rounded step between two points, over that of the straight line."""
 
@@ -37,8 +40,8 @@ class GesturePose(Strict):
     title: str = ""
     """The shape in words."""
     region: Text
-    """The part of the face that the pose moves, such as eyes, brows or head; live receivers get the
-    turns of the region `head`."""
+    """The part of the face that the pose moves, such as eyes, brows or head; other programs get
+    the turns of the region `head`."""
     names: tuple[Text, ...] = ()
     """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
     node: Text | None = None
@@ -60,6 +63,13 @@ class GesturePose(Strict):
             what = "a shape has a weight of at most 1; `most` is for degrees"
             raise PydanticCustomError("P115", what, {"field": "most"})
         return self
+
+    def head_axis(self, front: str) -> tuple[float, float, float] | None:
+        """Return the axis of a turn of the head in axes of the face, which looks along `front`."""
+        if self.rotation is None or self.region != HEAD_REGION:
+            return None
+        x, y, z = self.rotation
+        return (x, y, z) if front == "z" else (-x, y, -z)
 
 
 def _from_rest_to_rest(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:

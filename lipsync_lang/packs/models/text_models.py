@@ -92,11 +92,12 @@ class LanguageText(Strict):
     and a spelling that is one part twice, such as `haha`, as a whole. Null removes a shared one."""
     abbreviations: dict[Text, str] = Field(default={})
     """The words for abbreviations and signs. `#` in a spelling is a number, `##` a number of two
-    digits, `~` a Roman numeral. `{1}` in the words is the first of them, and `{1:ordinal}` its word
-    in a list of `numbers`. A number and a full stop, `#.`, stand before a small letter. Words
-    with a full stop at their end end a sentence where a capital follows. Other spellings with a
-    capital and a full stop are titles, and stand before a name. `{month}` in both is each word of
-    the list `month`."""
+    digits, `~` a Roman numeral, and `*` two or more letters of a word: `"1 *a": "una {1}a"`. `{1}`
+    in the words is the first of them, and `{1:ordinal}` its word in a list of `numbers`. A number
+    and a full stop, `#.`, stand before a small letter. Words with a full stop at their end end a
+    sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
+    stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
+    of a word. `{month}` in both is each word of the list `month`."""
     lists: dict[Text, tuple[Text, ...]] = Field(default={})
     """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`."""
     numbers: dict[Text, tuple[str, ...]] = Field(default={})
@@ -106,8 +107,12 @@ class LanguageText(Strict):
     """Rules that put the words of numbers together, by name, used as a list of `numbers` is.
     `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
     many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
-    `>{joined}` and `<{joined}` go by the rules `joined`. From an empty rule on, numbers are read as
-    the engine reads them."""
+    `>{joined}` and `<{joined}` go by the rules `joined`; `<<` and `>>` count in the number of the
+    rule itself, such as 100000. From an empty rule on, numbers are read as the engine does."""
+    thousands: str = Field(default="", max_length=1)
+    """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
+    decimal: str = ""
+    """The word of the decimal sign in numbers whose words come from `number_rules`."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})

@@ -42,8 +42,11 @@ _BLANKED |= {chr(code) for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206
 """Quotation marks, and characters that are hidden or turn the direction of writing."""
 
 _NAMED_MARKS = re.compile("[!?:;।॥؟؛۔။。！？：；]")
-_LONE_MARKS = re.compile(r"(?:^|(?<=[.…,!?:;—।॥؟،؛۔။。、，！？：；]\s))[^\w\s]*(?:\s+[^\w\s]+)*")
-"""Marks without a word before them, which some voices read out by name."""
+_LONE_MARKS = re.compile(
+    r"(?:^|(?<=[.…,!?:;—।॥؟،؛۔။。、，！？：；]\s))[^\w\s]*(?:\s+[^\w\s]+)*"
+    r"|(?<=[^\W\d_A-Z]{3}):(?=[^\W\d_])"
+)
+"""Marks without a word before them, and colons within words, which some voices read out by name."""
 
 _UNREAD_CATEGORIES = frozenset({"Cc", "Cs", "Co", "Cn"})
 """Control characters, lone surrogates, and characters without a meaning in Unicode."""

@@ -1,10 +1,11 @@
 """Abbreviations, signs, Roman numerals and ruby, replaced by spoken words.
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
-and so on, `~` for a Roman numeral; `{1}` in its expansion is the first of them, and `{1:ordinal}`
-its word in the list `ordinal`. A space of a key may be missing in the text. An expansion with a
-full stop at its end ends a sentence where a capital follows; others with a capital and a full stop
-are titles, which stand before a name.
+and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
+first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
+the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
+with a capital and a full stop are titles, which stand before a name; the words after `|` serve
+without one. A key after `…` is the end of a word.
 """
 
 import re
@@ -14,7 +15,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from lipsync_lang.phonology.g2p.number_words import number_words
-from lipsync_lang.phonology.g2p.spoken_forms import NumberTables, SpokenForms
+from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 
 MAX_ROMAN_CHARS = 12
 """Maximum number of letters of a Roman numeral."""
@@ -59,6 +60,7 @@ _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
 """A number; its thousands may have spaces between them."""
+_SPACES = " \u00a0\u202f"
 
 
 class Replacement(NamedTuple):
@@ -75,11 +77,18 @@ class _Keys:
     An expression is compiled when a text has the beginning of its key: most texts have none.
     """
 
-    def __init__(self, expansions: Mapping[str, str], numbers: NumberTables) -> None:
-        self._expansions, self._numbers = expansions, numbers
+    def __init__(self, forms: SpokenForms) -> None:
+        self._expansions, self._numbers = forms.abbreviations, forms.numbers
+        self._decimal = forms.decimal
+        between = re.escape(forms.thousands) + _SPACES
+        self._grouped = re.compile(
+            rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
+            rf"(?![{between}]?\d)"
+        )
         self._beginnings: dict[str, dict[tuple[str, bool], list[str]]] = {}
-        for key in expansions:
-            literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~]", key[1:])[0]
+        self._ends = {key[1:]: read for key, read in self._expansions.items() if key[0] == "…"}
+        for key in self._expansions:
+            literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
             numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
@@ -92,7 +101,8 @@ class _Keys:
             for first in self._beginnings
             if not first.isalnum() | (first in _MINUS)
         )
-        starts = [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
+        starts = [rf"(?<=[^\W\d_]){re.escape(end)}(?!\w)" for end in self._ends]
+        starts += [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
@@ -103,12 +113,28 @@ class _Keys:
         at = 0
         while start := self._starts.search(text, at):
             at = start.end()
+            if start[0] in self._ends:
+                yield Replacement(*start.span(), self._ends[start[0]])
+                continue
             if start[0].isalpha() and is_spaced(text[max(at - 2, 0) : at - 1]):
                 continue
             found, read = self._match(text, start.start())
-            if found and _fits(found, read):
-                at = found.end()
-                yield Replacement(*found.span(), _expanded(found, read, self._numbers))
+            read, _, alone = read.partition("|")
+            if found and not _fits(found, read, choosy=bool(alone)):
+                read = alone
+            if found and read:
+                at, words = found.end(), self._expanded(found, read)
+                last = found.start(found.lastindex or 0)
+                if text[last - 1 : last] in {"-", "–"}:
+                    # a unit after a range is one of its last number
+                    second, unit = self._match(text, last)
+                    if second and second.end() > at:
+                        words = self._expanded(found, read.rpartition("{")[0])
+                        words, at = words + self._expanded(second, unit).lstrip(), second.end()
+                yield Replacement(found.start(), at, words)
+            elif grouped := self._grouped.match(text, start.start()):
+                at = grouped.end()
+                yield Replacement(*grouped.span(), _digits(grouped))
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
@@ -124,10 +150,47 @@ class _Keys:
             found = _expression(key).match(text, at)
             if found and key[0] == "~" and not roman(found[1]):
                 continue
-            in_word = key[-1].isalpha() or key[-1] == "."
-            if found and not (in_word and is_spaced(text[found.end() : found.end() + 1])):
+            in_word = key[-1].isalnum() or key[-1] == "."
+            after = text[found.end() : found.end() + 2] if found else ""
+            # `les 2 m'ont vu`
+            after = after.lstrip("'’") if key[-2:-1] == " " else after
+            if found and not (in_word and is_spaced(after[:1])):
                 return found, self._expansions[key]
         return None, ""
+
+    def _expanded(self, found: re.Match[str], read: str) -> str:
+        """Return the expansion of a key with its numbers, and spaces before and after words."""
+
+        def number(place: re.Match[str]) -> str:
+            written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
+            written = self._grouped.sub(_digits, written).replace("\u2212", "-")
+            if isinstance(words, Mapping):
+                written = written.lstrip("-")
+                named = {
+                    name: rules
+                    for name, rules in self._numbers.items()
+                    if isinstance(rules, Mapping)
+                }
+                return number_words(words, str(roman(written) or written), named, self._decimal)
+            value = int(written) if written.isdigit() else roman(written)
+            if 0 < value <= len(words):
+                return words[value - 1]
+            return str(value) if value and written.isalpha() else written
+
+        read = _NUMBER_PLACE.sub(number, read)
+        rest = _seen_after(found)
+        after = rest.lstrip()
+        if read.endswith(".") and after and not after[:1].isupper():
+            read = read[:-1]
+        before = found.string[max(found.start() - 1, 0) : found.start()]
+        left = " " if before.isalnum() and read[:1].isalnum() else ""
+        right = " " if rest[:1].isalnum() and read[-1:].isalnum() else ""
+        return left + read + right
+
+
+def _digits(grouped: re.Match[str]) -> str:
+    """Return a number without signs between its thousands."""
+    return re.sub(r"\D", "", grouped[0])
 
 
 def _longest_first(key: str) -> tuple[int, int, str]:
@@ -144,8 +207,11 @@ def _either(first: str) -> str:
     return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
 
 
-def _fits(found: re.Match[str], read: str) -> bool:
-    """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`."""
+def _fits(found: re.Match[str], read: str, *, choosy: bool) -> bool:
+    """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`.
+
+    A name of a `choosy` title begins with a capital.
+    """
     key = found[0]
     if not key.endswith(".") or read.endswith("."):
         return True
@@ -155,38 +221,13 @@ def _fits(found: re.Match[str], read: str) -> bool:
     if len(key) == len("D."):
         before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
         return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
-    return not key[0].isupper() or any(map(str.isalnum, after[:3]))
+    named = after[:1].isupper() if choosy else any(map(str.isalnum, after[:3]))
+    return not key[0].isupper() or named
 
 
 def _seen_after(found: re.Match[str]) -> str:
     """Return the start of the text after a match; the whole rest would be copied for each match."""
     return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
-
-
-def _expanded(found: re.Match[str], read: str, numbers: NumberTables) -> str:
-    """Return the expansion of a key with its numbers, and spaces before and after words."""
-
-    def number(place: re.Match[str]) -> str:
-        written, words = re.sub(r"\s", "", found[int(place[1])]), numbers.get(place[2] or "", ())
-        written = written.replace("\u2212", "-")
-        if isinstance(words, Mapping):
-            written = written.lstrip("-")
-            named = {name: rules for name, rules in numbers.items() if isinstance(rules, Mapping)}
-            return number_words(words, str(roman(written) or written), named)
-        value = int(written) if written.isdigit() else roman(written)
-        if 0 < value <= len(words):
-            return words[value - 1]
-        return written if not written.isalpha() else str(value)
-
-    read = _NUMBER_PLACE.sub(number, read)
-    rest = _seen_after(found)
-    after = rest.lstrip()
-    if read.endswith(".") and after and not after[:1].isupper():
-        read = read[:-1]
-    before = found.string[max(found.start() - 1, 0) : found.start()]
-    left = " " if before.isalnum() and read[:1].isalnum() else ""
-    right = " " if rest[:1].isalnum() and read[-1:].isalnum() else ""
-    return left + read + right
 
 
 class Expansions:
@@ -202,19 +243,14 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        abbreviated = self._keys.find(text) if self._keys else ()
-        for one in sorted((*ruby, *abbreviated, *self._roman(text))):
+        for one in sorted((*ruby, *self._keys.find(text), *self._roman(text))):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
         return found
 
     @cached_property
-    def _keys(self) -> _Keys | None:
-        return (
-            _Keys(self._forms.abbreviations, self._forms.numbers)
-            if self._forms.abbreviations
-            else None
-        )
+    def _keys(self) -> _Keys:
+        return _Keys(self._forms)
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
@@ -281,6 +317,8 @@ def _expression(key: str) -> re.Pattern[str]:
         if part.startswith("#")
         else _OPTIONAL_SPACE
         if part == " "
+        else r"([^\W\d_]{2,})"
+        if part == "*"
         # "Le" and "Ce" are words, and no numerals with an ending
         else ("([IVX]{1,6})" if after.isalpha() else "([IVXLC]{1,7})(?![A-Za-z])")
         if part == "~"
@@ -291,6 +329,8 @@ def _expression(key: str) -> re.Pattern[str]:
         parts[0] = f"[{_either(key[0])}]"
     elif key[:1] == "#" != key[1:2]:
         parts[0] = f"([{_MINUS}]?" + parts[0][1:]
+    if "*" in key:
+        parts.append(r"(?![^\W\d_])")
     if key[-1] == "#" or key[-1].isdigit():
-        parts.append(r"(?!\d|[.,/:-]\d)")
+        parts.append(r"(?!\d|[.,/:-]\d|\.?[ºª])")
     return re.compile("".join(parts))

@@ -7,18 +7,25 @@ MAX_DIGITS = 12
 """Longer numbers are read digit by digit."""
 
 _GROUPS = re.compile(r"\d{1,3}(?:([.,])\d{3})(?:\1\d{3})*")
+_DECIMAL = re.compile(r"\d+[.,]\d+")
 _POWERS = (10**9, 10**6, 1000, 100, 10)
 _OPTIONAL = re.compile(r"\[([^\[\]]*)\]")
-_PART = re.compile(r"([<>])(?:\{([^{}]*)\})?")
+_PART = re.compile(r"(<<?|>>?)(?:\{([^{}]*)\})?")
 
 Rules = Mapping[str, str]
 
 
-def number_words(rules: Rules, written: str, named: Mapping[str, Rules] | None = None) -> str:
-    """Return the words of a number in digits; what follows a decimal sign is a number of its own.
+def number_words(
+    rules: Rules, written: str, named: Mapping[str, Rules] | None = None, decimal: str = ""
+) -> str:
+    """Return the words of a number in digits.
+
+    `decimal` is the word of the decimal sign, after which digits are read one by one. Without it,
+    what follows the sign is a number of its own.
 
     A rule serves its number and all up to the next rule. `>` in it is the rest, `<` how many
     tens, hundreds, thousands or millions there are; a part in brackets needs a rest other than 0.
+    A rule with `<<` or `>>` counts in its own number, such as 100000, instead.
     `>{joined}` and `<{joined}` go by the `named` rules `joined`. An empty rule leaves its numbers
     and larger ones as digits.
 
@@ -27,6 +34,9 @@ def number_words(rules: Rules, written: str, named: Mapping[str, Rules] | None =
     """
     if _GROUPS.fullmatch(written):
         written = re.sub("[.,]", "", written)
+    elif decimal and _DECIMAL.fullmatch(written):
+        whole, digits = re.split("[.,]", written)
+        written = " ".join([whole, decimal, *digits])
     return re.sub(r"\d+", lambda digits: _of_digits(rules, digits[0], named or {}), written)
 
 
@@ -36,19 +46,25 @@ def named_rules(words: str) -> list[str]:
 
 
 def _of_digits(rules: Rules, digits: str, named: Mapping[str, Rules]) -> str:
-    if len(digits) > MAX_DIGITS:
+    # numbers of telephones
+    if len(digits) > MAX_DIGITS or (len(digits) > len("007") and int(digits[0]) == 0):
         return " ".join(_words(rules, int(digit), named) for digit in digits)
     return _words(rules, int(digits), named)
 
 
 def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
     start = max((int(key) for key in rules if int(key) <= value), default=0)
-    power = next((power for power in _POWERS if power <= start), 0)
-    if not power or not rules[str(start)]:
+    words = rules.get(str(start), "")
+    power = (
+        start
+        if "<<" in words or ">>" in words
+        else next((one for one in _POWERS if one <= start), 0)
+    )
+    if not power or not words:
         return rules.get(str(value)) or str(value)
     quotient, rest = divmod(value, power)
 
     def part(place: re.Match[str]) -> str:
-        return _words(named.get(place[2], rules), rest if place[1] == ">" else quotient, named)
+        return _words(named.get(place[2], rules), rest if place[1][0] == ">" else quotient, named)
 
-    return _PART.sub(part, _OPTIONAL.sub(r"\1" if rest else "", rules[str(start)]))
+    return _PART.sub(part, _OPTIONAL.sub(r"\1" if rest else "", words))

@@ -44,6 +44,8 @@ class SpokenForms:
     doubled: tuple[str, ...] = ()
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
+    thousands: str = ""
+    decimal: str = ""
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:

@@ -111,7 +111,8 @@ class Artist:
     def _faces(self, seconds: float, names: Ints) -> Faces:
         """Project triangles and keep the visible ones."""
         scene = self._scene
-        points = scene.points(seconds)
+        # points that count as still stand still, or gaps would open to the still geometry
+        points = np.where(scene.moving[:, None], scene.points(seconds), scene.rest)
         flat, near = self._camera.see(points, self._fine)
         triangles = scene.triangles[names]
         corners, depth = flat[triangles], near[triangles]

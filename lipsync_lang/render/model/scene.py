@@ -256,10 +256,12 @@ class Scene:
                 driven.add(number)
         found = np.zeros(self.count, bool)
         for part in self.parts:
+            bases = [one.base for one in self.parts if one.node == part.node]
+            size = np.ptp(np.vstack(bases), axis=0).max(initial=0.0)
             movers = {part.node} if part.skin is None else set(part.skin.nodes.tolist())
             most = np.abs(part.weights.values).max(axis=0)[part.active]
             reach = np.tensordot(most, np.linalg.norm(part.deltas, axis=2), 1)
-            shaped = reach > MIN_MOVEMENT * np.ptp(part.base, axis=0).max(initial=0.0)
+            shaped = reach > MIN_MOVEMENT * size
             found[part.points] = shaped | bool(driven & movers)
         return found
 

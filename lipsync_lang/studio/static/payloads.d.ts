@@ -104,6 +104,8 @@ export interface Gestures {
   poses: string[];
   kinds: GestureKind[];
   rows: GestureRow[];
+  /** Number in the line of the first word shown. */
+  first: number;
 }
 
 /** A gesture as a character's file places it: at a time, or beside a word. */

@@ -85,22 +85,28 @@ function randomRater() {
 
 // What is kept in the browser
 
-/** @returns {Submission | null} */
+/**
+ * The answers given before a reload. The tab's history holds them too: a page that is reloaded at once, or that
+ * may not use the store, can find the store empty.
+ * @returns {Submission | null}
+ */
 function kept() {
+  let found = history.state;
   try {
-    const found = JSON.parse(localStorage.getItem(KEPT) ?? "null");
-    const sound = found?.study === asked.study && /^[0-9a-f]{16}$/.test(found.rater) && Array.isArray(found.answers);
-    return sound ? found : null;
+    found = JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? found;
   } catch {
-    return null;
+    // the history is left
   }
+  const sound = found?.study === asked.study && /^[0-9a-f]{16}$/.test(found.rater) && Array.isArray(found.answers);
+  return sound ? found : null;
 }
 
 function keep() {
+  history.replaceState(given, "");
   try {
     localStorage.setItem(KEPT, JSON.stringify(given));
   } catch {
-    trouble("This browser does not store answers for this page. Do not reload the page, and save the answers at the end.");
+    trouble("This browser does not store answers for this page. Do not close the page, and save the answers at the end.");
   }
 }
 
@@ -350,6 +356,7 @@ function another() {
     one.textContent = sure;
     return;
   }
+  history.replaceState(null, "");
   try {
     localStorage.removeItem(KEPT);
   } catch {

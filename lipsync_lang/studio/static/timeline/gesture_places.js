@@ -1,11 +1,14 @@
 /** Gestures of a line: those that came by rule, and those that a person placed, moved, scaled or took away. */
 
 /** @typedef {import("../payloads.js").GestureByHand} ByHand as in the character's file */
-/** @typedef {import("../payloads.js").Spoken} Spoken */
+/** @typedef {import("../payloads.js").Spoken & {first?: number}} Spoken with the number of its first word */
 /**
  * A gesture in the lane; `hand` is its number among those placed by hand, or -1.
  * @typedef {{name: string, at: number, begin: number, end: number, scale: number, why: string, hand: number}} Shown
  */
+
+/** Seconds around the shown part of a line in which its gestures are. */
+const AROUND = 1;
 
 /** @param {Spoken} spoken @returns {number[]} where the words begin */
 export function wordStarts({ times, words }) {
@@ -18,8 +21,8 @@ export function wordStarts({ times, words }) {
  * @returns {ByHand}
  */
 export function placedAt(gesture, seconds, scale, spoken) {
-  const starts = wordStarts(spoken), word = Math.max(0, starts.findLastIndex((one) => one <= seconds + 1e-6));
-  const after = Number((seconds - starts[word]).toFixed(4));
+  const starts = wordStarts(spoken), at = Math.max(0, starts.findLastIndex((one) => one <= seconds + 1e-6));
+  const after = Number((seconds - starts[at]).toFixed(4)), word = at + (spoken.first ?? 0);
   return {
     gesture,
     ...(starts.length ? { word, ...(after ? { after } : {}) } : { at: Number(Math.max(0, seconds).toFixed(4)) }),
@@ -27,9 +30,9 @@ export function placedAt(gesture, seconds, scale, spoken) {
   };
 }
 
-/** @param {ByHand} one @param {Spoken} spoken @returns {number} its seconds */
+/** @param {ByHand} one @param {Spoken} spoken @returns {number} its seconds; NaN beside a word that is not shown */
 export function secondsOf({ at, word, after = 0 }, spoken) {
-  return word === undefined ? at ?? 0 : (wordStarts(spoken)[word] ?? 0) + after;
+  return word === undefined ? at ?? 0 : (wordStarts(spoken)[word - (spoken.first ?? 0)] ?? NaN) + after;
 }
 
 /**
@@ -43,7 +46,8 @@ export function shownGestures({ kinds, rows }, placed, spoken) {
   const lengths = new Map(kinds.map((kind) => [kind.name, kind]));
   const hands = placed.flatMap((one, hand) => {
     const kind = lengths.get(one.gesture), at = secondsOf(one, spoken), { scale = 1 } = one;
-    if (!kind) return []; // it is off
+    const shown = at > spoken.times[0] - AROUND && at < spoken.times[spoken.times.length - 1] + AROUND;
+    if (!kind || !shown) return []; // it is off, or in another part of the line
     const begin = at - kind.lead;
     const told = rows.find((row) => row.hand === hand)?.why ?? "by hand, without room in the line";
     const why = scale ? told : "taken away by hand";

@@ -37,7 +37,8 @@ export class GestureHands {
   }
 
   get #spoken() {
-    return /** @type {import("../line/take.js").Take} */ (this.studio.take).data.spoken;
+    const { spoken, gestures } = /** @type {import("../line/take.js").Take} */ (this.studio.take).data;
+    return { ...spoken, first: gestures?.first };
   }
 
   show() {
