@@ -115,7 +115,7 @@ class LanguageText(Strict):
     thousands: str = Field(default="", max_length=1)
     """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
     decimal: str = ""
-    """The word of the decimal sign in numbers whose words come from `number_rules`."""
+    """The word of the decimal sign in the numbers of `abbreviations`."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})
