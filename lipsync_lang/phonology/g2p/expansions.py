@@ -1,4 +1,4 @@
-"""Abbreviations, signs, Roman numerals and ruby, replaced by spoken words.
+"""Abbreviations, signs, Roman numerals, spelled capitals and ruby, replaced by spoken words.
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
 and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
@@ -41,6 +41,8 @@ _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+[a-z]")
 """An `I` after a name that may be the English word."""
 
+_CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
+
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
     "《(?P<reading>[ぁ-ゖァ-ヺー・]{1,60})》"
@@ -55,9 +57,11 @@ _SPACED_LETTER = rf"[^\W{''.join(f'{low}-{high}' for low, high in _UNSPACED_SCRI
 _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
+_WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
+_BETWEEN = re.compile(r"\{1[^{}]*\}(.*)\{2[^{}]*\}")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
 """A number; its thousands may have spaces between them."""
 _SPACES = " \u00a0\u202f"
@@ -99,7 +103,7 @@ class _Keys:
         signs = "".join(
             re.escape(first)
             for first in self._beginnings
-            if not first.isalnum() | (first in _MINUS)
+            if not (first.isalpha() or first.isdecimal() or first in _MINUS)
         )
         starts = [rf"(?<=[^\W\d_]){re.escape(end)}(?!\w)" for end in self._ends]
         starts += [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
@@ -110,7 +114,7 @@ class _Keys:
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
-        at = 0
+        at, text = 0, _WAVE.sub("〜", text)
         while start := self._starts.search(text, at):
             at = start.end()
             if start[0] in self._ends:
@@ -124,17 +128,26 @@ class _Keys:
                 read = alone
             if found and read:
                 at, words = found.end(), self._expanded(found, read)
-                last = found.start(found.lastindex or 0)
-                if text[last - 1 : last] in {"-", "–"}:
-                    # a unit after a range is one of its last number
-                    second, unit = self._match(text, last)
-                    if second and second.end() > at:
-                        words = self._expanded(found, read.rpartition("{")[0])
-                        words, at = words + self._expanded(second, unit).lstrip(), second.end()
+                between = found.re.pattern in _RANGE_PATTERNS and _BETWEEN.fullmatch(read)
+                if between:
+                    # a unit after a range is one of its second number
+                    second, _ = self._match(text, found.start(2))
+                    at = max(at, second.end() if second else at)
+                    numbers = found[1], text[found.start(2) : at]
+                    words = between[1].join(map(self._alone, numbers))
                 yield Replacement(found.start(), at, words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
                 yield Replacement(*grouped.span(), _digits(grouped))
+
+    def _alone(self, text: str) -> str:
+        """Return a text with its keys expanded."""
+        out: list[str] = []
+        at = 0
+        for start, stop, read in self.find(text):
+            out += text[at:start], read
+            at = stop
+        return "".join([*out, text[at:]])
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
@@ -175,7 +188,9 @@ class _Keys:
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
                 return words[value - 1]
-            return str(value) if value and written.isalpha() else written
+            if written.isalpha():
+                return str(value) if value else written
+            return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
 
         read = _NUMBER_PLACE.sub(number, read)
         rest = _seen_after(found)
@@ -218,6 +233,8 @@ def _fits(found: re.Match[str], read: str, *, choosy: bool) -> bool:
     after = _seen_after(found).lstrip(" \u00a0\u202f")
     if key[:-1].isdigit():
         return not _seen_after(found)[:1].strip() and after[:1].islower()
+    if found.lastindex:
+        return True
     if len(key) == len("D."):
         before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
         return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
@@ -243,7 +260,8 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        for one in sorted((*ruby, *self._keys.find(text), *self._roman(text))):
+        replaced = (*ruby, *self._keys.find(text), *self._roman(text), *self._spelled(text))
+        for one in sorted(replaced, key=lambda one: (one.start, -one.stop)):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
         return found
@@ -251,6 +269,14 @@ class Expansions:
     @cached_property
     def _keys(self) -> _Keys:
         return _Keys(self._forms)
+
+    def _spelled(self, text: str) -> Iterator[Replacement]:
+        """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none."""
+        names = self._forms.letters
+        for one in _CAPITALS.finditer(text) if names else ():
+            known = one[0].lower() in self._forms.interjections
+            if not known and names.keys() >= set(one[0]):
+                yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
@@ -334,3 +360,6 @@ def _expression(key: str) -> re.Pattern[str]:
     if key[-1] == "#" or key[-1].isdigit():
         parts.append(r"(?!\d|[.,/:-]\d|\.?[ºª])")
     return re.compile("".join(parts))
+
+
+_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in ("#-#", "#–#", "#〜#"))
