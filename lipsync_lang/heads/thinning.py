@@ -18,7 +18,7 @@ from lipsync_lang.arrays import Bools, Floats, Ints
 LENGTH_WEIGHT = 0.003
 """Weight of the length of an edge, so that flat parts thin evenly."""
 
-TINTED = 0.05
+TINTED = 0.6
 """Weight of a change of colour."""
 
 CHEAPEST = 0.6

@@ -123,10 +123,9 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
     complain: Callable[[str], None],
 ) -> Outlet:
     """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session."""
-    performer, fps, channels, head = player.performer, player.fps, player.channels, None
+    performer, fps, channels = player.performer, player.fps, player.channels
     if player.gestures is not None:
         channels += performer.gesture_channels
-        head = HeadTurn.of(channels)
     if address.kind == STANDARD_OUTPUT:
         return LineOutlet(sys.stdout)
     if address.kind == "ws":
@@ -138,15 +137,14 @@ def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and th
 
         now = localtime()
         start = round(((now.tm_hour * 60 + now.tm_min) * 60 + now.tm_sec) * fps)
-        pack = LiveLinkPacket(channels, fps, subject, start, head)
+        pack = LiveLinkPacket(channels, fps, subject, start)
         return PacketOutlet(address, pack, complain)
     from lipsync_lang.live.packets import vmc_messages
 
     shapes = [channel.name if channel.node is None else "" for channel in channels]
-    if head is not None and head.columns:
-        place = _head_place(performer, channels[head.columns[0]].node, complain)
-    else:
-        head, place = None, (0.0, 0.0, 0.0)
+    if not (head := HeadTurn.of(channels)).columns:
+        return PacketOutlet(address, vmc_messages(shapes, renamed), complain)
+    place = _head_place(performer, channels[head.columns[0]].node, complain)
     return PacketOutlet(address, vmc_messages(shapes, renamed, head, place), complain)
 
 

@@ -21,12 +21,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 from uuid import NAMESPACE_DNS, uuid5
 
-from lipsync_lang.animations.fixed import names, shapes_held
+from lipsync_lang.animations.fixed import FixedColumns, names
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 from lipsync_lang.live.live_frame import LiveFrame
 from lipsync_lang.rigs.channel import Channel
-from lipsync_lang.rigs.head_turn import HEAD_ANGLES, HeadTurn, head_angles
+from lipsync_lang.rigs.head_turn import HeadTurn
 
 if TYPE_CHECKING:
     from pythonosc.osc_message import OscMessage
@@ -50,21 +50,10 @@ class LiveLinkPacket:
     """Packs frames for Unreal Engine; `start` is the number of the frame at time zero."""
 
     def __init__(
-        self,
-        columns: Sequence[Channel],
-        fps: float,
-        subject: str,
-        start: int = 0,
-        head: HeadTurn | None = None,
+        self, columns: Sequence[Channel], fps: float, subject: str, start: int = 0
     ) -> None:
-        self.turn = head
         held = names(PACKET_SHAPES)
-        numbers = {shape: number for number, shape in enumerate(held.shapes)}
-        found = shapes_held(columns, held, LIVE_LINK_PROGRAM)
-        self.places = [
-            (column, numbers[shape]) for column, shapes in found.items() for shape in shapes
-        ]
-        self.rotations = slice(len(held.shapes), len(held.shapes) + len(HEAD_ANGLES))
+        self.arranged = FixedColumns(columns, held, LIVE_LINK_PROGRAM)
         rate = Fraction(fps).limit_denominator(MAX_DENOMINATOR)
         self.fps, self.start, self.count = fps, start, len(held.shapes) + len(held.turns)
         device = str(uuid5(NAMESPACE_DNS, subject)).upper().encode()
@@ -75,12 +64,7 @@ class LiveLinkPacket:
 
     def __call__(self, frame: LiveFrame) -> bytes:
         """Pack a frame."""
-        values = [0.0] * self.count
-        weights = frame.weights.tolist()
-        for column, number in self.places:
-            values[number] = max(values[number], min(max(weights[column], 0.0), 1.0))
-        if self.turn is not None:
-            (values[self.rotations],) = head_angles(self.turn(frame.weights[None])).tolist()
+        (values,) = self.arranged(frame.weights[None]).tolist()
         at = self.start + max(frame.seconds, 0.0) * self.fps
         whole = int(at + 1e-6)
         rest = struct.pack(

@@ -154,6 +154,7 @@ BAD = [
     Bad("shares short", PARENT, "[0.4, 0.6]", "[0.4, 0.5]", (("P114", 14, "[0.4, 0"),)),
     Bad("a share too many", PARENT, "[0.4, 0.6]", "[0.4, 0.3, 0.3]", (("P114", 14, "[0.4, 0"),)),
     Bad("range reversed", RIG, "[0, 1]", "[1, 0]", (("P115", 6, "[1, 0]}"),)),
+    Bad("axis without direction", RIG, "[1, 0, 0]", "[0, 0, 0]", (("P104", 8, "[0, 0, 0]"),)),
     Bad("bone without node", RIG, "node: Jaw, ", "", (("P115", 8, "[1, 0,"),)),
     Bad("node without turn", RIG, "rotation: [1, 0, 0], ", "", (("P115", 8, "Jaw, ga"),)),
     Bad("no regular expression", PARENT, '"[ao]"', '"[ao"', (("P117", 7, '"[ao"'),)),
@@ -349,8 +350,9 @@ BAD = [
         "title: Face\n"
         "gesture_poses:\n"
         "  nod: {region: head, speed_limit: 9, node: Head}\n"
-        "  lid: {region: eyes, speed_limit: 9, most: 3}",
-        (("P115", 6, "Head"), ("P115", 7, "3}"))),
+        "  lid: {region: eyes, speed_limit: 9, most: 3}\n"
+        "  tilt: {region: head, speed_limit: 9, node: Head, rotation: [0, 0, 0]}",
+        (("P115", 6, "Head"), ("P115", 7, "3}"), ("P104", 8, "[0, 0, 0]"))),
     Bad("phonemes of a rule", POSESET, "PBM: -1}}",
         "PBM: -1}}\nchecks: {rules: {x: {phonemes: [a, b, a], measure: aperture, at_most: 0}}}",
         (("P202", 25, "b, a"), ("P205", 25, "a], mea"))),

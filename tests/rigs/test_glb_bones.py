@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.errors import ModelError, OutputError
+from lipsync_lang.errors import ModelError
 from lipsync_lang.rigs.channel import Channel
 
 
@@ -146,9 +146,3 @@ FLAT = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
 def test_bones_that_cannot_be_driven_are_told(pose, columns, message, animate):
     with pytest.raises(ModelError, match=rf"model\.glb: {message}"):
         save(animate(with_jaw(**pose), columns=columns))
-
-
-def test_an_axis_needs_a_direction(animate):
-    columns = (Channel("jaw", node="Jaw", rotation=(0, 0, 0)),)
-    with pytest.raises(OutputError, match=r"'jaw': a rotation about \(0, 0, 0\) has no effect; gi"):
-        save(animate(with_jaw(), columns=columns))

@@ -10,7 +10,7 @@ import json
 from functools import partial
 from typing import TextIO
 
-from lipsync_lang.animations.fixed import doubts, first_frame, laid_out, names
+from lipsync_lang.animations.fixed import FixedColumns, doubts, first_frame, names
 from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import OutputError
@@ -25,7 +25,7 @@ def _table(animation: Animation) -> Floats:
     if animation.fps != FPS:
         what = f"{AZURE}'s blend shapes are {FPS} frames a second, and this is {animation.fps:g}"
         raise OutputError(f"{what}; perform it with `fps={FPS}`")
-    return laid_out(animation, names(AZURE_NAMES), AZURE)
+    return FixedColumns(animation.columns, names(AZURE_NAMES), AZURE)(animation.weights)
 
 
 @writer(

@@ -284,15 +284,7 @@ def _move_node(take: _NewAnimation, number: int, moves: list[tuple[Channel, Floa
     what = f"node '{node['name']}'"
     node = _parted(path, what, node)
     take.replace_node(number, node)
-    rotations = []
-    for channel, degrees in moves:
-        if channel.rotation is None:
-            continue
-        axis = np.array(channel.rotation, dtype=np.float64)
-        if not axis.any():
-            what = "a rotation about (0, 0, 0) has no effect; give it an axis, as (1, 0, 0)"
-            raise OutputError(f"'{channel.name}': {what}")
-        rotations.append(turns(axis, degrees))
+    rotations = [turns(np.array(c.rotation, float), v) for c, v in moves if c.rotation is not None]
     if rotations:
         rest = numbers(path, f"rotation of {what}", node.get("rotation", [*IDENTITY]), 4)
         length = float(np.linalg.norm(rest))

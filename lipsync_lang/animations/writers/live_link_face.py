@@ -9,7 +9,7 @@ frames, so one timecode second at 23.976 fps lasts 1.001 s.
 from functools import partial
 from typing import TextIO
 
-from lipsync_lang.animations.fixed import doubts, laid_out, names
+from lipsync_lang.animations.fixed import FixedColumns, doubts, names
 from lipsync_lang.animations.rates import timecode
 from lipsync_lang.animations.writers import Animation, writer
 
@@ -22,12 +22,12 @@ THOUSAND = 1000
     "live-link-face",
     suffix=".live-link.csv",
     remarks=partial(doubts, file=LIVE_LINK_NAMES, program=LIVE_LINK_FACE),
-    refuse=lambda one: laid_out(one, names(LIVE_LINK_NAMES), LIVE_LINK_FACE),
+    refuse=lambda one: FixedColumns(one.columns, names(LIVE_LINK_NAMES), LIVE_LINK_FACE),
 )
 def write_live_link_face(animation: Animation, out: TextIO) -> None:
     """A take of Live Link Face: a timecode and 61 values per frame."""
     held = names(LIVE_LINK_NAMES)
-    table = laid_out(animation, held, LIVE_LINK_FACE)
+    table = FixedColumns(animation.columns, held, LIVE_LINK_FACE)(animation.weights)
     columns = [*held.shapes, *held.turns]
     out.write(",".join(["Timecode", "BlendShapeCount", *columns]) + "\n")
     row = ",".join(["%s", str(len(columns)), *["%.6f"] * len(columns)]) + "\n"

@@ -101,6 +101,21 @@ Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 """A number that is 0 or more."""
 
+Vector = tuple[float, float, float]
+"""Numbers along x, y and z."""
+
+
+def _direction(axis: Vector) -> Vector:
+    """Refuse an axis without a direction."""
+    if not any(axis):
+        what = "an axis of (0, 0, 0) turns nothing; write one such as [1, 0, 0]"
+        raise PydanticCustomError("P104", what)
+    return axis
+
+
+Axis = Annotated[Vector, AfterValidator(_direction)]
+"""An axis of a turn, of any length."""
+
 FormatNumber = Literal[1]
 """The format of the pack."""
 

@@ -10,6 +10,7 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from lipsync_lang.packs.models.fields import (
+    Axis,
     NotNegative,
     OrOne,
     PoseName,
@@ -17,6 +18,7 @@ from lipsync_lang.packs.models.fields import (
     Strict,
     Text,
     Unit,
+    Vector,
 )
 
 Trigger = Literal[
@@ -46,7 +48,7 @@ class GesturePose(Strict):
     """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
     node: Text | None = None
     """The bone to turn; without it, the pose is a shape."""
-    rotation: tuple[float, float, float] | None = None
+    rotation: Axis | None = None
     """The axis of the turn; amounts are degrees, and those below 0 turn the other way."""
     most: Positive = 1.0
     """The largest amount: a weight up to 1, or degrees either way."""
@@ -64,7 +66,7 @@ class GesturePose(Strict):
             raise PydanticCustomError("P115", what, {"field": "most"})
         return self
 
-    def head_axis(self, front: str) -> tuple[float, float, float] | None:
+    def head_axis(self, front: str) -> Vector | None:
         """Return the axis of a turn of the head in axes of the face, which looks along `front`."""
         if self.rotation is None or self.region != HEAD_REGION:
             return None

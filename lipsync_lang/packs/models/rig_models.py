@@ -5,9 +5,15 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.packs.models.fields import Name, PackModel, PoseName, Strict, Text
-
-Vector = tuple[float, float, float]
+from lipsync_lang.packs.models.fields import (
+    Axis,
+    Name,
+    PackModel,
+    PoseName,
+    Strict,
+    Text,
+    Vector,
+)
 
 
 class RigChannel(Strict):
@@ -23,7 +29,7 @@ class RigChannel(Strict):
     """The mesh with the shape; every mesh with such a shape unless stated."""
     node: Text | None = None
     """The bone to turn or move; without it, the channel is a shape."""
-    rotation: Vector | None = None
+    rotation: Axis | None = None
     """The axis of a bone's rotation; gains are in degrees."""
     translation: Vector | None = None
     """A bone's movement for a value of 1, in the model's units."""

@@ -98,6 +98,9 @@ class LanguageText(Strict):
     sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
     stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
     of a word. `{month}` in both is each word of the list `month`."""
+    letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
+    """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
+    have names: a language in Latin letters names its consonants, and reads `NATO` as a word."""
     lists: dict[Text, tuple[Text, ...]] = Field(default={})
     """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`."""
     numbers: dict[Text, tuple[str, ...]] = Field(default={})

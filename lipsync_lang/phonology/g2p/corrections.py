@@ -6,8 +6,8 @@ in order, and the first that fits takes its labels; every other label stays as i
 
 A context is a regular expression (see `contexts`) over the labels of the word, joined without
 spaces, with ``ː`` for length: ``^`` in `after` is the start of the word, ``$`` in `before` its
-end. `spelled` must be found in the word as it is written, composed and in small letters. All
-contexts see the labels as the engine gave them.
+end. `spelled` must be found in the word as it is written, or respelled, composed and in small
+letters. All contexts see the labels as the engine gave them.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -79,7 +79,7 @@ def _corrected(
     labels = tuple(map(normalise, said.labels))
     folded = [plain(label).replace(_LENGTH_MARK, "ː") for label in labels]
     starts = [0, *accumulate(map(len, folded))]
-    sounds, written = "".join(folded), plain(said.text)[:MAX_WRITTEN_CHARS]
+    sounds, written = "".join(folded), plain(said.respelled or said.text)[:MAX_WRITTEN_CHARS]
     at = 0
     while at < len(labels):
         for one in first.get(labels[at], ()):

@@ -1,4 +1,4 @@
-"""Abbreviations, signs, Roman numerals and ruby, replaced by spoken words.
+"""Abbreviations, signs, Roman numerals, spelled capitals and ruby, replaced by spoken words.
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
 and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
@@ -23,6 +23,9 @@ MAX_ROMAN_CHARS = 12
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
 
+SEEN_NUMBER_CHARS = 40
+"""Number of characters examined for the sign behind a number."""
+
 _ROMAN = re.compile(
     "M{0,3}"
     + "".join(
@@ -41,6 +44,8 @@ _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+[a-z]")
 """An `I` after a name that may be the English word."""
 
+_CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
+
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
     "《(?P<reading>[ぁ-ゖァ-ヺー・]{1,60})》"
@@ -57,6 +62,8 @@ _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
 
 _WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
+_SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
+_SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _BETWEEN = re.compile(r"\{1[^{}]*\}(.*)\{2[^{}]*\}")
@@ -87,21 +94,22 @@ class _Keys:
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
             rf"(?![{between}]?\d)"
         )
-        self._beginnings: dict[str, dict[tuple[str, bool], list[str]]] = {}
+        self._beginnings: dict[str, dict[tuple[str, bool, str], list[tuple[int, str]]]] = {}
         self._ends = {key[1:]: read for key, read in self._expansions.items() if key[0] == "…"}
-        for key in self._expansions:
+        for rank, key in enumerate(sorted(self._expansions, key=_longest_first)):
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
             numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
+            # a number begins hundreds of keys, and the sign behind it few of them
+            sign = _SIGN_OF_KEY.match(key)
+            bucket = literal, numbered, sign[1] if sign else ""
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
-                self._beginnings.setdefault(first, {}).setdefault((literal, numbered), []).append(
-                    key
-                )
+                self._beginnings.setdefault(first, {}).setdefault(bucket, []).append((rank, key))
         letters = "".join(first for first in self._beginnings if first.isalpha())
         signs = "".join(
             re.escape(first)
             for first in self._beginnings
-            if not first.isalnum() | (first in _MINUS)
+            if not (first.isalpha() or first.isdecimal() or first in _MINUS)
         )
         starts = [rf"(?<=[^\W\d_]){re.escape(end)}(?!\w)" for end in self._ends]
         starts += [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
@@ -150,14 +158,18 @@ class _Keys:
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
         first = str(int(text[at])) if text[at].isdecimal() else text[at]
-        fitting: list[str] = []
-        for (literal, numbered), keys in self._beginnings.get(first, {}).items():
+        numeric = first.isdecimal() or first in _MINUS
+        behind = _SIGN_BEHIND.findall(text, at, at + SEEN_NUMBER_CHARS) if numeric else ()
+        fitting: list[tuple[int, str]] = []
+        for (literal, numbered, sign), keys in self._beginnings.get(first, {}).items():
             end = at + 1 + len(literal)
-            if text.startswith(literal, at + 1) and (
-                not numbered or text[end : end + 2].strip()[:1].isdecimal()
+            if (
+                (not sign or sign in behind)
+                and text.startswith(literal, at + 1)
+                and (not numbered or text[end : end + 2].strip()[:1].isdecimal())
             ):
                 fitting += keys
-        for key in sorted(fitting, key=_longest_first):
+        for _, key in sorted(fitting):
             found = _expression(key).match(text, at)
             if found and key[0] == "~" and not roman(found[1]):
                 continue
@@ -186,8 +198,8 @@ class _Keys:
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
                 return words[value - 1]
-            if value and written.isalpha():
-                return str(value)
+            if written.isalpha():
+                return str(value) if value else written
             return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
 
         read = _NUMBER_PLACE.sub(number, read)
@@ -258,7 +270,7 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        replaced = (*ruby, *self._keys.find(text), *self._roman(text))
+        replaced = (*ruby, *self._keys.find(text), *self._roman(text), *self._spelled(text))
         for one in sorted(replaced, key=lambda one: (one.start, -one.stop)):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
@@ -267,6 +279,14 @@ class Expansions:
     @cached_property
     def _keys(self) -> _Keys:
         return _Keys(self._forms)
+
+    def _spelled(self, text: str) -> Iterator[Replacement]:
+        """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none."""
+        names = self._forms.letters
+        for one in _CAPITALS.finditer(text) if names else ():
+            known = one[0].lower() in self._forms.interjections
+            if not known and names.keys() >= set(one[0]):
+                yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
