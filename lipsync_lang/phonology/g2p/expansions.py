@@ -365,6 +365,9 @@ def _expression(key: str) -> re.Pattern[str]:
         parts[0] = f"[{_either(key[0])}]"
     elif key[:1] == "#" != key[1:2]:
         parts[0] = f"([{_MINUS}]?" + parts[0][1:]
+    if key[0].isalpha() and key[-1] == "#":
+        # `February 2nd`
+        parts.append("(?![a-z])")
     if "*" in key:
         parts.append(r"(?![^\W\d_])")
     if key[-1] == "#" or key[-1].isdigit():
