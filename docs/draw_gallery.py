@@ -1,12 +1,13 @@
 """Draw the moving pictures of the gallery, and the same with sound: every pose set says one line.
 
-    python docs/draw_gallery.py [--only NAME ...] [FOLDER]
+    python docs/draw_gallery.py [--only NAME ...] [--head GLB] [FOLDER]
 
 A pose set with a model is filmed on its own model, with its gestures. A pose set of drawings is
 drawn as a simple face in two dimensions. Every other pose set has no model of its own, so its
 weights move the FaceFX head: a fit over the targets of both sets finds the FaceFX poses that each
-of its poses is worth. The bars always show the weights of the pose set itself. Needs the extras
-`speech` and `video`, and scipy. The pictures and films go into docs/images, or into another folder.
+of its poses is worth. The bars always show the weights of the pose set itself. With `--head`, a
+head that `lipsync-lang heads ict` made is drawn instead, as `human-head`. Needs the extras `speech`
+and `video`, and scipy. The pictures and films go into docs/images, or into another folder.
 """  # noqa: INP001 a script, not a package
 
 from __future__ import annotations
@@ -284,16 +285,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parent / "images")
     parser.add_argument("--only", nargs="+", choices=names, default=names)
+    parser.add_argument("--head", metavar="GLB")
     options = parser.parse_args()
     schedule = ll.speak(TEXT, LANGUAGE)
-    for name in options.only:
+    drawings = {f"gallery-{name}": name for name in options.only}
+    for file, name in ({"human-head": options.head} if options.head else drawings).items():
         start, pages = frames(name, schedule)
         first, *rest = pages[::STEP]
         first.save(
-            options.folder / f"gallery-{name}.webp", save_all=True, append_images=rest,
+            options.folder / f"{file}.webp", save_all=True, append_images=rest,
             duration=round(1000 * STEP / FPS), loop=0, quality=QUALITY, method=6,
         )  # fmt: skip
-        film(pages, start, schedule, options.folder / f"gallery-{name}.mp4")
+        film(pages, start, schedule, options.folder / f"{file}.mp4")
 
 
 if __name__ == "__main__":

@@ -91,3 +91,12 @@ def test_the_head_shuts_its_lips_for_another_pose_set(name):
     assert shut > 0.6
     assert parted < 0.15
     assert np.interp(0.6, head.times, head["open"]) > 0.2
+
+
+def test_the_human_head_has_its_credit_below_it():
+    page = (DOCS / "how-to" / "make-a-face-look-alive.md").read_text("utf-8")
+    _, below = page.split("images/human-head.webp)\n\n")
+    credit = below.splitlines()[0]
+    assert "images/human-head.mp4" in credit
+    assert "ICT-FaceKit, (c) 2020 USC Institute for Creative Technologies, MIT" in credit
+    assert all((DOCS / "images" / f"human-head.{form}").is_file() for form in ("webp", "mp4"))

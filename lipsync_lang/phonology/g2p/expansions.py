@@ -23,6 +23,9 @@ MAX_ROMAN_CHARS = 12
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
 
+SEEN_NUMBER_CHARS = 40
+"""Number of characters examined for the sign behind a number."""
+
 _ROMAN = re.compile(
     "M{0,3}"
     + "".join(
@@ -59,6 +62,8 @@ _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
 
 _WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
+_SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
+_SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _BETWEEN = re.compile(r"\{1[^{}]*\}(.*)\{2[^{}]*\}")
@@ -89,16 +94,17 @@ class _Keys:
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
             rf"(?![{between}]?\d)"
         )
-        self._beginnings: dict[str, dict[tuple[str, bool], list[str]]] = {}
+        self._beginnings: dict[str, dict[tuple[str, bool, str], list[tuple[int, str]]]] = {}
         self._ends = {key[1:]: read for key, read in self._expansions.items() if key[0] == "…"}
-        for key in self._expansions:
+        for rank, key in enumerate(sorted(self._expansions, key=_longest_first)):
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
             numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
+            # a number begins hundreds of keys, and the sign behind it few of them
+            sign = _SIGN_OF_KEY.match(key)
+            bucket = literal, numbered, sign[1] if sign else ""
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
-                self._beginnings.setdefault(first, {}).setdefault((literal, numbered), []).append(
-                    key
-                )
+                self._beginnings.setdefault(first, {}).setdefault(bucket, []).append((rank, key))
         letters = "".join(first for first in self._beginnings if first.isalpha())
         signs = "".join(
             re.escape(first)
@@ -152,14 +158,18 @@ class _Keys:
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
         first = str(int(text[at])) if text[at].isdecimal() else text[at]
-        fitting: list[str] = []
-        for (literal, numbered), keys in self._beginnings.get(first, {}).items():
+        numeric = first.isdecimal() or first in _MINUS
+        behind = _SIGN_BEHIND.findall(text, at, at + SEEN_NUMBER_CHARS) if numeric else ()
+        fitting: list[tuple[int, str]] = []
+        for (literal, numbered, sign), keys in self._beginnings.get(first, {}).items():
             end = at + 1 + len(literal)
-            if text.startswith(literal, at + 1) and (
-                not numbered or text[end : end + 2].strip()[:1].isdecimal()
+            if (
+                (not sign or sign in behind)
+                and text.startswith(literal, at + 1)
+                and (not numbered or text[end : end + 2].strip()[:1].isdecimal())
             ):
                 fitting += keys
-        for key in sorted(fitting, key=_longest_first):
+        for _, key in sorted(fitting):
             found = _expression(key).match(text, at)
             if found and key[0] == "~" and not roman(found[1]):
                 continue
