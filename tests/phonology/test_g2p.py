@@ -394,6 +394,14 @@ def test_models_of_g2p2_read_words_and_leave_points_to_the_rules():
         engine("g2p2", Settings("x", code="xx"))
 
 
+@pytest.mark.parametrize("context", ["kɡ", "kg", "aːɡ", "a:g"])
+def test_contexts_of_corrections_see_labels_in_any_spelling(context):
+    mend = corrector([Correction(("n",), ("ŋ",), before=f"[{context}]")])
+    assert mend(SpokenWord("tango", ("t", "a", "n", "ɡ", "o"))).labels[2] == "ŋ"
+    mend = corrector([Correction(("n",), ("ŋ",), after="aː$")])
+    assert mend(SpokenWord("taan", ("t", "aː", "n"))).labels[2] == "ŋ"
+
+
 def test_vowel_marks_are_guessed_for_words_that_have_none(monkeypatch):
     def mark(text):
         return "".join(c + "\u064e" * ("\u0621" <= c <= "\u064a") for c in text)

@@ -5,7 +5,7 @@ for two sounds, or say a vowel that nobody says. At each label of a word the cor
 in order, and the first that fits takes its labels; every other label stays as it is.
 
 A context is a regular expression (see `contexts`) over the labels of the word, joined without
-spaces, with ``ː`` for length: ``^`` in `after` is the start of the word, ``$`` in `before` its
+spaces, in any spelling of them: ``^`` in `after` is the start of the word, ``$`` in `before` its
 end. `spelled` must be found in the word as it is written, or respelled, composed and in small
 letters. All contexts see the labels as the engine gave them.
 """
@@ -19,13 +19,10 @@ from lipsync_lang.phonology.g2p.contexts import Context, Surroundings
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, SpokenWord
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import plain
-from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.phonology.labels import SAME, normalise
 
 MAX_WRITTEN_CHARS = 50
 """Maximum length of a word's spelling for `spelled`."""
-
-_LENGTH_MARK = normalise("ː")
-"""The mark of length in normalised labels."""
 
 
 class _CompiledCorrection(NamedTuple):
@@ -53,7 +50,7 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[SpokenWord], Spoke
     first: dict[str, list[_CompiledCorrection]] = {}
     for number, one in enumerate(corrections, start=1):
         where = f"correction {number} ('{one.labels[0]}'):"
-        around = Surroundings.compiled(one.before, one.after, where)
+        around = Surroundings.compiled(one.before.translate(SAME), one.after.translate(SAME), where)
         spelled, _ = Surroundings.compiled(one.spelled, "", where)
         labels = tuple(map(normalise, one.labels))
         compiled = _CompiledCorrection(labels, one.to, around, spelled)
@@ -77,7 +74,7 @@ def _corrected(
 ) -> Iterator[tuple[str, int | None]]:
     """Yield the labels of a word after correction, each with its stress."""
     labels = tuple(map(normalise, said.labels))
-    folded = [plain(label).replace(_LENGTH_MARK, "ː") for label in labels]
+    folded = [plain(label) for label in labels]
     starts = [0, *accumulate(map(len, folded))]
     sounds, written = "".join(folded), plain(said.respelled or said.text)[:MAX_WRITTEN_CHARS]
     at = 0
