@@ -117,5 +117,12 @@ def test_expressions_are_compiled_only_where_a_text_begins_like_their_key(monkey
     assert made == ["dr."]
 
 
+def test_capitals_are_spelled_if_all_have_names():
+    names = {"P": "pe", "S": "es", "G": "ge", "R": "er", "T": "te"}
+    forms = SpokenForms(letters=names, interjections={"pst": Interjection((), "pst")})
+    read = [one.read for one in Expansions(forms).find("GPS, PST! GRRR, PSST, NATO; xGPS, GPSTPS")]
+    assert read == ["ge pe es"]
+
+
 def test_keys_are_whole_words():
     assert Expansions(FORMS).find("undr. drab 21/2/3 x:10:30:5") == []

@@ -368,8 +368,6 @@ def _expression(key: str) -> re.Pattern[str]:
     if key[0].isalpha() and key[-1] == "#":
         # `February 2nd`
         parts.append("(?![a-z])")
-    if "*" in key:
-        parts.append(r"(?![^\W\d_])")
     if key[-1] == "#" or key[-1].isdigit():
         parts.append(r"(?!\d|[.,/:-]\d|\.?[ºª])")
     return re.compile("".join(parts))

@@ -55,11 +55,8 @@ def _of_digits(rules: Rules, digits: str, named: Mapping[str, Rules]) -> str:
 def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
     start = max((int(key) for key in rules if int(key) <= value), default=0)
     words = rules.get(str(start), "")
-    power = (
-        start
-        if "<<" in words or ">>" in words
-        else next((one for one in _POWERS if one <= start), 0)
-    )
+    own = "<<" in words or ">>" in words
+    power = start if own else next((one for one in _POWERS if one <= start), 0)
     if not power or not words:
         return rules.get(str(value)) or str(value)
     quotient, rest = divmod(value, power)
