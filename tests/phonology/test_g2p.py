@@ -429,6 +429,7 @@ def test_a_voice_of_sentences_reads_guessed_vowels_under_the_words_of_the_user()
     (found,) = engine("espeak", settings)(["ذهب الولد إلى المدرسة."])
     assert [word.text for word in found] == ["ذهب", "الولد", "إلى", "المدرسة"]
     assert "".join(found[0].labels) == "ðahaba"
+    assert tashkeel.respell("\ud800 ذهب") == [("\ud800 ذهب", "\ud800 ذهب")]
 
 
 def test_stated_readings_count_for_whole_words_between_their_contexts():

@@ -51,4 +51,5 @@ def _marker() -> Callable[[str], str] | None:
         from dengjen_tashkeel_py import tashkeel
     except (ImportError, RuntimeError):  # the second for a broken onnxruntime
         return None
-    return lambda text: str(tashkeel(text))
+    # half of a surrogate pair has no UTF-8; its text is then read without guesses
+    return lambda text: str(tashkeel(text.encode("utf-8", "replace").decode()))
