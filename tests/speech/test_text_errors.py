@@ -53,7 +53,7 @@ def test_a_word_out_of_place_is_named_with_its_place(english, spoken, text, word
 
 
 @pytest.mark.parametrize("at", range(len(TEXT.split()) - 1))
-def test_any_two_neighbours_exchanged_are_told(english, spoken, at):
+def test_any_two_neighbours_exchanged_are_reported(english, spoken, at):
     words = TEXT.split()
     words[at : at + 2] = words[at + 1], words[at]
     found = aligned(english, spoken.audio, " ".join(words), aligner="pocketsphinx")
