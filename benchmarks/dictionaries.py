@@ -2,8 +2,8 @@
 
 A folder holds a dictionary for each language, `LANGUAGE.tsv` by the pack's name or tag, or several,
 `LANGUAGE.NAME.tsv`: a word, a tab, and its IPA, with or without spaces and slashes. Several lines
-of a word, or several entries between commas, are several pronunciations; the nearest counts. Both
-sides become common phonemes, and a shade counts as its parent, as in the packs' tests.
+of a word, or several entries between commas or bars, are several pronunciations; the nearest
+counts. Both sides become common phonemes, and a shade counts as its parent, as in the packs' tests.
 
 Printed for each language: words, phoneme error (edit distance by phonemes of the dictionary), the
 share of words whose lip closures differ, and with `--confusions N` the commonest differences.
@@ -122,7 +122,7 @@ def words_of(path: Path, most: int) -> dict[str, list[str]]:
     for line in path.read_text("utf-8").splitlines():
         word, _, ipa = line.partition("\t")
         if word.strip() and ipa.strip():
-            stated = (one.strip().strip("/") for one in ipa.split(","))
+            stated = (one.strip().strip("/") for one in ipa.replace("|", ",").split(","))
             found.setdefault(word.strip(), []).extend(one for one in stated if one)
     step = max(1, -(-len(found) // most))
     return dict(list(found.items())[::step])
