@@ -21,6 +21,25 @@ WORDS = [
     ("galician", "nabo árbore", "n aa bw oc aa d bw oc d eh"),
     ("galician", "convite", "kg oc bmp bmp iy d eh"),
     ("polish", "w domu", "f d ao bmp w"),
+    ("german", "verboten", "f eh ah bmp oc d ax n"),  # the r of ver-, er- and zer- ends a vowel
+    ("german", "Konzert", "kg ao n d s eh kg d"),
+    ("german", "Gedankenspiel", "kg ax d aa ng kg ax n sh bmp iy l"),
+    ("norwegian", "toleranse", "d w l ax d aa n s ax"),  # a weak e, and the d of -ndr-
+    ("norwegian", "hundre", "h yu n d d ax"),
+    ("swedish", "skjorta", "sh w d aa"),
+    ("telugu", "మాంసం", "bmp aa bmp s ah bmp"),  # the dot is an m before s, h and glides
+    ("telugu", "పంది", "bmp ah n d iy"),
+    ("hindi", "संवाद", "s ah bmp f aa d"),
+    ("gujarati", "સંવાદ", "s ah bmp f aa d"),
+    ("malayalam", "അംഗം", "ah ng kg ah bmp"),  # and no m before k and g
+    ("malayalam", "സംഭവം", "s ah bmp bmp ah f ah bmp"),
+    ("turkish", "küçük", "kg yu ch yu kg"),  # a short ü is as close as a long one
+    ("turkish", "gözlük", "kg oe s l yu kg"),
+    ("mongolian", "босго", "bmp ao s ao kg"),  # a last o is said before the g
+    ("mongolian", "монгол", "bmp ao ng kg ao l"),
+    ("hebrew", "כׇּל", "kg oc l"),  # the sign of a short o, and the dot of a last kaf
+    ("hebrew", "בׇּטְנִים", "bmp oc d n iy bmp"),
+    ("hebrew", "כָּל־כָּךְ", "kg oc l kg aa kg"),
 ]
 
 
