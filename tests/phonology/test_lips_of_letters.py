@@ -27,6 +27,8 @@ WORDS = [
     ("norwegian", "toleranse", "d w l ax d aa n s ax"),  # a weak e, and the d of -ndr-
     ("norwegian", "hundre", "h yu n d d ax"),
     ("swedish", "skjorta", "sh w d aa"),
+    ("russian", "вода́", "f ah d aa"),  # a stress mark hides no word from the voice
+    ("russian", "челове́к", "xi iy l ah f eh kg"),
     ("telugu", "మాంసం", "bmp aa bmp s ah bmp"),  # the dot is an m before s, h and glides
     ("telugu", "పంది", "bmp ah n d iy"),
     ("hindi", "संवाद", "s ah bmp f aa d"),
