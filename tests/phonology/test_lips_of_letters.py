@@ -38,6 +38,7 @@ WORDS = [
     ("turkish", "küçük", "kg yu ch yu kg"),  # a short ü is as close as a long one
     ("turkish", "gözlük", "kg oe s l yu kg"),
     ("mongolian", "босго", "bmp ao s ao kg"),  # a last o is said before the g
+    ("mongolian", "кино", "kg iy n ao"),  # said in foreign words
     ("mongolian", "монгол", "bmp ao ng kg ao l"),
 ]
 
