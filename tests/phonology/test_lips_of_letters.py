@@ -37,6 +37,9 @@ WORDS = [
     ("malayalam", "സംഭവം", "s ah bmp bmp ah f ah bmp"),
     ("turkish", "küçük", "kg yu ch yu kg"),  # a short ü is as close as a long one
     ("turkish", "gözlük", "kg oe s l yu kg"),
+    ("punjabi", "ਬੋਲਣਾ", "bmp oc l n aa"),  # no vowel before -ṇā, and none of h
+    ("punjabi", "ਕਹਿੰਦੀ", "kg eh n d iy"),
+    ("burmese", "ပါးစပ်", "bmp ax s aa h"),  # a weak first syllable
     ("mongolian", "босго", "bmp ao s ao kg"),  # a last o is said before the g
     ("mongolian", "кино", "kg iy n ao"),  # said in foreign words
     ("mongolian", "монгол", "bmp ao ng kg ao l"),
