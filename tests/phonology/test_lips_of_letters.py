@@ -21,6 +21,9 @@ WORDS = [
     ("galician", "nabo árbore", "n aa bw oc aa d bw oc d eh"),
     ("galician", "convite", "kg oc bmp bmp iy d eh"),
     ("polish", "w domu", "f d ao bmp w"),
+    ("french", "menthe", "bmp aa d"),  # the voice reads th as English
+    ("french", "les mythes", "l eh bmp iy d"),
+    ("french", "le thé", "l yu d eh"),
     ("german", "verboten", "f eh ah bmp oc d ax n"),  # the r of ver-, er- and zer- ends a vowel
     ("german", "Konzert", "kg ao n d s eh kg d"),
     ("german", "Gedankenspiel", "kg ax d aa ng kg ax n sh bmp iy l"),
