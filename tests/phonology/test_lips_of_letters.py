@@ -32,6 +32,8 @@ WORDS = [
     ("swedish", "skjorta", "sh w d aa"),
     ("russian", "вода́", "f ah d aa"),  # a stress mark hides no word from the voice
     ("russian", "челове́к", "xi iy l ah f eh kg"),
+    ("persian", "اسکات", "eh s kg oa d"),  # foreign names begin with es
+    ("swahili", "ng'arisha", "ng aa d iy sh aa"),
     ("telugu", "మాంసం", "bmp aa bmp s ah bmp"),  # the dot is an m before s, h and glides
     ("telugu", "పంది", "bmp ah n d iy"),
     ("hindi", "संवाद", "s ah bmp f aa d"),
