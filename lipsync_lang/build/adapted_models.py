@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import TYPE_CHECKING
 
 from lipsync_lang.build.digests import digest, file_digest
 from lipsync_lang.build.needs import PairNeeds
@@ -18,10 +17,8 @@ from lipsync_lang.build.timing_cache import TIMERS
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.resolver.cache import compiler, folder
-
-if TYPE_CHECKING:
-    from lipsync_lang.speech.hearing.adaptation import SpokenFile
-    from lipsync_lang.speech.hearing.sphinx.folder import Models
+from lipsync_lang.speech.hearing.adaptation import SpokenFile
+from lipsync_lang.speech.hearing.sphinx.folder import Models
 
 MAX_KEPT_MODELS = 16
 """Maximum number of models in the cache; the oldest are deleted first. Each has some 10 MB."""
@@ -93,8 +90,8 @@ def _adapted_folder(
 
 def _make(
     pair: PairNeeds,
-    spoken: "Sequence[SpokenFile]",
-    models: "Models",
+    spoken: Sequence[SpokenFile],
+    models: Models,
     path: Path,
     remark: AdaptationRemark,
 ) -> None:

@@ -3,10 +3,10 @@
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, tell_written
 from lipsync_lang.commands.registry import Add, command
@@ -17,11 +17,9 @@ from lipsync_lang.reports.text_table import columns
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import BinaryIO
-
     from lipsync_lang.capture.fit_captures import CaptureFit
     from lipsync_lang.capture.fit_file import FitProposal
+
 
 SHOWN = 12
 """Maximum number of items and lines to print."""
@@ -100,7 +98,7 @@ def fit(options: Namespace) -> int:
     return SOUND
 
 
-def _writer(text: str) -> "Callable[[BinaryIO], object]":
+def _writer(text: str) -> Callable[[BinaryIO], object]:
     return lambda stream: stream.write(text.encode())
 
 
