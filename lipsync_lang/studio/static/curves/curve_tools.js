@@ -20,7 +20,7 @@ export class CurveTools {
     );
     this.delete = actButton("− Point", "− Point: delete the chosen points (Delete)", () => editor.remove());
     this.haunts = made("span", { class: "group ghosts", role: "group", "aria-label": "Faint curves for comparison" });
-    this.start = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Start from other curves" }));
+    this.start = made("select", { "aria-label": "Start from other curves" });
     this.start.addEventListener("change", () => {
       editor.startFrom(this.start.value);
       this.start.value = "";
@@ -57,16 +57,14 @@ export class CurveTools {
 
   /** @param {string} name @param {0 | 1} axis @returns {HTMLInputElement} */
   #input(name, axis) {
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        inputmode: "decimal",
-        size: "6",
-        autocomplete: "off",
-        "aria-label": `${name} of the chosen points`,
-        title: `${name}: ${TYPED}`,
-      })
-    );
+    const input = made("input", {
+      type: "text",
+      inputmode: "decimal",
+      size: "6",
+      autocomplete: "off",
+      "aria-label": `${name} of the chosen points`,
+      title: `${name}: ${TYPED}`,
+    });
     input.addEventListener("change", () => {
       const read = this.editor.type(axis, input.value);
       if (!read) this.editor.does.tell?.(`${name} cannot be '${input.value}': ${TYPED}`);

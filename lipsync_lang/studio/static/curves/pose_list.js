@@ -12,9 +12,7 @@ export class PoseList {
   /** @param {import("./curve_editor.js").CurveEditor} editor @param {HTMLElement} place */
   constructor(editor, place) {
     this.editor = editor;
-    this.search = /** @type {HTMLInputElement} */ (
-      made("input", { type: "search", placeholder: "Find a pose", "aria-label": "Find a pose" })
-    );
+    this.search = made("input", { type: "search", placeholder: "Find a pose", "aria-label": "Find a pose" });
     this.list = made("ul", {
       class: "pose-list",
       role: "listbox",

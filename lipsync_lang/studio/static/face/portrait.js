@@ -15,7 +15,7 @@ export class Portrait {
   constructor(page, take) {
     this.take = take;
     this.data = page.faces[take.data.face];
-    this.canvas = /** @type {HTMLCanvasElement} */ (made("canvas", { role: "img" }));
+    this.canvas = made("canvas", { role: "img" });
     this.caption = made("figcaption", { dir: "auto" });
     this.figure = made("figure", {}, this.canvas, this.caption);
     this.close = false;

@@ -95,9 +95,7 @@ export async function settled(conflict) {
     made("ul", {}, ...rows),
     made("p", { class: "row" },
       made("button", { class: "main", value: "save" }, "Save"), made("button", {}, "Not now")));
-  const dialog = /** @type {HTMLDialogElement} */ (
-    made("dialog", { class: "conflict", "aria-label": "Conflict" }, form)
-  );
+  const dialog = made("dialog", { class: "conflict", "aria-label": "Conflict" }, form);
   document.body.append(dialog);
   dialog.showModal();
   await new Promise((done) => dialog.addEventListener("close", done));

@@ -7,10 +7,11 @@ export function the(id) {
 
 /**
  * Make an element.
- * @param {string} name
+ * @template {keyof HTMLElementTagNameMap} Name
+ * @param {Name} name
  * @param {Record<string, string>} [traits]
  * @param {...(Node | string)} content
- * @returns {HTMLElement}
+ * @returns {HTMLElementTagNameMap[Name]}
  */
 export function made(name, traits = {}, ...content) {
   const element = document.createElement(name);
@@ -28,7 +29,7 @@ export function made(name, traits = {}, ...content) {
  */
 export function button(text, about, does) {
   const traits = typeof about === "string" ? { ...(about && { title: about }) } : about;
-  const one = /** @type {HTMLButtonElement} */ (made("button", { type: "button", ...traits }, text));
+  const one = made("button", { type: "button", ...traits }, text);
   one.addEventListener("click", does);
   return one;
 }

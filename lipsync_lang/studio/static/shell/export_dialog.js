@@ -19,7 +19,7 @@ export class ExportDialog {
     this.studio = studio;
     /** Formats that were chosen last. @type {Set<string>} */
     this.chosen = new Set();
-    this.dialog = /** @type {HTMLDialogElement} */ (made("dialog", { id: "exporting", "aria-labelledby": "exported" }));
+    this.dialog = made("dialog", { id: "exporting", "aria-labelledby": "exported" });
     document.body.append(this.dialog);
     the("export").addEventListener("click", () => this.show());
   }
@@ -45,7 +45,7 @@ export class ExportDialog {
       made("label", { class: "check" },
         made("input", { type, name, value, ...(on ? { checked: "" } : {}), ...(off ? { disabled: "" } : {}) }),
         made("span", {}, ...content));
-    const form = /** @type {HTMLFormElement} */ (made("form", { method: "dialog" },
+    const form = made("form", { method: "dialog" },
       made("h2", { id: "exported" }, "Export"),
       made("ul", { "aria-label": "Formats" }, ...formats.map(({ name, suffix, title, refused }) =>
         made("li", {}, check("checkbox", "format", name, this.chosen.has(name), Boolean(refused),
@@ -55,7 +55,7 @@ export class ExportDialog {
         `All lines in ${state.language} (${lines.length}), into this folder of the project:`),
       made("input", { type: "text", name: "folder", value: folder, "aria-label": "Folder of the project" }),
       check("checkbox", "replace", "yes", false, false, "Replace files that exist"),
-      told, made("p", { class: "row" }, go, close)));
+      told, made("p", { class: "row" }, go, close));
     go.addEventListener("click", () => this.#run(form, lines, told));
     this.dialog.replaceChildren(form);
   }

@@ -34,7 +34,7 @@ export class GestureLane {
     /** The pressed gesture as it was, and the press. @type {{own: Shown, x: number, moved: boolean} | null} */
     this.pressed = null;
     this.svg = drawn("svg", { role: "group", "aria-label": "Gestures", tabindex: "-1" });
-    this.kind = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Gesture to add" }));
+    this.kind = made("select", { "aria-label": "Gesture to add" });
     const add = made("button", {
       type: "button",
       title: "Add this gesture at the chosen word, or at the playhead (T); a double click adds it there",

@@ -79,7 +79,7 @@ export class CharacterView {
   }
 
   #buildMixer() {
-    this.keep = /** @type {HTMLInputElement} */ (made("input", { type: "checkbox", id: "within" }));
+    this.keep = made("input", { type: "checkbox", id: "within" });
     this.keep.addEventListener("change", () => {
       this.#setWithin(Boolean(this.keep?.checked));
       this.pose(this.mix);
@@ -178,9 +178,7 @@ export class CharacterView {
     const { told, studio } = this;
     this.banner.hidden = told.own;
     if (told.own) return;
-    const copy = /** @type {HTMLButtonElement} */ (
-      made("button", { type: "button", class: "main" }, "Make a copy in this project")
-    );
+    const copy = made("button", { type: "button", class: "main" }, "Make a copy in this project");
     copy.addEventListener("click", () => studio.busy(async () => {
       const made_ = await studio.api.post("own");
       await studio.open(studio.state.language, studio.state.character);

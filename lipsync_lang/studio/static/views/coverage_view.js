@@ -35,21 +35,17 @@ export class CoverageView {
     this.all = false;
     /** @type {import("../payloads.js").NeededSentence[] | null} lines that show what is not drawn */
     this.sentences = null;
-    this.choice = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Script" }));
-    this.file = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "file",
-        hidden: "",
-        "aria-label": "Script to open",
-        accept: ".txt,.csv,.tsv,.xlsx,.json,.yaml,.yml,.po,.srt,.vtt,.rpy,.fountain,.md,.TextGrid",
-      })
-    );
-    this.column = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", placeholder: "automatic", autocomplete: "off", spellcheck: "false" })
-    );
-    this.minutes = /** @type {HTMLInputElement} */ (
-      made("input", { type: "number", min: "0.1", max: "600", step: "0.5", value: remembered("minutes") || MINUTES })
-    );
+    this.choice = made("select", { "aria-label": "Script" });
+    this.file = made("input", {
+      type: "file",
+      hidden: "",
+      "aria-label": "Script to open",
+      accept: ".txt,.csv,.tsv,.xlsx,.json,.yaml,.yml,.po,.srt,.vtt,.rpy,.fountain,.md,.TextGrid",
+    });
+    this.column = made("input", { type: "text", placeholder: "automatic", autocomplete: "off", spellcheck: "false" });
+    this.minutes = made("input", {
+      type: "number", min: "0.1", max: "600", step: "0.5", value: remembered("minutes") || MINUTES,
+    });
     this.columnLabel = made("label", {}, "column", this.column);
     this.state = made("span", { role: "status", class: "row" });
     this.covered = made("section", { class: "covered", "aria-label": "Drawn share" });
@@ -285,6 +281,7 @@ export class CoverageView {
     const most = Math.max(1, ...report.plan.map((/** @type {Need} */ one) => one.count));
     const rows = report.plan.slice(0, this.all ? undefined : MOST), rest = report.plan.length - rows.length;
     const more = button(`Show ${rest} more`, "", () => { this.all = true; this.#list(); });
+    /** @type {HTMLElement[]} */
     const parts = [
       made(
         "h3",

@@ -134,10 +134,8 @@ export class DeliveryPanel {
  */
 export function dial(name, most, set, ...more) {
   const traits = { min: "0", max: String(most), step: "0.05" };
-  const slider = /** @type {HTMLInputElement} */ (made("input", { type: "range", "aria-label": name, ...traits }));
-  const number = /** @type {HTMLInputElement} */ (
-    made("input", { type: "number", "aria-label": `${name}, as a number`, ...traits })
-  );
+  const slider = made("input", { type: "range", "aria-label": name, ...traits });
+  const number = made("input", { type: "number", "aria-label": `${name}, as a number`, ...traits });
   slider.addEventListener("input", () => { number.value = slider.value; set(Number(slider.value), false); });
   slider.addEventListener("change", () => set(Number(slider.value), true));
   number.addEventListener(

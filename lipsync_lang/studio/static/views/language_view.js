@@ -57,34 +57,28 @@ export class LanguageView {
     this.open = "";
     this.standing = "";
     this.title = made("h2", {}, "Language");
-    this.search = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "search",
-        placeholder: "Sound, mouth, word…",
-        "aria-label": "Search the table",
-        autocomplete: "off",
-        spellcheck: "false",
-      })
+    this.search = made("input", {
+      type: "search",
+      placeholder: "Sound, mouth, word…",
+      "aria-label": "Search the table",
+      autocomplete: "off",
+      spellcheck: "false",
+    });
+    this.notation = made("select", { "aria-label": "Notation" });
+    this.filter = made(
+      "select",
+      { "aria-label": "Rows to show" },
+      ...FILTERS.map(([value, text]) => made("option", { value }, text)),
     );
-    this.notation = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Notation" }));
-    this.filter = /** @type {HTMLSelectElement} */ (
-      made(
-        "select",
-        { "aria-label": "Rows to show" },
-        ...FILTERS.map(([value, text]) => made("option", { value }, text)),
-      )
-    );
-    this.word = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        placeholder: "Try a word",
-        "aria-label": "Word to try",
-        dir: "auto",
-        autocomplete: "off",
-        spellcheck: "false",
-        maxlength: "300",
-      })
-    );
+    this.word = made("input", {
+      type: "text",
+      placeholder: "Try a word",
+      "aria-label": "Word to try",
+      dir: "auto",
+      autocomplete: "off",
+      spellcheck: "false",
+      maxlength: "300",
+    });
     this.tried = made("div", { class: "tried", role: "status", "aria-label": "Transcription" });
     this.caveats = made("details");
     this.list = made("div", { class: "sounds", role: "region", "aria-label": "Sounds" });
@@ -151,11 +145,11 @@ export class LanguageView {
   /** @returns {HTMLElement} a form that begins a language of the project */
   #beginner() {
     const field = (/** @type {string} */ label, /** @type {Record<string, string>} */ traits) =>
-      /** @type {HTMLInputElement} */ (made("input", { type: "text", "aria-label": label, placeholder: label,
-        autocomplete: "off", spellcheck: "false", size: "12", ...traits }));
+      made("input", { type: "text", "aria-label": label, placeholder: label,
+        autocomplete: "off", spellcheck: "false", size: "12", ...traits });
     const name = field("Name", { required: "" });
     const tag = field("Code", { title: "Such as sw or pt-BR; if empty, that of the other language" });
-    const base = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Language to start from" }));
+    const base = made("select", { "aria-label": "Language to start from" });
     const form = made("form", { class: "row" }, name, " starts from ", base, tag,
       made("button", { type: "submit" }, "Begin"));
     const opened = made("details", { class: "beginner" }, made("summary", {}, "New language…"), form);

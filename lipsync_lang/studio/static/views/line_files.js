@@ -16,9 +16,7 @@ function sounds(file) {
  * @returns {HTMLElement} a button that asks for a file
  */
 export function fileButton(text, accept, does) {
-  const input = /** @type {HTMLInputElement} */ (
-    made("input", { type: "file", accept, multiple: "", hidden: "", "aria-label": text })
-  );
+  const input = made("input", { type: "file", accept, multiple: "", hidden: "", "aria-label": text });
   input.addEventListener("change", () => {
     does([...(input.files ?? [])]);
     input.value = "";
@@ -68,9 +66,9 @@ export class LineFiles {
    *   the line hold for it
    */
   #asked(name) {
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", dir: "auto", "aria-label": "Words of the recording", maxlength: "2000" })
-    );
+    const input = made("input", {
+      type: "text", dir: "auto", "aria-label": "Words of the recording", maxlength: "2000",
+    });
     input.value = this.studio.state.text ?? "";
     const button = (/** @type {string} */ value, /** @type {string} */ text) =>
       made("button", { value, class: value === "find" ? "main" : "" }, text);
@@ -88,9 +86,7 @@ export class LineFiles {
         button("", "Cancel"),
       ),
     );
-    const dialog = /** @type {HTMLDialogElement} */ (
-      made("dialog", { class: "recording", "aria-label": "Recording" }, form)
-    );
+    const dialog = made("dialog", { class: "recording", "aria-label": "Recording" }, form);
     document.body.append(dialog);
     dialog.showModal();
     return new Promise((done) => dialog.addEventListener("close", () => {

@@ -19,9 +19,7 @@ export class ModelPanel {
   /** @param {{model: string | null, rig: string | null, poseset: string}} character */
   show({ model, rig, poseset }) {
     const { studio } = this, { character } = studio.state;
-    const file = /** @type {HTMLInputElement} */ (
-      made("input", { type: "file", accept: ".glb,model/gltf-binary", "aria-label": "A model as GLB" })
-    );
+    const file = made("input", { type: "file", accept: ".glb,model/gltf-binary", "aria-label": "A model as GLB" });
     file.addEventListener("change", () => {
       this.file = file.files?.[0] ?? null;
       if (this.file) this.#try(this.file);
@@ -104,13 +102,11 @@ export class ModelPanel {
 
   /** @param {File} file */
   #offer(file) {
-    const name = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        "aria-label": "Name of the character",
-        value: file.name.replace(/\.glb$/i, "").replace(/[^A-Za-z0-9_-]+/g, "-"),
-      })
-    );
+    const name = made("input", {
+      type: "text",
+      "aria-label": "Name of the character",
+      value: file.name.replace(/\.glb$/i, "").replace(/[^A-Za-z0-9_-]+/g, "-"),
+    });
     const go = actButton("Draft a character from it", "Find the pose set and the rig that fit this model", () =>
       this.#draft(file, name.value.trim()),
     );

@@ -38,17 +38,15 @@ export class OwnForms {
    * @returns {HTMLElement}
    */
   #field(text, value, hint, does) {
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        value,
-        placeholder: hint,
-        "data-field": text,
-        autocomplete: "off",
-        spellcheck: "false",
-        maxlength: "400",
-      })
-    );
+    const input = made("input", {
+      type: "text",
+      value,
+      placeholder: hint,
+      "data-field": text,
+      autocomplete: "off",
+      spellcheck: "false",
+      maxlength: "400",
+    });
     input.addEventListener("change", () => {
       input.setCustomValidity("");
       does(input.value.trim(), input);

@@ -14,7 +14,7 @@ export class PhonemePanel {
     this.inserting = false;
     this.name = made("bdi");
     const traits = { type: "text", list: "phoneme-labels", autocomplete: "off", dir: "auto", size: "6" };
-    this.field = /** @type {HTMLInputElement} */ (made("input", { ...traits, "aria-label": "Label of the phoneme" }));
+    this.field = made("input", { ...traits, "aria-label": "Label of the phoneme" });
     this.list = made("datalist", { id: "phoneme-labels" });
     const label = () => this.field.value.trim();
     this.joiner = button("Join", "Join it with the next phoneme, and keep this label (J)", () => does.join());

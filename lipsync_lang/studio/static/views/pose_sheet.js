@@ -29,9 +29,7 @@ export class PoseSheet {
   show(pictures) {
     this.items.clear();
     this.list.replaceChildren(...pictures.map(({ name, title }) => {
-      const canvas = /** @type {HTMLCanvasElement} */ (
-        made("canvas", { width: String(SIDE), height: String(SIDE), "aria-hidden": "true" })
-      );
+      const canvas = made("canvas", { width: String(SIDE), height: String(SIDE), "aria-hidden": "true" });
       const button = made(
         "button",
         { type: "button", title: title || name, "aria-pressed": "false" },

@@ -256,9 +256,9 @@ export class RuleForms {
     /** @type {Record<string, any>} */
     const contacts = this.rules.stated.contacts ?? {};
     const cards = Object.entries(contacts).map(([name, rule]) => {
-      const phonemes = /** @type {HTMLInputElement} */ (
-        made("input", { type: "text", "aria-label": `Sounds of the contact ${name}`, value: rule.phonemes.join(" ") })
-      );
+      const phonemes = made("input", {
+        type: "text", "aria-label": `Sounds of the contact ${name}`, value: rule.phonemes.join(" "),
+      });
       phonemes.disabled = off;
       phonemes.addEventListener("change", () => {
         const now = phonemes.value.split(/[\s,]+/).filter(Boolean);
@@ -284,9 +284,9 @@ export class RuleForms {
         this.#levels(name, rule, "ceiling", "at most"),
       );
     });
-    const name = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", placeholder: "Name of a new contact", "aria-label": "Name of a new contact" })
-    );
+    const name = made("input", {
+      type: "text", placeholder: "Name of a new contact", "aria-label": "Name of a new contact",
+    });
     name.disabled = off;
     const add = () => {
       const own = name.value.trim(), pose = this.#names[0];

@@ -37,27 +37,24 @@ export class SentenceView {
     this.studio = studio;
     this.place = place;
     place.classList.add("sentence");
-    const part = (/** @type {string} */ name, /** @type {Record<string, string>} */ traits = {}) => made(name, traits);
     const at = {
-      canvas: /** @type {HTMLCanvasElement} */ (part("canvas", { id: "timeline", role: "img", tabindex: "0" })),
-      overview: /** @type {HTMLCanvasElement} */ (
-        part("canvas", { id: "overview", "aria-hidden": "true", hidden: "" })
-      ),
-      lanes: part("div", { class: "lanes" }),
-      gestures: part("div", { class: "gestures", hidden: "" }),
-      legend: part("ul", { id: "legend", "aria-label": "Stages: press one to hide it" }),
-      moment: part("p", { id: "moment", "aria-live": "polite" }),
-      bigrams: part("ul", { id: "bigrams" }),
-      poses: part("ul", { id: "poses" }),
-      gesture: part("section", { class: "word", "aria-label": "Chosen gesture", hidden: "" }),
-      phoneme: part("section", { class: "word", "aria-label": "Chosen phoneme", hidden: "" }),
-      word: part("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
-      line: part("div"),
-      parts: part("span", { class: "row parts", hidden: "" }),
-      figures: part("section", { id: "figures", "aria-labelledby": "judged" }),
-      judged: part("h2", { id: "judged" }),
-      missed: part("ul", { id: "missed" }),
-      measured: part("ul", { id: "measured" }),
+      canvas: made("canvas", { id: "timeline", role: "img", tabindex: "0" }),
+      overview: made("canvas", { id: "overview", "aria-hidden": "true", hidden: "" }),
+      lanes: made("div", { class: "lanes" }),
+      gestures: made("div", { class: "gestures", hidden: "" }),
+      legend: made("ul", { id: "legend", "aria-label": "Stages: press one to hide it" }),
+      moment: made("p", { id: "moment", "aria-live": "polite" }),
+      bigrams: made("ul", { id: "bigrams" }),
+      poses: made("ul", { id: "poses" }),
+      gesture: made("section", { class: "word", "aria-label": "Chosen gesture", hidden: "" }),
+      phoneme: made("section", { class: "word", "aria-label": "Chosen phoneme", hidden: "" }),
+      word: made("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
+      line: made("div"),
+      parts: made("span", { class: "row parts", hidden: "" }),
+      figures: made("section", { id: "figures", "aria-labelledby": "judged" }),
+      judged: made("h2", { id: "judged" }),
+      missed: made("ul", { id: "missed" }),
+      measured: made("ul", { id: "measured" }),
     };
     this.at = at;
     this.whole = made("div", { class: "sentence-desk" });

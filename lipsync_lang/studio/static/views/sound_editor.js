@@ -42,6 +42,7 @@ export class SoundEditor {
       row.append(button("As inherited", "Remove this mapping from the file, and use that of the extended pack", () =>
         this.#edit(undefined)));
     row.append(button("Done", "Close (Esc)", () => this.does.close()));
+    /** @type {HTMLElement[]} */
     const parts = [row];
     if (sound.to.length > 1) parts.push(this.#shares(sound));
     parts.push(this.#reason(sound), ...sound.to.map((name) => this.#about(name)));
@@ -62,13 +63,11 @@ export class SoundEditor {
     const none = this.sound?.to.length ? (name ? "— remove —" : "+ another…") : "Choose a mouth…";
     const options = this.common.map((one) => made("option", { value: one.name }, this.#words(one)));
     if (name && !this.common.some((one) => one.name === name)) options.push(made("option", { value: name }, name));
-    const select = /** @type {HTMLSelectElement} */ (
-      made(
-        "select",
-        { "aria-label": `Mouth ${at + 1} of ${this.sound?.label}`, "data-field": `to-${at}` },
-        made("option", { value: "" }, none),
-        ...options,
-      )
+    const select = made(
+      "select",
+      { "aria-label": `Mouth ${at + 1} of ${this.sound?.label}`, "data-field": `to-${at}` },
+      made("option", { value: "" }, none),
+      ...options,
     );
     select.value = name;
     select.addEventListener("change", () => {
@@ -99,15 +98,13 @@ export class SoundEditor {
   #shares(sound) {
     const even = sound.to.map(() => Math.round(100 / sound.to.length)),
       now = sound.shares.length ? sound.shares.map((one) => Math.round(100 * one)) : even;
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        value: now.join(" "),
-        inputmode: "numeric",
-        "data-field": "shares",
-        autocomplete: "off",
-      })
-    );
+    const input = made("input", {
+      type: "text",
+      value: now.join(" "),
+      inputmode: "numeric",
+      "data-field": "shares",
+      autocomplete: "off",
+    });
     input.addEventListener("change", () => {
       const parts = input.value.trim().split(/[\s,;/]+/).map(Number), whole = parts.reduce((sum, one) => sum + one, 0);
       const fit = parts.length === sound.to.length && parts.every((one) => one > 0) && Number.isFinite(whole);
@@ -121,17 +118,15 @@ export class SoundEditor {
 
   /** @param {Sound} sound @returns {HTMLElement} */
   #reason(sound) {
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        value: sound.reason,
-        dir: "auto",
-        maxlength: "500",
-        placeholder: sound.why || "A reason, if the mapping is not obvious",
-        "data-field": "reason",
-        autocomplete: "off",
-      })
-    );
+    const input = made("input", {
+      type: "text",
+      value: sound.reason,
+      dir: "auto",
+      maxlength: "500",
+      placeholder: sound.why || "A reason, if the mapping is not obvious",
+      "data-field": "reason",
+      autocomplete: "off",
+    });
     input.addEventListener("change", () => {
       const value = input.value.trim(), at = ["reasons", sound.label];
       if (value !== sound.reason)

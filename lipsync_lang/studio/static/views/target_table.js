@@ -219,7 +219,7 @@ export class TargetTable {
       /** @type {() => void} */ does,
       /** @type {string} */ kind = "",
     ) => Object.assign(button(text, { title, class: kind }, does), { disabled: !this.own });
-    const live = /** @type {HTMLInputElement} */ (made("input", { type: "checkbox" }));
+    const live = made("input", { type: "checkbox" });
     [live.checked, live.disabled] = [this.live, !this.own];
     live.addEventListener("change", () => { this.live = live.checked; });
     const told = [
@@ -329,9 +329,9 @@ export class TargetTable {
     if (!this.own) return;
     const before = cell.firstChild?.nodeType === Node.TEXT_NODE ? cell.firstChild.textContent ?? "" : "";
     const content = [...cell.childNodes];
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", inputmode: "decimal", "aria-label": cell.getAttribute("aria-label") ?? "" })
-    );
+    const input = made("input", {
+      type: "text", inputmode: "decimal", "aria-label": cell.getAttribute("aria-label") ?? "",
+    });
     input.value = start ?? before;
     cell.replaceChildren(input);
     input.focus();
