@@ -1,7 +1,7 @@
 /** Tools above a plot of curves: time and value of what is chosen, points, clipboard, ghosts, zoom. */
 
 import { chosenPoints } from "./curve_points.js";
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { actButton } from "../shell/form_fields.js";
 
 const TYPED = "0.4 sets, +0.1 and -0.1 shift, *0.8 and 80% scale";
@@ -100,21 +100,19 @@ export class CurveTools {
   ghosts() {
     const { editor } = this;
     this.haunts.replaceChildren(...editor.ghosts.map(({ name, kind }) => {
-      const one = made(
-        "button",
+      const one = button(
+        name,
         {
-          type: "button",
           class: `ghost ${kind}`,
           "aria-pressed": String(editor.haunting.has(name)),
           title: `Show or hide the curves of ${name}`,
         },
-        name,
+        () => {
+          if (!editor.haunting.delete(name)) editor.haunting.add(name);
+          one.setAttribute("aria-pressed", String(editor.haunting.has(name)));
+          editor.drawing.draw();
+        },
       );
-      one.addEventListener("click", () => {
-        if (!editor.haunting.delete(name)) editor.haunting.add(name);
-        one.setAttribute("aria-pressed", String(editor.haunting.has(name)));
-        editor.drawing.draw();
-      });
       return one;
     }));
     this.start.hidden = !editor.ghosts.length;

@@ -2,7 +2,7 @@
 
 import { valuesAt } from "./bspline.js";
 import { sample } from "./curve_drawing.js";
-import { made, middled } from "../shell/elements.js";
+import { button, made, middled } from "../shell/elements.js";
 
 /** Poses from which a list can be searched. */
 const MANY = 12;
@@ -66,18 +66,10 @@ export class PoseList {
       /** @type {string} */ text,
       /** @type {string} */ label,
       /** @type {() => void} */ does,
-    ) => {
-      const one = made(
-        "button",
-        { type: "button", class: kind, tabindex: "-1", "aria-label": `${label} ${name}`, title: label },
-        text,
-      );
-      one.addEventListener("click", (event) => {
-        event.stopPropagation();
-        does();
-      });
-      return one;
-    };
+    ) => button(text, { class: kind, tabindex: "-1", "aria-label": `${label} ${name}`, title: label }, (event) => {
+      event.stopPropagation();
+      does();
+    });
     const bar = made("i"), value = made("span", { class: "value" });
     const row = made(
       "li",

@@ -33,15 +33,12 @@ export class TakeValues {
     if (told === this.told) return;
     [this.told, this.rows, this.row] = [told, rows, -1];
     this.places.poses.replaceChildren(...rows.map((name, row) => {
-      const button = made(
-        "button",
-        { type: "button", "aria-expanded": "false" },
-        middled(name),
-        made("i"),
-        made("span", {}, ""),
+      const one = button(
+        [middled(name), made("i"), made("span", {}, "")],
+        { "aria-expanded": "false" },
+        () => this.does.pick(row === this.row ? -1 : row),
       );
-      button.addEventListener("click", () => this.does.pick(row === this.row ? -1 : row));
-      return made("li", {}, button, ...(pairs[row] ? [this.#folder(pairs[row])] : []));
+      return made("li", {}, one, ...(pairs[row] ? [this.#folder(pairs[row])] : []));
     }));
   }
 

@@ -22,14 +22,14 @@ export function made(name, traits = {}, ...content) {
 
 /**
  * Make a button.
- * @param {string} text
+ * @param {string | Node[]} content
  * @param {string | Record<string, string>} about its title, or its traits
  * @param {(pressed: MouseEvent) => void} does
  * @returns {HTMLButtonElement}
  */
-export function button(text, about, does) {
+export function button(content, about, does) {
   const traits = typeof about === "string" ? { ...(about && { title: about }) } : about;
-  const one = made("button", { type: "button", ...traits }, text);
+  const one = made("button", { type: "button", ...traits }, ...[content].flat());
   one.addEventListener("click", does);
   return one;
 }

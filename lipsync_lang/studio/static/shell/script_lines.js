@@ -129,18 +129,19 @@ export class ScriptLines {
       line.recording ? "recording" : "",
       line.timings ? "timings" : "",
     ];
-    const button = made(
-      "button",
-      { type: "button", ...(line.name === this.place?.name ? { "aria-current": "true" } : {}) },
+    const parts = [
       made("b", {}, line.name),
       made("small", {}, told.filter(Boolean).join(" · ")),
       made("span", { dir: "auto" }, line.text),
-    );
-    button.addEventListener("click", () => {
-      this.dialog.close();
-      this.studio.busy(() => this.#open(line));
-    });
-    return made("li", {}, button);
+    ];
+    return made("li", {}, button(
+      parts,
+      line.name === this.place?.name ? { "aria-current": "true" } : {},
+      () => {
+        this.dialog.close();
+        this.studio.busy(() => this.#open(line));
+      },
+    ));
   }
 
   /** @param {ScriptLine} line */

@@ -178,8 +178,7 @@ export class CharacterView {
     const { told, studio } = this;
     this.banner.hidden = told.own;
     if (told.own) return;
-    const copy = made("button", { type: "button", class: "main" }, "Make a copy in this project");
-    copy.addEventListener("click", () => studio.busy(async () => {
+    const copy = button("Make a copy in this project", { class: "main" }, () => studio.busy(async () => {
       const made_ = await studio.api.post("own");
       await studio.open(studio.state.language, studio.state.character);
       studio.tell(`${made_.wrote.length} files copied to posesets/${told.poseset}. You can edit them now.`);

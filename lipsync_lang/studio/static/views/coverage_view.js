@@ -52,10 +52,10 @@ export class CoverageView {
     this.plan = made("section", { class: "plan", "aria-label": "What to draw next" });
     const quality = made("aside", { class: "quality", "aria-label": "Quality of the line" });
     this.quality = new QualityList(studio, quality);
-    const open = made(
-      "button",
-      { type: "button", title: "Text, CSV, XLSX, PO, SRT, Ren'Py…; or drop a file here" },
+    const open = button(
       "Open a script…",
+      "Text, CSV, XLSX, PO, SRT, Ren'Py…; or drop a file here",
+      () => this.file.click(),
     );
     place.append(
       made(
@@ -72,7 +72,6 @@ export class CoverageView {
       this.plan,
       quality,
     );
-    open.addEventListener("click", () => this.file.click());
     this.file.addEventListener("change", () => this.file.files?.[0] && this.#send(this.file.files[0]));
     this.choice.addEventListener("change", () => this.#choose(this.choice.value));
     this.column.addEventListener("change", () => this.told?.script.name && this.#again());

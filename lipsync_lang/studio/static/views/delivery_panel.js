@@ -1,6 +1,6 @@
 /** How a line is delivered: sliders for the whole line, and for a chosen word. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { levelAt } from "../timeline/level_points.js";
 
 const MOST_EMPHASIS = 2, MOST_INTENSITY = 2;
@@ -97,12 +97,11 @@ export class DeliveryPanel {
     }
     this.line.replaceChildren(
       ...tracks.map((one) => {
-        const open = made(
-          "button",
-          { type: "button", title: `Points of ${one.name} over time`, "aria-label": `Track of ${one.name}` },
+        const open = button(
           "∿",
+          { title: `Points of ${one.name} over time`, "aria-label": `Track of ${one.name}` },
+          () => does.open(one),
         );
-        open.addEventListener("click", () => does.open(one));
         return this.#slider(
           `line ${one.kind} ${one.name}`,
           one.name,

@@ -84,11 +84,7 @@ export class LanguageView {
     this.list = made("div", { class: "sounds", role: "region", "aria-label": "Sounds" });
     this.tests = made("aside", { class: "tests", "aria-label": "Tests of the pack" });
     const speak = made("button", { type: "button" }, "Speak it"),
-      keep = made(
-        "button",
-        { type: "button", title: "Add the word with this transcription to the pack's tests" },
-        "Keep as a test",
-      );
+      keep = button("Keep as a test", "Add the word with this transcription to the pack's tests", () => this.#keep());
     place.append(made("header", {},
       made("div", { class: "row" }, this.title, this.search, this.notation, this.filter),
       made("div", { class: "row" }, this.word, speak, keep, this.tried),
@@ -104,7 +100,6 @@ export class LanguageView {
       (event) => event.key === "Enter" && this.word.value.trim() && studio.speak(this.word.value.trim()),
     );
     speak.addEventListener("click", () => this.word.value.trim() && studio.speak(this.word.value.trim()));
-    keep.addEventListener("click", () => this.#keep());
     /** Phonemes of the word. @type {Transcript | null} */
     this.transcript = null;
     this.list.addEventListener("focusin", (event) => { this.standing = keyOf(event.target) ?? this.standing; });
@@ -284,16 +279,14 @@ export class LanguageView {
   /** @param {Sound} one @returns {HTMLElement} */
   #row(one) {
     const open = this.open === key(one), words = this.#describe(one);
-    const to = made(
-      "button",
-      { type: "button", class: "to", "data-part": "to", "aria-expanded": String(open), title: "Edit" },
+    const to = button(
       one.to.join(" ") || (one.need === "unmapped" ? "choose…" : "mute"),
+      { class: "to", "data-part": "to", "aria-expanded": String(open), title: "Edit" },
+      () => this.#edit(open ? "" : key(one)),
     );
-    to.addEventListener("click", () => this.#edit(open ? "" : key(one)));
-    const hear = made(
-      "button",
+    const hear = button(
+      one.words[0] ? `▶ ${one.words[0]}` : "▶ alone",
       {
-        type: "button",
         class: "hear",
         "data-part": "hear",
         dir: "auto",
@@ -301,15 +294,9 @@ export class LanguageView {
           ? `Hear it in: ${one.words.join(", ")} (V)`
           : "No word of the pack has this sound, so the mouth moves without a voice (V)",
       },
-      one.words[0] ? `▶ ${one.words[0]}` : "▶ alone",
+      () => this.hear(one),
     );
-    hear.addEventListener("click", () => this.hear(one));
-    const show = made(
-      "button",
-      { type: "button", "data-part": "show", title: "Show its mouth on the face (T)" },
-      "Show",
-    );
-    show.addEventListener("click", () => this.pose(one));
+    const show = button("Show", { "data-part": "show", title: "Show its mouth on the face (T)" }, () => this.pose(one));
     if (one.need === "unmapped") [hear, show].forEach((button) => button.setAttribute("disabled", ""));
     const label = made(
       "dfn",
@@ -417,25 +404,16 @@ export class LanguageView {
   #word(word, told) {
     if (!word.labels.length) return [made("i", {}, word.text || "|")];
     const labels = word.labels.map(({ label, common }) => {
-      const automatic = told.automatic[label];
-      const one = made(
-        "button",
+      const loses = told.automatic[label]?.loses ?? [], unmapped = told.unmapped.includes(label);
+      const mouths = word.pronounced ? "" : common.join(" ") || (unmapped ? "unmapped" : "mute");
+      return button(
+        [made("span", {}, label), made("small", {}, mouths)],
         {
-          type: "button",
-          class: told.unmapped.includes(label) ? "unmapped" : "",
-          title: automatic?.loses.length
-            ? `by its features; not shown: ${automatic.loses.join(", ")}`
-            : "Find it in the table",
+          class: unmapped ? "unmapped" : "",
+          title: loses.length ? `by its features; not shown: ${loses.join(", ")}` : "Find it in the table",
         },
-        made("span", {}, label),
-        made(
-          "small",
-          {},
-          word.pronounced ? "" : common.join(" ") || (told.unmapped.includes(label) ? "unmapped" : "mute"),
-        ),
+        () => this.find(label),
       );
-      one.addEventListener("click", () => this.find(label));
-      return one;
     });
     return word.pronounced ? [...labels, made("i", {}, `pronounced ${word.pronounced.join(" ")}`)] : labels;
   }
@@ -495,12 +473,11 @@ export class LanguageView {
 
   /** @param {import("../payloads.js").PackTest} test @returns {HTMLElement} */
   #test(test) {
-    const text = made(
-      "button",
-      { type: "button", class: "text", dir: "auto", title: `Speak it${test.source ? `. ${test.source}` : ""}` },
+    const text = button(
       test.text,
+      { class: "text", dir: "auto", title: `Speak it${test.source ? `. ${test.source}` : ""}` },
+      () => this.studio.speak(test.text),
     );
-    text.addEventListener("click", () => this.studio.speak(test.text));
     const said = test.right ? test.expected : test.said;
     const differs = (/** @type {string} */ one, /** @type {number} */ at) => !test.right && test.expected[at] !== one;
     const mouths = said.map((/** @type {string} */ one, /** @type {number} */ at) =>

@@ -96,19 +96,14 @@ export class OwnForms {
   #line(line) {
     const { studio } = this, { styles = [], regions = {} } = studio.state;
     const now = studio.settings.line === line.name;
-    const use = made(
-      "button",
-      {
-        type: "button",
-        "aria-pressed": String(now),
-        title: "Perform the line below with these edits and this delivery",
-      },
+    const use = button(
       now ? "Applied to the line" : "Apply to the line",
+      { "aria-pressed": String(now), title: "Perform the line below with these edits and this delivery" },
+      async () => {
+        await studio.perform("take", { settings: { ...studio.settings, line: now ? null : line.name } });
+        await this.load();
+      },
     );
-    use.addEventListener("click", async () => {
-      await studio.perform("take", { settings: { ...studio.settings, line: now ? null : line.name } });
-      await this.load();
-    });
     const rows = (
       /** @type {"styles" | "dials"} */ kind,
       /** @type {string[]} */ names,

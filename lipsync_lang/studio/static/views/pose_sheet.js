@@ -1,7 +1,7 @@
 /** A sheet of small pictures: the face in each pose, drawn by the face beside it. */
 
 import { drawMouth, mouthOf } from "../face/drawn_mouth.js";
-import { made, middled } from "../shell/elements.js";
+import { button, made, middled } from "../shell/elements.js";
 
 /** Pixels of a picture. */
 const SIDE = 176;
@@ -30,15 +30,13 @@ export class PoseSheet {
     this.items.clear();
     this.list.replaceChildren(...pictures.map(({ name, title }) => {
       const canvas = made("canvas", { width: String(SIDE), height: String(SIDE), "aria-hidden": "true" });
-      const button = made(
-        "button",
-        { type: "button", title: title || name, "aria-pressed": "false" },
-        canvas,
-        middled(name),
+      const one = button(
+        [canvas, middled(name)],
+        { title: title || name, "aria-pressed": "false" },
+        (event) => this.pick(name, event.shiftKey),
       );
-      button.addEventListener("click", (event) => this.pick(name, event.shiftKey));
-      this.items.set(name, { canvas, button });
-      return made("li", {}, button);
+      this.items.set(name, { canvas, button: one });
+      return made("li", {}, one);
     }));
   }
 

@@ -512,22 +512,17 @@ export class SentenceView {
     listStages(this.at.legend, take, other);
     usedStages(take).forEach((stage, n) => {
       const item = this.at.legend.children[n],
-        button = made(
-          "button",
-          {
-            type: "button",
-            "aria-pressed": String(!this.timeline.hidden.has(stage.name)),
-            title: stage.why || stage.label,
-          },
+        one = button(
           item.textContent ?? "",
+          { "aria-pressed": String(!this.timeline.hidden.has(stage.name)), title: stage.why || stage.label },
+          () => {
+            if (!this.timeline.hidden.delete(stage.name)) this.timeline.hidden.add(stage.name);
+            one.setAttribute("aria-pressed", String(!this.timeline.hidden.has(stage.name)));
+            this.timeline.stale = true;
+            this.studio.wake();
+          },
         );
-      button.addEventListener("click", () => {
-        if (!this.timeline.hidden.delete(stage.name)) this.timeline.hidden.add(stage.name);
-        button.setAttribute("aria-pressed", String(!this.timeline.hidden.has(stage.name)));
-        this.timeline.stale = true;
-        this.studio.wake();
-      });
-      item.replaceChildren(button);
+      item.replaceChildren(one);
     });
   }
 
