@@ -17,7 +17,8 @@ from lipsync_lang.build.timing_cache import TIMERS
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.resolver.cache import compiler, folder
-from lipsync_lang.speech.hearing.adaptation import SpokenFile
+from lipsync_lang.speech.hearing.adaptation import SpokenFile, adapt, write_adapted
+from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import models_of
 from lipsync_lang.speech.hearing.sphinx.folder import Models
 
 MAX_KEPT_MODELS = 16
@@ -64,9 +65,6 @@ def _adapted_folder(
     pair: PairNeeds, home: Path, lines: Sequence[PlannedLine], remark: AdaptationRemark
 ) -> Path | None:
     """Return the folder of the adapted model, made first if the cache lacks it."""
-    from lipsync_lang.speech.hearing.adaptation import SpokenFile
-    from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import models_of
-
     where = folder()
     if where is None:
         raise LipsyncError("the cache is off, and adapted models are kept there")
@@ -96,8 +94,6 @@ def _make(
     remark: AdaptationRemark,
 ) -> None:
     """Adapt a model into a folder of the cache, or mark there that it gains nothing."""
-    from lipsync_lang.speech.hearing.adaptation import adapt, write_adapted
-
     speaker = pair.performer.speaker
     found = adapt(speaker, spoken, models)
     rise = f"log likelihood of held-out frames {found.before:.2f} to {found.after:.2f}"

@@ -5,9 +5,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.commands.output import SOUND, as_json
+from lipsync_lang.commands.performing import plot_kind
 from lipsync_lang.commands.registry import Add, add_actions, command
 from lipsync_lang.commands.shared_options import add_json, add_pair
-from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files import STANDARD_STREAM, argument_path, atomic
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""
@@ -92,8 +93,6 @@ def diff(options: Namespace) -> int:
         options.bigrams,
     )  # fmt: skip
     if options.plot:
-        from lipsync_lang.commands.performing import plot_kind
-        from lipsync_lang.files import atomic
         from lipsync_lang.render.bank_diff_plot import plot_diff
 
         with atomic(options.plot) as stream:

@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from dataclasses import replace
 from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from lipsync_lang.commands.performing import LINE_PAGE, perform_line, performer_
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json_form, add_line, add_output
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import write_all
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -57,7 +59,6 @@ def _add_check(add: Add) -> None:
 
 def check(options: Namespace) -> int:
     """Print the figures of an animation; a figure past its limit is a fault."""
-    from lipsync_lang.files import write_all
     from lipsync_lang.quality.baselines import BASELINES
     from lipsync_lang.quality.check_animation import check as judge
     from lipsync_lang.quality.quality_report import FORMATS
@@ -105,8 +106,6 @@ def _page(
     performer: "Performer", takes: "Mapping[str, Animation]", judged: "Mapping[str, Quality]"
 ) -> str:
     """Return a page of the first take, with the others beside it."""
-    from dataclasses import replace
-
     from lipsync_lang.animations.animation import ExportSettings
     from lipsync_lang.quality.fitting import on_model
     from lipsync_lang.studio.line_page import line_page

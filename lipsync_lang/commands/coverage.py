@@ -20,9 +20,9 @@ from lipsync_lang.commands.shared_options import (
     add_values,
     cleaning,
 )
-from lipsync_lang.coverage.forms import FORMS
+from lipsync_lang.coverage.forms import FORMS, SUFFIXES, FormOptions
 from lipsync_lang.errors import LipsyncError, OutputError, shortlist
-from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
@@ -188,9 +188,6 @@ def _shown(lines: "Iterable[Line]", shown: "Callable[[str], str]") -> "Iterator[
 
 
 def _write(options: Namespace, found: "Coverage") -> None:
-    from lipsync_lang.coverage.forms import FORMS, SUFFIXES, FormOptions
-    from lipsync_lang.files import write_all
-
     asked = FormOptions(everything=options.all, fail_under=options.fail_under)
     if not options.output:
         FORMS.find(options.format or "text")(found, sys.stdout, asked)

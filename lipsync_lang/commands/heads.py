@@ -8,7 +8,7 @@ from pathlib import Path
 from lipsync_lang.commands.output import SOUND, tell_written, working
 from lipsync_lang.commands.registry import Add, add_actions, command
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import argument_path
+from lipsync_lang.files import argument_path, write_all
 
 TITLE = "make a talking head from a face model"
 EXAMPLE = "heads ict ICT-FaceKit -o head.glb"
@@ -54,7 +54,6 @@ def _add_ict(action: Add) -> None:
 
 def heads(options: Namespace) -> int:
     """Make a head and write it."""
-    from lipsync_lang.files import write_all
     from lipsync_lang.heads.face_model import FaceModel, read_recipe
     from lipsync_lang.heads.made_head import HeadWish, make_head
 

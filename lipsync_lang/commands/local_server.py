@@ -5,6 +5,7 @@ import logging
 import sys
 from argparse import Namespace
 from contextlib import suppress
+from time import time
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import LipsyncError
@@ -122,8 +123,6 @@ def _address(options: Namespace, kept: "Path | None") -> "tuple[socket.socket, s
 
 def _read(kept: "Path") -> tuple[int, str] | None:
     """Return the port and the token in a private file; None if it has none, or old ones."""
-    from time import time
-
     from lipsync_lang.files.private import read_private
 
     content, written = read_private(kept) or (b"", 0.0)

@@ -9,7 +9,8 @@ from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
 from lipsync_lang.commands.starting import lacking
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.packs.project import FILE
+from lipsync_lang.files import write_all
+from lipsync_lang.packs.project import FILE, load_project
 
 
 @command("new")
@@ -104,9 +105,7 @@ def _of_table(options: Namespace) -> int:
     from lipsync_lang.build.new_project import new_project
     from lipsync_lang.build.project_folder import starter
     from lipsync_lang.build.script import read_script
-    from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import Finder
-    from lipsync_lang.packs.project import load_project
 
     path, here = Path(FILE), Path.cwd()
     if path.exists():

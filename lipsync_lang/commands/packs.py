@@ -19,7 +19,7 @@ from lipsync_lang.commands.output import (
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import argument_path
+from lipsync_lang.files import argument_path, write_all
 
 if TYPE_CHECKING:
     from lipsync_lang.authoring.new_pack import PackDraft
@@ -208,7 +208,6 @@ def _new_character(library: "Library", options: Namespace) -> "PackDraft":
 def _check_language(library: "Library", options: Namespace) -> int:
     """Print the faults, the mouths and the tests of a language pack."""
     from lipsync_lang.authoring.language_check import check_language, draw_mouths
-    from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import located
     from lipsync_lang.packs.library import Library
     from lipsync_lang.performing.resolving import resolve

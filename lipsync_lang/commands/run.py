@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.animations.rates import parse_offset
 from lipsync_lang.commands.output import SOUND, as_options, count, listed
 from lipsync_lang.commands.performing import (
     LINE_PAGE,
@@ -19,7 +20,7 @@ from lipsync_lang.commands.performing import (
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_line
 from lipsync_lang.errors import LipsyncError, OutputError
-from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -83,8 +84,6 @@ def run(options: Namespace) -> int:
     from lipsync_lang.animations.animation import ExportSettings
     from lipsync_lang.animations.animation_writers import parse_output
     from lipsync_lang.animations.keys import parse_keys
-    from lipsync_lang.animations.rates import parse_offset
-    from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import is_model
 
     error, lines = parse_keys(options.keys) if options.keys is not None else (None, False)

@@ -10,7 +10,7 @@ from lipsync_lang.commands.performing import perform_line, performer_for, schedu
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_line
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import argument_path
+from lipsync_lang.files import argument_path, write_all
 
 
 @command("stills")
@@ -37,7 +37,6 @@ def _add_stills(add: Add) -> None:
 
 def stills(options: Namespace) -> int:
     """Draw the model at given times, to a sheet."""
-    from lipsync_lang.files import write_all
     from lipsync_lang.render.sheet import moments
 
     try:

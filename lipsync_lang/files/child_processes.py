@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, suppress
-from multiprocessing import parent_process
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
 from pathlib import Path
 from threading import Thread
@@ -26,9 +26,6 @@ def child_pool(
     count : of processes, fewer where the system allows no more
     begin, values : a function that each process calls first, and its arguments
     """
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
     return ProcessPoolExecutor(
         min(count, MOST_PROCESSES), get_context("spawn"), _begin, (begin, values)
     )

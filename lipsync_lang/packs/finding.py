@@ -8,6 +8,7 @@ others.
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -336,8 +337,6 @@ def built_in() -> Path:
 
 def location(entry_point: EntryPoint) -> Path | None:
     """Return the folder that an entry point names, or None; no code of it is run."""
-    from importlib.util import find_spec
-
     top, *rest = entry_point.value.split(":")[0].strip().split(".")
     try:
         spec = find_spec(top)

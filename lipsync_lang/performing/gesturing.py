@@ -19,6 +19,7 @@ from lipsync_lang.animations.explanation import PoseAt, StageAt
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.gestures.laying import GestureSet, LaidGesture
+from lipsync_lang.gestures.pitch import pitches
 from lipsync_lang.gestures.placing import (
     DRAWING_SECONDS,
     LineFact,
@@ -420,8 +421,6 @@ def _phrases(
 
 def _rising(audio: Audio, phrases: list[tuple[float, float]]) -> list[LineFact]:
     """Return the ends of the phrases whose voice rises, as in a question."""
-    from lipsync_lang.gestures.pitch import pitches
-
     found = []
     nexts = (*(begin for begin, _ in phrases[1:]), inf)
     for (begin, end), then in zip(phrases, nexts, strict=False):
@@ -437,8 +436,6 @@ def _rising(audio: Audio, phrases: list[tuple[float, float]]) -> list[LineFact]:
 
 def _rises(audio: Audio, begins: Floats, ends: Floats) -> list[float]:
     """Return how far the voice rises in each vowel over those before and soon after: semitones."""
-    from lipsync_lang.gestures.pitch import pitches
-
     vowels = [*zip(begins.tolist(), ends.tolist(), strict=True)]
     known: dict[tuple[float, float], float] = kept_with(audio, "pitches", None, dict)
     new = [one for one in vowels if one not in known]

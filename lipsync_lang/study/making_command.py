@@ -3,12 +3,15 @@
 import argparse
 import sys
 from argparse import Namespace
+from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count
+from lipsync_lang.commands.performing import motion_settings
 from lipsync_lang.commands.registry import Add, add_actions, command
 from lipsync_lang.commands.shared_options import (
     add_json,
@@ -235,9 +238,6 @@ def _plan(options: Namespace) -> "StudyPlan":
 
 def _cast(options: Namespace, name: str) -> "StudyCharacter":
     """Return a character with its performers for the methods."""
-    from dataclasses import replace
-
-    from lipsync_lang.commands.performing import motion_settings
     from lipsync_lang.performing.resolving import resolve as resolve_pair
     from lipsync_lang.study.methods import StudyCharacter, with_bank
 
@@ -263,8 +263,6 @@ def _cast(options: Namespace, name: str) -> "StudyCharacter":
 
 def serve(options: Namespace) -> int:
     """Serve a study's page and append the answers to a file, until it is interrupted."""
-    from contextlib import suppress
-
     try:
         from lipsync_lang.study.answer_server import AnswerServer
     except ImportError:
