@@ -199,12 +199,11 @@ def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
             said = np.array(facts, np.intp)
     silence = performer.compiled.tables.silence
     kept = own.kept(kernel.compiled, labels.manners, silence, fps)
-    beside: Floats = kernel.compiled.gesture(
+    return kernel.compiled.gesture(
         kept, weights, np.array(scales, float), times[0], times[-1], sounds.ids,
         sounds.times, sounds.source, labels.stresses(sounds), schedule.times, texts, firsts,
         raised, said,
     )  # fmt: skip
-    return beside
 
 
 def laid_gestures(said: PerformedLine, animation: Animation) -> tuple[Floats, list[LaidGesture]]:

@@ -89,8 +89,7 @@ def _with_postures(tables: Tables, posture: dict[str, Any]) -> Tables:
 
     def square(rules: Floats) -> Floats:
         lower = beside(together, np.full((count, count), FREE))
-        out: Floats = np.vstack((beside(rules, together.T), lower))
-        return out
+        return np.vstack((beside(rules, together.T), lower))
 
     def bank(one: Bank) -> Bank:
         return one._replace(curves=beside(one.curves, 0))

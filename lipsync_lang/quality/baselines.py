@@ -182,5 +182,4 @@ def compare(
 
 def read_out(animation: Animation, gains: dict[str, float]) -> Floats:
     """Return a pose set's measure over an animation: (T,), the sum of gain x pose."""
-    shown: Floats = np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)
-    return shown
+    return np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)
