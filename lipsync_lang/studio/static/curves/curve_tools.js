@@ -33,7 +33,7 @@ export class CurveTools {
     );
     zoom.classList.add("zoom");
     place.append(
-      ...this.inputs.map((input, axis) => made("label", {}, ["Time", "Value"][axis], input)),
+      ...this.inputs.map((input, axis) => made("label", ["Time", "Value"][axis], input)),
       this.grid,
       group(
         "Points",

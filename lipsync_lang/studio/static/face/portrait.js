@@ -17,7 +17,7 @@ export class Portrait {
     this.data = page.faces[take.data.face];
     this.canvas = made("canvas", { role: "img" });
     this.caption = made("figcaption", { dir: "auto" });
-    this.figure = made("figure", {}, this.canvas, this.caption);
+    this.figure = made("figure", this.canvas, this.caption);
     this.close = false;
     /** @type {import("./gl_face.js").GlFace | null} */
     this.face = null;

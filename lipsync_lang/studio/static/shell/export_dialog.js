@@ -38,18 +38,18 @@ export class ExportDialog {
   #fill(formats, lines, folder) {
     const { state, take } = this.studio, [go, close, told] = [
       made("button", { type: "button", class: "main" }, "Export"),
-      made("button", {}, "Close"), made("p", { role: "status" }),
+      made("button", "Close"), made("p", { role: "status" }),
     ];
     const check = (/** @type {string} */ type, /** @type {string} */ name, /** @type {string} */ value,
       /** @type {boolean} */ on, /** @type {boolean} */ off, /** @type {(Node | string)[]} */ ...content) =>
       made("label", { class: "check" },
         made("input", { type, name, value, ...(on ? { checked: "" } : {}), ...(off ? { disabled: "" } : {}) }),
-        made("span", {}, ...content));
+        made("span", ...content));
     const form = made("form", { method: "dialog" },
       made("h2", { id: "exported" }, "Export"),
       made("ul", { "aria-label": "Formats" }, ...formats.map(({ name, suffix, title, refused }) =>
-        made("li", {}, check("checkbox", "format", name, this.chosen.has(name), Boolean(refused),
-          made("b", {}, name), ` ${suffix} `, made("small", {}, refused || title))))),
+        made("li", check("checkbox", "format", name, this.chosen.has(name), Boolean(refused),
+          made("b", name), ` ${suffix} `, made("small", refused || title))))),
       check("radio", "lines", "one", Boolean(take), !take, `This line (${state.name}), into your downloads`),
       check("radio", "lines", "all", !take, !lines.length,
         `All lines in ${state.language} (${lines.length}), into this folder of the project:`),

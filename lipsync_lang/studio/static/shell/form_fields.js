@@ -27,7 +27,7 @@ export function numberField(label, value, span, changed) {
     { class: "number-field" },
     made("span", { dir: "auto" }, label),
     input,
-    ...(span.unit ? [made("small", {}, span.unit)] : []),
+    ...(span.unit ? [made("small", span.unit)] : []),
   );
 }
 
@@ -61,7 +61,7 @@ export function sliderField(label, value, span, changed) {
     made("span", { dir: "auto" }, label),
     slider,
     input,
-    made("small", {}, span.unit ?? ""),
+    made("small", span.unit ?? ""),
   );
 }
 

@@ -35,7 +35,7 @@ export class ScriptLines {
       this.search,
       this.told,
       this.rows,
-      made("form", { method: "dialog" }, made("button", {}, "Close")),
+      made("form", { method: "dialog" }, made("button", "Close")),
     );
     document.body.append(this.dialog);
     this.search.addEventListener("input", () => {
@@ -130,11 +130,11 @@ export class ScriptLines {
       line.timings ? "timings" : "",
     ];
     const parts = [
-      made("b", {}, line.name),
-      made("small", {}, told.filter(Boolean).join(" · ")),
+      made("b", line.name),
+      made("small", told.filter(Boolean).join(" · ")),
       made("span", { dir: "auto" }, line.text),
     ];
-    return made("li", {}, button(
+    return made("li", button(
       parts,
       line.name === this.place?.name ? { "aria-current": "true" } : {},
       () => {

@@ -184,12 +184,8 @@ export class CharacterView {
       studio.tell(`${made_.wrote.length} files copied to posesets/${told.poseset}. You can edit them now.`);
     }));
     this.banner.replaceChildren(
-      made(
-        "span",
-        {},
-        `The pose set ${told.poseset} is installed. ` +
-          "To edit it, make a copy in this project. The copy performs the same, bit for bit.",
-      ),
+      made("span", `The pose set ${told.poseset} is installed. ` +
+        "To edit it, make a copy in this project. The copy performs the same, bit for bit."),
       copy,
     );
   }

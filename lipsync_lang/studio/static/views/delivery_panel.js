@@ -70,9 +70,9 @@ export class DeliveryPanel {
     this.shows.clear();
     const { does } = this;
     this.word.hidden = !word;
-    const close = made("small", {}, "Esc closes");
+    const close = made("small", "Esc closes");
     this.word.replaceChildren(
-      made("h2", {}, "Word ", made("bdi"), " ", close),
+      made("h2", "Word ", made("bdi"), " ", close),
       this.#slider("emphasis", "emphasis", MOST_EMPHASIS, (value, done) => does.emphasise(value, done)),
       ...tracks.map((one) =>
         this.#slider(`word ${one.kind} ${one.name}`, one.name, one.most, (value, done) =>

@@ -56,7 +56,7 @@ export class LanguageView {
     /** Row that is edited, as `key` names it. */
     this.open = "";
     this.standing = "";
-    this.title = made("h2", {}, "Language");
+    this.title = made("h2", "Language");
     this.search = made("input", {
       type: "search",
       placeholder: "Sound, mouth, word…",
@@ -85,7 +85,7 @@ export class LanguageView {
     this.tests = made("aside", { class: "tests", "aria-label": "Tests of the pack" });
     const speak = made("button", { type: "button" }, "Speak it"),
       keep = button("Keep as a test", "Add the word with this transcription to the pack's tests", () => this.#keep());
-    place.append(made("header", {},
+    place.append(made("header",
       made("div", { class: "row" }, this.title, this.search, this.notation, this.filter),
       made("div", { class: "row" }, this.word, speak, keep, this.tried),
       this.#beginner(), this.caveats), this.list, this.tests);
@@ -147,7 +147,7 @@ export class LanguageView {
     const base = made("select", { "aria-label": "Language to start from" });
     const form = made("form", { class: "row" }, name, " starts from ", base, tag,
       made("button", { type: "submit" }, "Begin"));
-    const opened = made("details", { class: "beginner" }, made("summary", {}, "New language…"), form);
+    const opened = made("details", { class: "beginner" }, made("summary", "New language…"), form);
     opened.addEventListener("toggle", () => fillNames(base, this.studio.project.languages, this.studio.state.language));
     form.addEventListener("submit", (event) => {
       event.preventDefault();
@@ -189,7 +189,7 @@ export class LanguageView {
   #first(told) {
     this.open = this.standing = "";
     this.word.value = "";
-    this.tried.replaceChildren(made("i", {}, "Type a word to see its sounds and mouths, with your unsaved edits."));
+    this.tried.replaceChildren(made("i", "Type a word to see its sounds and mouths, with your unsaved edits."));
     const names = [...told.notations, ...(told.automatic && !told.notations.includes("ipa") ? ["ipa"] : [])];
     this.notation.replaceChildren(
       made("option", { value: "" }, "All notations"),
@@ -208,11 +208,11 @@ export class LanguageView {
       look ? `${look} need review` : "",
       told.speaks ? "" : "no voice: times are estimated, without sound",
     ];
-    this.title.replaceChildren(told.title, made("small", {}, facts.filter(Boolean).join(" · ")));
+    this.title.replaceChildren(told.title, made("small", facts.filter(Boolean).join(" · ")));
     this.caveats.hidden = !told.caveats.length;
     this.caveats.replaceChildren(
-      made("summary", {}, `Known mistakes: ${told.caveats.length}`),
-      made("ul", {}, ...told.caveats.map((/** @type {string} */ one) => made("li", {}, one))),
+      made("summary", `Known mistakes: ${told.caveats.length}`),
+      made("ul", ...told.caveats.map((/** @type {string} */ one) => made("li", one))),
     );
   }
 
@@ -248,8 +248,8 @@ export class LanguageView {
       const some = shown.filter((one) => one.need === need);
       if (some.length)
         parts.push(
-          made("h3", {}, made("b", {}, String(rows.filter((one) => one.need === need).length)), ` ${title}`),
-          made("ul", {}, ...some.map((one) => this.#row(one))),
+          made("h3", made("b", String(rows.filter((one) => one.need === need).length)), ` ${title}`),
+          made("ul", ...some.map((one) => this.#row(one))),
         );
     }
     if (rows.length > shown.length)
@@ -308,7 +308,7 @@ export class LanguageView {
       { class: `sound ${one.need}` },
       label,
       to,
-      made("p", {}, ...words),
+      made("p", ...words),
       made("span", { class: "row" }, hear, show),
     );
     const item = made("li", { "data-row": key(one) }, row);
@@ -325,7 +325,7 @@ export class LanguageView {
     const why = [...new Set([one.says, one.reason || one.why])].filter(
       (text) => text && !(one.need === "loses" && text.startsWith("by its features")),
     );
-    return [made("b", {}, looks), looks && why.length ? " · " : "", why.join(" · ")];
+    return [made("b", looks), looks && why.length ? " · " : "", why.join(" · ")];
   }
 
   /** @param {string} row to edit, "" for none */
@@ -394,20 +394,20 @@ export class LanguageView {
           made("span", { class: "word" }, ...this.#word(word, told)),
         ),
       );
-      if (told.unread.length) this.tried.append(made("i", {}, `Not read: ${told.unread.join(" ")}`));
+      if (told.unread.length) this.tried.append(made("i", `Not read: ${told.unread.join(" ")}`));
     } catch (error) {
-      this.tried.replaceChildren(made("i", {}, error instanceof Error ? error.message : String(error)));
+      this.tried.replaceChildren(made("i", error instanceof Error ? error.message : String(error)));
     }
   }
 
   /** @param {TranscribedWord} word @param {Transcript} told @returns {HTMLElement[]} its labels with their mouths */
   #word(word, told) {
-    if (!word.labels.length) return [made("i", {}, word.text || "|")];
+    if (!word.labels.length) return [made("i", word.text || "|")];
     const labels = word.labels.map(({ label, common }) => {
       const loses = told.automatic[label]?.loses ?? [], unmapped = told.unmapped.includes(label);
       const mouths = word.pronounced ? "" : common.join(" ") || (unmapped ? "unmapped" : "mute");
       return button(
-        [made("span", {}, label), made("small", {}, mouths)],
+        [made("span", label), made("small", mouths)],
         {
           class: unmapped ? "unmapped" : "",
           title: loses.length ? `by its features; not shown: ${loses.join(", ")}` : "Find it in the table",
@@ -415,7 +415,7 @@ export class LanguageView {
         () => this.find(label),
       );
     });
-    return word.pronounced ? [...labels, made("i", {}, `pronounced ${word.pronounced.join(" ")}`)] : labels;
+    return word.pronounced ? [...labels, made("i", `pronounced ${word.pronounced.join(" ")}`)] : labels;
   }
 
   /** @param {string} label to look for in the table */
@@ -449,13 +449,13 @@ export class LanguageView {
     const { refusal } = this.told, tests = /** @type {import("../payloads.js").PackTest[]} */ (this.told.tests);
     const failed = tests.filter((/** @type {import("../payloads.js").PackTest} */ one) => !one.passed).length;
     const summary = refusal
-      ? made("span", {}, "not run")
+      ? made("span", "not run")
       : failed
         ? made("span", { class: "fails" }, `${failed} of ${tests.length} fail`)
         : made("span", { class: "passes" }, tests.length ? `all ${tests.length} pass` : "none");
     const rows = tests.toSorted((a, b) => Number(a.passed) - Number(b.passed));
     this.tests.replaceChildren(
-      made("div", { role: "status" }, made("h3", {}, "Tests: ", summary)),
+      made("div", { role: "status" }, made("h3", "Tests: ", summary)),
       ...(refusal ? [made("p", { class: "note" }, `${refusal}. Below, only the IPA of their sources is mapped.`)] : []),
       ...(tests.length
         ? []
@@ -467,7 +467,7 @@ export class LanguageView {
                 "If its mouths are right, keep it as a test, which then runs after each edit.",
             ),
           ]),
-      made("ol", {}, ...rows.map((one) => this.#test(one))),
+      made("ol", ...rows.map((one) => this.#test(one))),
     );
   }
 
@@ -483,7 +483,7 @@ export class LanguageView {
     const mouths = said.map((/** @type {string} */ one, /** @type {number} */ at) =>
       made(differs(one, at) ? "mark" : "span", {}, `${one} `),
     );
-    const box = made("div", {}, text, " ", ...mouths);
+    const box = made("div", text, " ", ...mouths);
     if (!test.passed) {
       const labels = test.labels.map((/** @type {string} */ label) =>
         button(label, { class: test.unmapped.includes(label) ? "unmapped" : "" }, () => this.find(label)));
@@ -492,7 +492,7 @@ export class LanguageView {
         test.claimed.length ? `its source's /${test.ipa}/ becomes ${test.claimed.join(" ")}` : "",
       ];
       box.append(
-        ...notes.filter(Boolean).map((one) => made("small", {}, one)),
+        ...notes.filter(Boolean).map((one) => made("small", one)),
         made("div", { class: "labels" }, ...labels),
       );
     }

@@ -21,7 +21,7 @@ export function fileButton(text, accept, does) {
     does([...(input.files ?? [])]);
     input.value = "";
   });
-  return made("span", {}, button(text, "", () => input.click()), input);
+  return made("span", button(text, "", () => input.click()), input);
 }
 
 /** Opens and saves the files of a line. */
@@ -75,7 +75,7 @@ export class LineFiles {
     const form = made(
       "form",
       { method: "dialog" },
-      made("h2", {}, `Words of ${name}`),
+      made("h2", `Words of ${name}`),
       input,
       made(
         "p",

@@ -27,12 +27,9 @@ export class ModelPanel {
     const area = made(
       "label",
       { class: "drop" },
-      made("b", {}, "Choose a model, or drop it here"),
-      made(
-        "span",
-        {},
-        "GLB with the shapes of the poses, at most 64 MB. It is copied into the project, beside the character's pack.",
-      ),
+      made("b", "Choose a model, or drop it here"),
+      made("span", "GLB with the shapes of the poses, at most 64 MB. " +
+        "It is copied into the project, beside the character's pack."),
       file,
     );
     area.addEventListener("dragover", (event) => event.preventDefault());
@@ -47,14 +44,10 @@ export class ModelPanel {
       made(
         "section",
         { class: "rule-part" },
-        made("h3", {}, "Model"),
-        made(
-          "p",
-          {},
-          model
-            ? `${character} is shown on ${model}${rig ? `, by the rig ${rig}` : ""}.`
-            : `${character} has no model. A drawn mouth shows the poses of ${poseset}.`,
-        ),
+        made("h3", "Model"),
+        made("p", model
+          ? `${character} is shown on ${model}${rig ? `, by the rig ${rig}` : ""}.`
+          : `${character} has no model. A drawn mouth shows the poses of ${poseset}.`),
         area,
         this.told,
       ),
@@ -78,7 +71,7 @@ export class ModelPanel {
         ], `Model ${told.name}`);
         const words = `${told.shown} of ${told.channels} channels have a shape in ${told.name}.`;
         this.told.replaceChildren(
-          made("p", {}, words),
+          made("p", words),
           ...(told.missing.length
             ? [made("p", { class: "note" }, `Missing: ${told.missing.join(", ")}`), this.#offer(file)]
             : []),
@@ -95,7 +88,7 @@ export class ModelPanel {
     const use = actButton(`Use ${rig}`, `Use the rig ${rig}`, () => this.#try(file, rig));
     use.classList.add("main");
     this.told.replaceChildren(
-      made("p", {}, `The rig ${rig} shows ${shown} of ${poses} poses on ${file.name}; without it, fewer are seen.`),
+      made("p", `The rig ${rig} shows ${shown} of ${poses} poses on ${file.name}; without it, fewer are seen.`),
       made("p", { class: "row" }, use, actButton("Go on without it", "Use no other rig", () => this.#try(file, ""))),
     );
   }
@@ -110,7 +103,7 @@ export class ModelPanel {
     const go = actButton("Draft a character from it", "Find the pose set and the rig that fit this model", () =>
       this.#draft(file, name.value.trim()),
     );
-    return made("div", { class: "row" }, made("span", {}, "or, as"), name, go);
+    return made("div", { class: "row" }, made("span", "or, as"), name, go);
   }
 
   /** @param {File} file @param {string} name */

@@ -52,7 +52,7 @@ export class OwnForms {
       does(input.value.trim(), input);
       if (input.validity.valid) input.defaultValue = input.value;
     });
-    return made("label", {}, made("span", {}, text), input);
+    return made("label", made("span", text), input);
   }
 
   /** @param {Told} told @param {Told["pronunciations"][number]} said @returns {HTMLElement[]} */
@@ -132,8 +132,8 @@ export class OwnForms {
     );
     return [
       made("p", { class: "row" }, use),
-      ...(shares.length ? [made("h3", {}, "Styles"), ...shares] : []),
-      made("h3", {}, "Dials"),
+      ...(shares.length ? [made("h3", "Styles"), ...shares] : []),
+      made("h3", "Dials"),
       ...rows("dials", Object.keys(regions), 2, "1 is normal, 0 still, 2 twice as far"),
       made(
         "p",

@@ -40,8 +40,8 @@ export class PoseMixer {
         made(
           "section",
           { class: "mixer-group" },
-          made("h3", {}, region || "other"),
-          made("ul", {}, ...some.map((pose) => this.#row(pose))),
+          made("h3", region || "other"),
+          made("ul", ...some.map((pose) => this.#row(pose))),
         ),
       ),
     );

@@ -36,7 +36,7 @@ export class PoseSheet {
         (event) => this.pick(name, event.shiftKey),
       );
       this.items.set(name, { canvas, button: one });
-      return made("li", {}, one);
+      return made("li", one);
     }));
   }
 

@@ -170,7 +170,7 @@ export class SentenceView {
     figures.append(
       this.at.judged,
       this.at.missed,
-      made("details", {}, made("summary", {}, "Other figures"), this.at.measured),
+      made("details", made("summary", "Other figures"), this.at.measured),
     );
     const aside = made(
       "aside",
@@ -181,7 +181,7 @@ export class SentenceView {
       this.at.moment,
       this.at.bigrams,
       this.at.poses,
-      made("details", { class: "delivery", open: "" }, made("summary", {}, "Delivery of the line"), this.at.line),
+      made("details", { class: "delivery", open: "" }, made("summary", "Delivery of the line"), this.at.line),
       figures,
     );
     this.whole.append(
@@ -190,12 +190,9 @@ export class SentenceView {
       aside,
     );
     this.nothing.append(
-      made("h2", {}, "No line yet"),
-      made(
-        "p",
-        {},
-        "Type a line below and press Enter. Or drop timed phonemes (TextGrid, JSON, CSV …) and their recording here.",
-      ),
+      made("h2", "No line yet"),
+      made("p", "Type a line below and press Enter. " +
+        "Or drop timed phonemes (TextGrid, JSON, CSV …) and their recording here."),
       made("p", { class: "row" }, ...open()),
     );
     this.place.append(this.whole, this.nothing);
@@ -535,7 +532,7 @@ export class SentenceView {
       actButton(text, name, () => this.studio.openLine(`part/${to}`, {}), to < 0 || to >= part.count);
     parts.replaceChildren(
       turn("◂", "Previous part", part.number - 1),
-      made("span", {}, `part ${part.number + 1} of ${part.count} (the line lasts ${clock(part.seconds, 0)})`),
+      made("span", `part ${part.number + 1} of ${part.count} (the line lasts ${clock(part.seconds, 0)})`),
       turn("▸", "Next part", part.number + 1),
     );
   }

@@ -35,7 +35,7 @@ export class SoundEditor {
     const row = made(
       "div",
       { class: "row" },
-      ...selects.flatMap((one, at) => (at ? [made("span", {}, "then"), one] : [one])),
+      ...selects.flatMap((one, at) => (at ? [made("span", "then"), one] : [one])),
     );
     if (sound.to.length) row.append(button("Mute", "This sound moves nothing", () => this.#map([])));
     if (sound.own && parent)
@@ -87,11 +87,11 @@ export class SoundEditor {
   /** @param {string} name @returns {HTMLElement} */
   #about(name) {
     const one = this.common.find((common) => common.name === name);
-    if (!one) return made("small", {}, name);
+    if (!one) return made("small", name);
     const like = one.like ? `; a shade of ${one.like}: ${one.reason}` : "";
     const ipa = one.ipa.length ? `; as in IPA ${one.ipa.join(" ")}` : "";
     const example = one.example ? `, English ‘${one.example}’` : "";
-    return made("small", {}, made("b", {}, name), ` ${one.title}${ipa}${example}${like}`);
+    return made("small", made("b", name), ` ${one.title}${ipa}${example}${like}`);
   }
 
   /** @param {Sound} sound @returns {HTMLElement} */
@@ -113,7 +113,7 @@ export class SoundEditor {
       const even = parts.every((one) => one === parts[0]);
       this.#map(sound.to, even ? [] : exact(parts.map((one) => one / whole)));
     });
-    return made("label", {}, "Shares of its time, %", input);
+    return made("label", "Shares of its time, %", input);
   }
 
   /** @param {Sound} sound @returns {HTMLElement} */
@@ -135,7 +135,7 @@ export class SoundEditor {
           `Reason of ${sound.label}`,
         );
     });
-    return made("label", {}, "Reason", input);
+    return made("label", "Reason", input);
   }
 
   /** @param {string[]} to @param {number[]} [shares] */
