@@ -7,14 +7,14 @@ capital alone: names are short, and other words begin like them.
 """
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
 
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.expansions import Replacement, is_spaced
 from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.phonology.g2p.spoken_forms import OwnWord, SpokenForms
-from lipsync_lang.phonology.g2p.tokens import pieces, plain
+from lipsync_lang.phonology.g2p.tokens import TextPiece, plain
 from lipsync_lang.phonology.labels import STRESS, normalise
 
 _HYPHENATED = re.compile("[^-]+")
@@ -47,11 +47,15 @@ class OwnWords:
         self._words = {plain(word): one for word, one in forms.words.items()}
         self._names = {plain(word) for word in forms.words if word[0].isupper()}
         self._endings = forms.endings
+        self._starts = {word[:2] for word in self._words}
 
-    def find(self, text: str) -> FoundWords:
-        """Return the own words of a text."""
+    def find(self, text: str, tokens: Iterable[TextPiece]) -> FoundWords:
+        """Return the own words of a text that is cut into tokens."""
         found = FoundWords([], {})
-        for piece in pieces(text) if self._words else ():
+        for piece in tokens:
+            word = plain(piece.text)
+            if not (word[:2] in self._starts or word[:1] in self._starts or "-" in word):
+                continue
             own = self._find(piece.text)
             if own is not None and own.labels:
                 found.said[piece.start] = SpokenWord(piece.text, *own)
