@@ -111,7 +111,8 @@ class LanguageText(Strict):
     `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
     many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
     `>{joined}` and `<{joined}` go by the rules `joined`; `<<` and `>>` count in the number of the
-    rule itself, such as 100000. From an empty rule on, numbers are read as the engine does."""
+    rule itself, such as 100000. From an empty rule on, numbers are read as the engine does. Rules
+    for 0 to 9 alone name each digit, as in telephone numbers."""
     thousands: str = Field(default="", max_length=1)
     """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
     decimal: str = ""
