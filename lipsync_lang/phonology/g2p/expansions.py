@@ -5,7 +5,7 @@ and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in 
 first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
 the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
 with a capital and a full stop are titles, which stand before a name; the words after `|` serve
-without one. A key after `…` is the end of a word.
+without one. A key after `…` is the end of a word. A `#` of the text is `№` here.
 """
 
 import re
@@ -120,7 +120,7 @@ class _Keys:
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
-        at, text = 0, _WAVE.sub("〜", text)
+        at, text = 0, _WAVE.sub("〜", text).replace("#", "№")
         while start := self._starts.search(text, at):
             at = start.end()
             if start[0] in self._ends:
