@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from itertools import pairwise
+from operator import itemgetter
 
 import numpy as np
 import pytest
@@ -37,7 +38,12 @@ from lipsync_lang.speech.hearing.sphinx.scheduling import (
     timed_labels,
     word_confidence,
 )
-from lipsync_lang.speech.hearing.sphinx.trellis import SOUND_START, likeliest_way
+from lipsync_lang.speech.hearing.sphinx.trellis import (
+    ACOUSTIC_SCALE,
+    SOUND_START,
+    likeliest_way,
+    median_starts,
+)
 from lipsync_lang.speech.sound import SPEECH_RATE, resampled
 from lipsync_lang.speech.speaking.speaker import Speaker
 from lipsync_lang.speech.speaking.written_text import WrittenText
@@ -491,19 +497,59 @@ def test_the_likeliest_way_is_the_best_of_all_ways(phones, more, seed):
     assert [run.phone for run in way] == list(range(phones))
     assert (way[0].first, way[-1].stop) == (0, frames)
     assert all(a.stop == b.first and b.stop - b.first >= 3 for a, b in pairwise(way))
+    best = max(chains(scores, stay), key=itemgetter(0))
+    assert [run.first for run in way] == list(best[1])
+
+
+def chains(scores, stay):
+    """Yield the log probability of each way through a chain, with the starts of its phonemes."""
     leave = np.log1p(-np.exp(stay)).ravel()
-    flat, held = scores.reshape(frames, -1), stay.ravel()
-    best = {0: (flat[0, 0], (0,))}
-    for frame in range(1, frames):
-        now = {}
-        for state, (score, cuts) in best.items():
-            for to, added in ((state, held[state]), (state + 1, leave[state])):
-                if to < 3 * phones:
-                    here = (score + added + flat[frame, to], cuts + (frame,) * (to != state))
-                    now[to] = max(now.get(to, here), here)
-        best = now
-    _, cuts = best[3 * phones - 1]
-    assert [run.first for run in way] == list(cuts[::3])
+    flat, held = scores.reshape(len(scores), -1).astype(float), stay.ravel()
+    last = flat.shape[1] - 1
+
+    def going(frame, state, score, starts):
+        if frame == len(flat):
+            if state == last:
+                yield score, starts
+            return
+        yield from going(frame + 1, state, score + held[state] + flat[frame, state], starts)
+        if state < last:
+            on, more = state + 1, (frame,) * (state % 3 == 2)
+            score += leave[state] + flat[frame, on]
+            yield from going(frame + 1, on, score, starts + more)
+
+    yield from going(1, 0, flat[0, 0], (0,))
+
+
+@full
+@given(st.integers(1, 3), st.integers(0, 3), st.integers(0, 2**32 - 1))
+def test_the_median_start_is_that_of_all_ways(phones, more, seed):
+    """Weigh every division of the frames; few of them are farther than the nearest frames."""
+    random = np.random.default_rng(seed)
+    scores = random.normal(0, 9, size=(3 * phones + more, phones, 3)).astype(np.float32)
+    stay = np.log(random.uniform(0.2, 0.8, size=(phones, 3)))
+    before = [[SOUND_START], *([n] for n in range(phones - 1))]
+    way = likeliest_way(scores, stay, before, [phones - 1])
+    found = median_starts(scores, stay, way)
+    ways = list(chains(scores * np.float32(ACOUSTIC_SCALE), stay))
+    share = np.exp([score for score, _ in ways])
+    starts = np.array([starts for _, starts in ways])
+    frames = np.arange(len(scores))
+    for n in range(1, phones):
+        begun = (share[:, None] * (starts[:, n, None] <= frames)).sum(axis=0) / share.sum()
+        assert found[n] == pytest.approx(np.interp(0.5, begun, frames + 0.5))
+    assert found[0] == 0
+    assert (np.diff(found) > 0).all()
+
+
+def test_a_clear_boundary_stays_where_it_is():
+    scores = np.full((60, 3, 3), -500.0, np.float32)
+    for phoneme, (first, stop) in enumerate(((0, 21), (21, 44), (44, 60))):
+        scores[first:stop, phoneme] = 0.0
+    stay = np.full((3, 3), np.log(0.8))
+    way = likeliest_way(scores, stay, [[SOUND_START], [0], [1]], [2])
+    assert [run.first for run in way] == [0, 21, 44]
+    assert median_starts(scores, stay, way) == pytest.approx([0, 21, 44], abs=0.05)
 
 
 def test_a_way_that_is_longer_than_the_sound_is_none():

@@ -28,7 +28,12 @@ from lipsync_lang.speech.hearing.sphinx.acoustic_model import (
     PhoneContext,
     WordPosition,
 )
-from lipsync_lang.speech.hearing.sphinx.trellis import SOUND_START, Run, likeliest_way
+from lipsync_lang.speech.hearing.sphinx.trellis import (
+    SOUND_START,
+    Run,
+    likeliest_way,
+    median_starts,
+)
 
 WINDOW_FRAMES = 1600
 """Window length in frames: 16 s."""
@@ -71,6 +76,7 @@ class HeardPhoneme(NamedTuple):
     the model, or `OUTSIDE` for other sound, which stands for a word that is left out where it has a
     word number. `fit` is the mean log likelihood ratio per frame to the likeliest
     context-independent phoneme; `noise` is that of silence and noises, which is low in speech.
+    The median start over all likely paths is `late` frames after `first`.
     """
 
     word: int
@@ -79,6 +85,7 @@ class HeardPhoneme(NamedTuple):
     stop: int
     fit: float
     noise: float = -10.0
+    late: float = 0.0
 
 
 class Node(NamedTuple):
@@ -333,12 +340,15 @@ def _again(sound: Listening, loop: _Loop, way: Sequence[tuple[Node, Run]]) -> li
     chain = _likeliest(model, scores, loop, nodes, before, [len(nodes) - 1])
     # Without a path in the real contexts, the frames of the first search stay.
     runs = chain or [run._replace(phone=n) for n, (_, run) in enumerate(way)]
+    stay = model.stay[around[1:-1]]
+    starts = median_starts(scores, stay, runs) if chain else [run.first for run in runs]
     heard = []
-    for node, run in zip(nodes, runs, strict=True):
+    for node, run, start in zip(nodes, runs, starts, strict=True):
         span = slice(run.first, run.stop)
         fit, noise = (
             float((here - loop.speech[span]).mean())
             for here in (scores[span, run.phone].max(axis=1), loop.quiet[span])
         )
-        heard.append(HeardPhoneme(node.word, node.phone, run.first, run.stop, fit, noise))
+        late = float(start) - run.first
+        heard.append(HeardPhoneme(node.word, node.phone, run.first, run.stop, fit, noise, late))
     return heard

@@ -145,7 +145,8 @@ def timed_labels(
             if not label:  # another phoneme of the label before
                 continue
         if label != SILENCE or not rows or rows[-1][0] != SILENCE:
-            rows.append((label, one.word, one.first * FRAME_SECONDS + WINDOW_CENTRE_SECONDS))
+            start = (one.first + one.late) * FRAME_SECONDS + WINDOW_CENTRE_SECONDS
+            rows.append((label, one.word, start))
     # The first label starts with the sound, whatever its frame says, and the last one ends with it.
     starts = [0.0, *(start for _, _, start in rows[1:]), seconds]
     kept = [

@@ -14,6 +14,15 @@ SOUND_START = -1
 
 NEVER = np.float32(-1e30)
 
+ACOUSTIC_SCALE = 0.1
+"""Weight of a frame's log likelihood where paths are weighed against each other.
+
+Frames that overlap and belong to one sound are no independent evidence.
+"""
+
+NEAR_FRAMES = 10
+"""Most frames between a boundary and that of the likeliest path."""
+
 
 class Run(NamedTuple):
     """A phoneme on the path: node number, first frame, and first frame after it."""
@@ -100,3 +109,47 @@ def _traced(
                 runs.append(Run(phone, frame, stop))
                 stop, phone, state = frame, int(came[frame, phone]), STATES - 1
     return [*runs, Run(phone, 0, stop)][::-1]
+
+
+def median_starts(scores: Singles, stay: Floats, runs: Sequence[Run]) -> Floats:
+    """Return the median start of each phoneme over all paths near the likeliest one.
+
+    The likeliest path alone jumps where two places of a boundary are nearly as likely. The median
+    has the least expected error, and lies between frames.
+
+    Parameters
+    ----------
+    scores : (T, P, `STATES`) log likelihood of each frame in each state of the P runs
+    stay : (P, `STATES`) log probability of staying in a state for another frame
+    runs : the likeliest path, from frame 0 to T
+
+    Returns
+    -------
+    (P,) starts in frames, ascending
+    """
+    count, phones = scores.shape[:2]
+    frames = np.arange(count)[:, None]
+    firsts, stops = np.array([[run.first, run.stop] for run in runs]).T
+    near = (frames >= firsts - NEAR_FRAMES) & (frames < stops + NEAR_FRAMES)
+    likely = np.where(near[..., None], scores * ACOUSTIC_SCALE, NEVER).reshape(count, -1)
+    held = stay.ravel()
+    left = np.log(-np.expm1(held))
+    # Log probabilities of all paths to a state, and from it on. The path so far ends in `[1:]`.
+    past = np.full((count, 1 + len(held)), float(NEVER))
+    past[0, 1] = likely[0, 0]
+    for frame in range(1, count):
+        before = past[frame - 1]
+        come = before[:-1] + np.append(NEVER, left[:-1])
+        past[frame, 1:] = np.logaddexp(before[1:] + held, come) + likely[frame]
+    rest = np.full((count, len(held) + 1), float(NEVER))
+    rest[-1, -2] = 0.0
+    for frame in range(count - 2, -1, -1):
+        after = rest[frame + 1, :-1] + likely[frame + 1]
+        rest[frame, :-1] = np.logaddexp(after + held, np.append(after[1:] + left[:-1], NEVER))
+    whole = past[:, 1:] + rest[:, :-1]
+    share = np.exp(whole - whole[-1, -1]).reshape(count, phones, STATES).sum(axis=2)
+    # The share of the paths that are in a phoneme or a later one grows from frame to frame.
+    begun = np.cumsum(share[:, ::-1], axis=1)[:, ::-1]
+    middles = np.arange(count) + 0.5
+    later = [np.interp(0.5, begun[:, n], middles) for n in range(1, phones)]
+    return np.array([0.0, *later])
