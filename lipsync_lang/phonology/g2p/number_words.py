@@ -1,7 +1,9 @@
 """Words of numbers that a pack puts together, as "vinte e un" of 20 and 1."""
 
 import re
+from bisect import bisect_right
 from collections.abc import Mapping
+from functools import cache
 
 MAX_DIGITS = 12
 """Longer numbers are read digit by digit."""
@@ -55,8 +57,15 @@ def _of_digits(rules: Rules, digits: str, named: Mapping[str, Rules]) -> str:
     return _words(rules, int(digits), named)
 
 
+@cache
+def _starts(numbers: tuple[str, ...]) -> list[int]:
+    return sorted(map(int, numbers))
+
+
 def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
-    start = max((int(key) for key in rules if int(key) <= value), default=0)
+    starts = _starts(tuple(rules))
+    place = bisect_right(starts, value)
+    start = starts[place - 1] if place else 0
     words = rules.get(str(start), "")
     own = "<<" in words or ">>" in words
     power = start if own else next((one for one in _POWERS if one <= start), 0)

@@ -47,14 +47,19 @@ class OwnWords:
         self._words = {plain(word): one for word, one in forms.words.items()}
         self._names = {plain(word) for word in forms.words if word[0].isupper()}
         self._endings = forms.endings
-        self._starts = {word[:2] for word in self._words}
+        lost = max(map(len, forms.endings), default=0)
+        self._starts = {word[: min(max(len(word) - lost, 1), 3)] for word in self._words}
+        # an apostrophe or a hyphen may stand before an ending
+        self._longest = 1 + max(
+            (len(one) for others in forms.endings.values() for one in others), default=0
+        )
 
     def find(self, text: str, tokens: Iterable[TextPiece]) -> FoundWords:
         """Return the own words of a text that is cut into tokens."""
         found = FoundWords([], {})
         for piece in tokens:
             word = plain(piece.text)
-            if not (word[:2] in self._starts or word[:1] in self._starts or "-" in word):
+            if self._starts.isdisjoint((word[:3], word[:2], word[:1])) and "-" not in word:
                 continue
             own = self._find(piece.text)
             if own is not None and own.labels:
@@ -74,7 +79,7 @@ class OwnWords:
         word = plain(written)
         if word in self._words:
             return self._words[word]
-        for cut in range(len(word) - 1, 0, -1):
+        for cut in range(len(word) - 1, max(len(word) - self._longest, 1) - 1, -1):
             stem, rest = word[:cut], word[cut:].lstrip("'-")
             for last, others in self._endings.items():
                 own = self._words.get(stem + last)
