@@ -41,7 +41,7 @@ _AFTER_NAME = re.compile(
     r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])" + _DOT
 )
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
-_PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+[a-z]")
+_PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+(?!of\b)[a-z]")
 """An `I` after a name that may be the English word."""
 
 _CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
