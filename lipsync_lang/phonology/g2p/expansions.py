@@ -212,7 +212,7 @@ class _Keys:
             read = read[:-1]
         before = found.string[max(found.start() - 1, 0) : found.start()]
         left = " " if before.isalnum() and read[:1].isalnum() else ""
-        right = " " if rest[:1].isalnum() and read[-1:].isalnum() else ""
+        right = " " if is_spaced(rest[:1]) and read[-1:].isalnum() else ""
         return left + read + right
 
 
