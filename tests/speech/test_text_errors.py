@@ -93,7 +93,7 @@ def test_parts_of_a_text_in_another_order_are_remarked_upon(data, english, monke
     found = aligned(english, heard, exchanged, aligner="pocketsphinx")
     assert found.confidence < DOUBTFUL
     assert told(found, ORDER)
-    monkeypatch.setattr(TextErrors, "moved_word", lambda _: None)
+    monkeypatch.setattr(TextErrors, "moved_word", lambda *_: None)
     found = aligned(english, heard, exchanged, aligner="pocketsphinx")
     assert found.confidence > DOUBTFUL, "each word fits where it stands"
 

@@ -25,6 +25,7 @@ from lipsync_lang.speech.hearing.sphinx.forced import (
 from lipsync_lang.speech.hearing.sphinx.scheduling import line_confidence, logistic
 from lipsync_lang.speech.hearing.sphinx.text_errors import (
     MIN_WORDS,
+    ORDER_FLOOR_LOG,
     MovedWord,
     TextErrors,
     UnwrittenSpeech,
@@ -57,7 +58,10 @@ PART_MARGIN_FRAMES = 30
 MIN_PART_PACE = 6
 """Fewest frames of a part for each phoneme of the line."""
 
-PART_LOGIT = -2.0
+LOUD_PAUSE_LOG = -8.0
+"""Least log likelihood of a pause's frame in a part: it has some of the sound beside it."""
+
+PART_LOGIT = -1.0
 """Weight in the logit of a line's confidence of the choice among parts.
 
 A wrong text, too, fits some part better than the whole.
@@ -85,7 +89,12 @@ def found_line(models: "Models", sound: Floats, words: Sequence[Pronunciations])
     return max([whole, *alone], key=lambda one: one.sure)
 
 
-def _found(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
+def _found(
+    models: "Models",
+    sound: Floats,
+    words: Sequence[Pronunciations],
+    pause_floor: float = ORDER_FLOOR_LOG,
+) -> FoundLine:
     hearings = models.model.front_end.hearings(sound)
     tries = [(laid(models, one, words) or [], one) for one in hearings]
     heard, features = max(tries, key=lambda one: line_confidence(one[0]))
@@ -93,7 +102,7 @@ def _found(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> 
     if sure < DOUBTFUL or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
         return FoundLine(heard, sure)
     errors = TextErrors(models.model, centred(features, heard), words, heard)
-    moved = errors.moved_word()
+    moved = errors.moved_word(pause_floor)
     sure = sure if moved is None else min(sure, MOVED_CONFIDENCE)
     return FoundLine(heard, sure, moved, tuple(errors.unwritten()))
 
@@ -137,7 +146,8 @@ def _alone(
 ) -> FoundLine:
     """Search for words in a part of a sound; the rest is other sound."""
     first, stop = part
-    found = _found(models, sound[first * HOP_SAMPLES : stop * HOP_SAMPLES], words)
+    samples = sound[first * HOP_SAMPLES : stop * HOP_SAMPLES]
+    found = _found(models, samples, words, LOUD_PAUSE_LOG)
     left_out = any(one.phone == OUTSIDE != one.word for one in found.heard)
     if left_out or found.sure < DOUBTFUL:
         return FoundLine([], 0.0)

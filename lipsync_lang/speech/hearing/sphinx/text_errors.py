@@ -131,12 +131,13 @@ class TextErrors:
         speech = [phone.number not in model.fillers for phone in model.alone]
         self._best = self._alone[:, speech].max(axis=(1, 2))
 
-    def moved_word(self) -> MovedWord | None:
+    def moved_word(self, pause_floor: float = ORDER_FLOOR_LOG) -> MovedWord | None:
         """Return the word that fits much better in another place, if there is one.
 
-        Of two parts that are exchanged, it is the first word of the sound.
+        Of two parts that are exchanged, it is the first word of the sound. `pause_floor` is the
+        least log likelihood of a frame of a pause.
         """
-        way = self._likeliest_order()
+        way = self._likeliest_order(pause_floor)
         order = list(dict.fromkeys(word for word, _ in way))
         if order == sorted(order) or len(order) < len(self._ways):
             return None
@@ -146,7 +147,7 @@ class TextErrors:
         first = next(run.first for word, run in way if word == order[at])
         return MovedWord(order[at], order[at - 1] if at else OUTSIDE, first + self._start)
 
-    def _likeliest_order(self) -> list[tuple[int, Run]]:
+    def _likeliest_order(self, pause_floor: float) -> list[tuple[int, Run]]:
         """Return the phonemes of the likeliest order of the words, with the price of another one.
 
         One word is moved, or two parts are exchanged. A word that `lay` left out may lack.
@@ -194,7 +195,9 @@ class TextErrors:
             ends += last
         ends.append(graph.add(PAUSE, silence, silence, ends))
         scores = self._scores(graph)
-        np.maximum(scores, (self._best + ORDER_FLOOR_LOG)[:, None, None], out=scores)
+        pauses = [node.word == OUTSIDE for node in graph.nodes]
+        floors = np.where(pauses, pause_floor, ORDER_FLOOR_LOG).astype(np.float32)
+        np.maximum(scores, (self._best[:, None] + floors)[..., None], out=scores)
         turns = np.zeros(len(graph.nodes))
         turns[[*prices]] = [*prices.values()]
         way = self._way(graph, scores, ends, turns)
