@@ -64,6 +64,7 @@ HEBREW = [
     ("הָלְכָה", "h aa l kg aa"),  # the long a of verbs
     ("שׁוֹמֵעַ", "sh oc bmp eh aa"),
     ("לדבר", "l eh d aa bmp eh kg"),  # words of the pack
+    ("הַמְּדִינָה", "h aa bmp eh d iy n aa"),  # the weak vowel behind the article
     ("בבית", "bmp aa bmp aa iy iy d"),
 ]
 
