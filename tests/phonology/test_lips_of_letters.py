@@ -34,6 +34,7 @@ WORDS = [
     ("russian", "челове́к", "xi iy l ah f eh kg"),
     ("persian", "اسکات", "eh s kg oa d"),  # foreign names begin with es
     ("swahili", "ng'arisha", "ng aa d iy sh aa"),
+    ("nepali", "समाजमा", "s ah bmp aa d s bmp aa"),  # no vowel before an ending
     ("telugu", "మాంసం", "bmp aa bmp s ah bmp"),  # the dot is an m before s, h and glides
     ("telugu", "పంది", "bmp ah n d iy"),
     ("hindi", "संवाद", "s ah bmp f aa d"),
