@@ -24,6 +24,8 @@ WORDS = [
     ("french", "menthe", "bmp aa d"),  # the voice reads th as English
     ("french", "les mythes", "l eh bmp iy d"),
     ("french", "le thé", "l yu d eh"),
+    ("english", "Niamh's", "n iy f s"),  # names
+    ("english-uk", "Margot", "bmp aa kg ow"),
     ("german", "verboten", "f eh ah bmp oc d ax n"),  # the r of ver-, er- and zer- ends a vowel
     ("german", "Konzert", "kg ao n d s eh kg d"),
     ("german", "Gedankenspiel", "kg ax d aa ng kg ax n sh bmp iy l"),
