@@ -27,6 +27,8 @@ WORDS = [
     ("english", "Niamh's", "n iy f s"),  # names
     ("english-uk", "Margot", "bmp aa kg ow"),
     ("german", "verboten", "f eh ah bmp oc d ax n"),  # the r of ver-, er- and zer- ends a vowel
+    ("german", "Ingenieur", "ih n sh eh n iy oe ah"),  # loanwords
+    ("german", "Mikes Job", "bmp ay kg s ch ao bmp"),
     ("german", "Konzert", "kg ao n d s eh kg d"),
     ("german", "Gedankenspiel", "kg ax d aa ng kg ax n sh bmp iy l"),
     ("norwegian", "toleranse", "d w l ax d aa n s ax"),  # a weak e, and the d of -ndr-
