@@ -20,6 +20,10 @@ WORDS = [
     ("galician", "avogado", "aa bw oc kg aa th oc"),
     ("galician", "nabo árbore", "n aa bw oc aa d bw oc d eh"),
     ("galician", "convite", "kg oc bmp bmp iy d eh"),
+    ("polish", "thriller", "d d iy l eh d"),  # loanwords
+    ("spanish", "Michael", "bmp aa iy kg eh l"),
+    ("dutch", "Shakespeare", "sh eh kg s bmp iy d"),
+    ("italian", "streaming", "s d d iy bmp iy ng"),
     ("polish", "w domu", "f d ao bmp w"),
     ("french", "menthe", "bmp aa d"),  # the voice reads th as English
     ("french", "les mythes", "l eh bmp iy d"),
