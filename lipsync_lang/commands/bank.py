@@ -18,7 +18,6 @@ SHOWN = 8
 @command("bank")
 def _add_bank(add: Add) -> None:
     made = add(
-        "bank",
         draft,
         "draft bigrams, import them, accept fitted ones, or see what a bank changes",
         "bank draft -l english -c facefx",
@@ -29,7 +28,6 @@ def _add_bank(add: Add) -> None:
 @command("bank draft")
 def _add_draft(action: Add) -> None:
     made = action(
-        "draft",
         draft,
         "draft bigrams from a pose set's targets",
         "bank draft -l english -c facefx --write l-ow h-eh",
@@ -47,7 +45,6 @@ def _add_draft(action: Add) -> None:
 @command("bank diff")
 def _add_diff(action: Add) -> None:
     made = action(
-        "diff",
         diff,
         "show which bigrams a character's layers change, and by how much",
         "bank diff -l english -c facefx --plot changes.png",

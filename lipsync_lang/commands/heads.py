@@ -18,13 +18,12 @@ EXAMPLE = "heads ict ICT-FaceKit -o head.glb"
 @command("heads")
 def add_heads(add: Add) -> None:
     """Add `heads`."""
-    add_actions(add("heads", heads, TITLE, EXAMPLE), "heads")
+    add_actions(add(heads, TITLE, EXAMPLE), "heads")
 
 
 @command("heads ict")
 def _add_ict(action: Add) -> None:
     made = action(
-        "ict",
         heads,
         "make a head of 52 ARKit shapes from your clone of ICT-FaceKit",
         EXAMPLE,

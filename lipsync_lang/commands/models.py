@@ -13,7 +13,6 @@ from lipsync_lang.commands.shared_options import add_language, add_path
 @command("models")
 def _add_models(add: Add) -> None:
     made = add(
-        "models",
         adapt,
         "adapt an acoustic model to the voices of a game",
         "models adapt vo/anna -l english -o models/anna",
@@ -24,7 +23,6 @@ def _add_models(add: Add) -> None:
 @command("models adapt")
 def _add_adapt(action: Add) -> None:
     made = action(
-        "adapt",
         adapt,
         "adapt an acoustic model to recordings and their texts",
         "models adapt vo/anna -l english -o models/anna",

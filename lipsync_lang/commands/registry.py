@@ -21,7 +21,7 @@ class Add(Protocol):
     """Adds a command to a parser, with an example of its arguments."""
 
     def __call__(  # noqa: D102 the class says it
-        self, name: str, handler: Handler, title: str, example: str, *, more: str = ""
+        self, handler: Handler, title: str, example: str, *, more: str = ""
     ) -> argparse.ArgumentParser: ...
 
 
@@ -71,19 +71,19 @@ def command(name: str) -> Callable[[AddCommand], AddCommand]:
     >>> from lipsync_lang.commands.registry import Add, command
     >>> @command("greet")
     ... def add_greet(add: Add) -> None:
-    ...     add("greet", lambda options: print("Hello") or 0, "say hello", "greet")
+    ...     add(lambda options: print("Hello") or 0, "say hello", "greet")
     """
     return COMMANDS.register(name)
 
 
-def adder(known: "Subparsers[argparse.ArgumentParser]") -> Add:
-    """Return a function that adds commands to a parser."""
+def add_command(known: "Subparsers[argparse.ArgumentParser]", name: str) -> None:
+    """Add a command, or an action such as `bank fit`, to a parser."""
 
     def add(
-        name: str, handler: Handler, title: str, example: str, *, more: str = ""
+        handler: Handler, title: str, example: str, *, more: str = ""
     ) -> argparse.ArgumentParser:
         made = known.add_parser(
-            name,
+            name.rpartition(" ")[2],
             help=title,
             description=f"{title[0].upper()}{title[1:]}{more}.",
             epilog=f"example:\n  lipsync-lang {example}",
@@ -92,7 +92,7 @@ def adder(known: "Subparsers[argparse.ArgumentParser]") -> Add:
         made.set_defaults(command=handler)
         return made
 
-    return add
+    COMMANDS[name](add)
 
 
 def add_actions(made: argparse.ArgumentParser, family: str) -> None:
@@ -100,4 +100,4 @@ def add_actions(made: argparse.ArgumentParser, family: str) -> None:
     actions = made.add_subparsers(title="actions", metavar="ACTION", required=True)
     for name in sorted(COMMANDS):
         if name.startswith(f"{family} "):
-            COMMANDS[name](adder(actions))
+            add_command(actions, name)

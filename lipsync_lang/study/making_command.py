@@ -40,7 +40,6 @@ MAX_PAGE_BYTES = 60 * 10**6
 @command("study")
 def _add_study(add: Add) -> None:
     study_ = add(
-        "study",
         new,
         "ask people which of two methods they prefer, and report their choices",
         "study report study/",
@@ -51,7 +50,6 @@ def _add_study(add: Add) -> None:
 @command("study new")
 def _add_new(action: Add) -> None:
     new_ = action(
-        "new",
         new,
         "render pairs of clips, and write a page for raters to choose the better one",
         "study new script.csv -l english -c facefx --method ours --method keyframes --pairs 40 "
@@ -71,7 +69,6 @@ def _add_new(action: Add) -> None:
 @command("study serve")
 def _add_serve(action: Add) -> None:
     made = action(
-        "serve",
         serve,
         "serve the page of a study, and append answers to a file",
         "study serve study --port 8080",
