@@ -13,6 +13,15 @@ import { button, made, the } from "./elements.js";
  */
 
 /**
+ * A field for words that no browser completes or corrects.
+ * @param {string} label
+ * @param {Record<string, string>} [traits]
+ */
+export function textInput(label, traits = {}) {
+  return made("input", { type: "text", "aria-label": label, autocomplete: "off", spellcheck: "false", ...traits });
+}
+
+/**
  * A number to type; empty for what is usual.
  * @param {string} label
  * @param {number | null} value
