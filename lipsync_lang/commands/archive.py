@@ -6,19 +6,13 @@ from pathlib import Path
 
 from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND, as_json, count, tell_written
-from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import add_json
 
-
-@command("archive")
-def add_archive(add: Add) -> None:
-    """Add `archive`."""
-    made = add(
-        merge,
-        "show archives of takes, put them together, or make patches of them",
-        "archive merge takes/game.takes takes/game.*-of-16.takes",
-    )
-    add_actions(made, "archive")
+family(
+    "archive", "show archives of takes, put them together, or make patches of them",
+    "archive merge takes/game.takes takes/game.*-of-16.takes",
+)  # fmt: skip
 
 
 @command("archive merge")

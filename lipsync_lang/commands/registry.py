@@ -21,7 +21,7 @@ class Add(Protocol):
     """Adds a command to a parser, with an example of its arguments."""
 
     def __call__(  # noqa: D102 the class says it
-        self, handler: Handler, title: str, example: str, *, more: str = ""
+        self, handler: Handler | None, title: str, example: str, *, more: str = ""
     ) -> argparse.ArgumentParser: ...
 
 
@@ -80,7 +80,7 @@ def add_command(known: "Subparsers[argparse.ArgumentParser]", name: str) -> None
     """Add a command, or an action such as `bank fit`, to a parser."""
 
     def add(
-        handler: Handler, title: str, example: str, *, more: str = ""
+        handler: Handler | None, title: str, example: str, *, more: str = ""
     ) -> argparse.ArgumentParser:
         made = known.add_parser(
             name.rpartition(" ")[2],
@@ -95,9 +95,13 @@ def add_command(known: "Subparsers[argparse.ArgumentParser]", name: str) -> None
     COMMANDS[name](add)
 
 
-def add_actions(made: argparse.ArgumentParser, family: str) -> None:
-    """Add the actions of a command: all commands whose names begin with its own."""
-    actions = made.add_subparsers(title="actions", metavar="ACTION", required=True)
-    for name in sorted(COMMANDS):
-        if name.startswith(f"{family} "):
-            add_command(actions, name)
+def family(name: str, title: str, example: str) -> None:
+    """Register a command of actions: all commands whose names begin with its own."""
+
+    @command(name)
+    def add_family(add: Add) -> None:
+        made = add(None, title, example)
+        actions = made.add_subparsers(title="actions", metavar="ACTION", required=True)
+        for other in sorted(COMMANDS):
+            if other.startswith(f"{name} "):
+                add_command(actions, other)
