@@ -2,7 +2,7 @@
 
 import { chosenPoints } from "./curve_points.js";
 import { button, made } from "../shell/elements.js";
-import { actButton, textInput } from "../shell/form_fields.js";
+import { actButton, fillOptions, textInput } from "../shell/form_fields.js";
 
 const TYPED = "0.4 sets, +0.1 and -0.1 shift, *0.8 and 80% scale";
 
@@ -110,10 +110,7 @@ export class CurveTools {
       return one;
     }));
     this.start.hidden = !editor.ghosts.length;
-    this.start.replaceChildren(
-      made("option", { value: "" }, "Start from…"),
-      ...editor.ghosts.map(({ name }) => made("option", { value: name }, name)),
-    );
+    fillOptions(this.start, [["", "Start from…"], ...editor.ghosts.map(({ name }) => [name, name])]);
   }
 
   /** @param {boolean} on */

@@ -5,7 +5,7 @@ import { beside, editsOf, occurrences, spoken } from "./bigram_state.js";
 import { CurveEditor } from "../curves/curve_editor.js";
 import { press } from "../curves/curve_hands.js";
 import { button, made } from "../shell/elements.js";
-import { textInput } from "../shell/form_fields.js";
+import { selectInput, textInput } from "../shell/form_fields.js";
 import { tellKeys } from "../shell/studio_keys.js";
 
 /** Milliseconds after a change of the packs, before they are requested again. */
@@ -71,12 +71,7 @@ export class BigramView {
     );
     this.contact = this.#select("Contacts", [["hold", "Contacts held"], ["free", "Contacts free"]], "contact");
     /** Target of edits: the bank, or the character alone. */
-    this.into = made(
-      "select",
-      { "aria-label": "Edits are for" },
-      made("option", { value: "bank" }, "For every face"),
-      made("option", { value: "character" }, "For this character"),
-    );
+    this.into = selectInput("Edits are for", [["bank", "For every face"], ["character", "For this character"]]);
     this.into.addEventListener("change", () => this.#base());
     /** The style whose bank is drawn; empty for neutral. */
     this.manner = made("select", { "aria-label": "Style of the bank" });
@@ -124,8 +119,7 @@ export class BigramView {
    * @returns {HTMLSelectElement}
    */
   #select(label, options, field) {
-    const choices = options.map(([value, text]) => made("option", { value }, text));
-    const one = made("select", { "aria-label": label }, ...choices);
+    const one = selectInput(label, options);
     one.addEventListener("change", () => this.#set({ [field]: one.value }, `${label} of ${this.pair}`));
     return one;
   }

@@ -1,7 +1,7 @@
 /** The language view: a pack's table of sounds to mouths, a word to try, and the pack's tests. */
 
 import { button, made } from "../shell/elements.js";
-import { fillNames, textInput } from "../shell/form_fields.js";
+import { fillNames, selectInput, textInput } from "../shell/form_fields.js";
 import { SoundEditor } from "./sound_editor.js";
 import { tellKeys } from "../shell/studio_keys.js";
 
@@ -59,11 +59,7 @@ export class LanguageView {
     this.title = made("h2", "Language");
     this.search = textInput("Search the table", { type: "search", placeholder: "Sound, mouth, word…" });
     this.notation = made("select", { "aria-label": "Notation" });
-    this.filter = made(
-      "select",
-      { "aria-label": "Rows to show" },
-      ...FILTERS.map(([value, text]) => made("option", { value }, text)),
-    );
+    this.filter = selectInput("Rows to show", FILTERS);
     this.word = textInput("Word to try", { placeholder: "Try a word", dir: "auto", maxlength: "300" });
     this.tried = made("div", { class: "tried", role: "status", "aria-label": "Transcription" });
     this.caveats = made("details");

@@ -1,7 +1,7 @@
 /** The editor of one row of a language's table of sounds: its mouths, their shares, the reason. */
 
 import { button, made } from "../shell/elements.js";
-import { textInput } from "../shell/form_fields.js";
+import { selectInput, textInput } from "../shell/form_fields.js";
 
 /** @typedef {import("./language_view.js").Sound} Sound */
 /** @typedef {import("./language_view.js").CommonPhoneme} CommonPhoneme */
@@ -62,14 +62,9 @@ export class SoundEditor {
   /** @param {string} name @param {number} at @returns {HTMLElement} */
   #select(name, at) {
     const none = this.sound?.to.length ? (name ? "— remove —" : "+ another…") : "Choose a mouth…";
-    const options = this.common.map((one) => made("option", { value: one.name }, this.#words(one)));
-    if (name && !this.common.some((one) => one.name === name)) options.push(made("option", { value: name }, name));
-    const select = made(
-      "select",
-      { "aria-label": `Mouth ${at + 1} of ${this.sound?.label}`, "data-field": `to-${at}` },
-      made("option", { value: "" }, none),
-      ...options,
-    );
+    const mouths = [["", none], ...this.common.map((one) => [one.name, this.#words(one)])];
+    if (!mouths.some(([value]) => value === name)) mouths.push([name, name]);
+    const select = selectInput(`Mouth ${at + 1} of ${this.sound?.label}`, mouths, { "data-field": `to-${at}` });
     select.value = name;
     select.addEventListener("change", () => {
       const to = [...(this.sound?.to ?? [])];
