@@ -1,6 +1,7 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
 from collections.abc import Collection, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unicodedata import normalize
@@ -136,20 +137,18 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
     """
     stated, shared = language.text, common.text
     known: dict[str, Interjection] = {}
+    words, phrases = _own_words(language, language.notations.get(notation, ()))
     if shared is not None and notation == IPA:
         labels = frozenset(map(normalise, language.notations.get(IPA, ())))
         for spelling, sounds in shared.interjections.items():
-            found: list[str] = []
-            for sound in sounds.to if sounds is not None else ():
-                # a language without labels takes any
-                choice = (sound, *shared.nearby.get(sound, ())) if labels else ()
-                alike = (one for one in choice if labels.intersection(looser(normalise(one))))
-                name = next(alike, "" if labels else sound)
-                found += [name] if name else []
-            if sounds is not None and found:
-                known[spelling] = Interjection(tuple(found), sounds.say)
+            if sounds is not None and (found := _nearest(sounds.to, labels, shared.nearby)):
+                known[spelling] = Interjection(found, sounds.say)
+        taken = {plain(word) for word in (*words, *(stated.abbreviations if stated else ()))}
+        names = [one for tag, one in shared.names.items() if language.tag.partition("-")[0] != tag]
+        for name, ipa in (pair for one in names for pair in one.items()):
+            if plain(name) not in taken:
+                words[name] = OwnWord(_nearest(ipa.split(), labels, shared.nearby))
     vowels = shared.vowels if shared is not None else ""
-    words, phrases = _own_words(language, language.notations.get(notation, ()))
     if stated is None:
         return SpokenForms(known, phrases, words, vowels=vowels)
     for spelling, own in stated.interjections.items():
@@ -173,6 +172,20 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         thousands=stated.thousands,
         decimal=stated.decimal,
     )
+
+
+def _nearest(
+    sounds: Sequence[str], labels: frozenset[str], nearby: Mapping[str, Sequence[str]]
+) -> tuple[str, ...]:
+    """Return the nearest labels of sounds; a language without labels takes any."""
+    if not labels:
+        return tuple(sounds)
+    found: list[str] = []
+    for sound in sounds:
+        choice = (sound, *nearby.get(sound, ()))
+        alike = (one for one in choice if not labels.isdisjoint(looser(normalise(one))))
+        found += islice(alike, 1)
+    return tuple(found)
 
 
 def _listed(abbreviations: Mapping[str, str], lists: Mapping[str, Sequence[str]]) -> dict[str, str]:

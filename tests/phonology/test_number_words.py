@@ -63,6 +63,12 @@ def test_numbers_from_an_empty_rule_on_stay():
     assert read == ["ten one", "20", "35", "1200"]
 
 
+def test_rules_of_digits_alone_name_each_digit():
+    rules = dict(zip("0123456789", DIGITS, strict=True))
+    assert number_words(rules, "0199") == "nought one nine nine"
+    assert number_words(rules, "555") == "five five five"
+
+
 def test_a_rest_may_have_rules_of_its_own():
     joined = {"1": "and-one", "10": "and-ten[ >]"}
     rules = {**RULES, "10": "ten[ >{joined}]", "100": "< hundred[ >{joined}]"}
@@ -75,6 +81,7 @@ PACKS = {
     for name in LANGUAGES
     if (text := LIBRARY.language(name).model.text)
     for table, rules in text.number_rules.items()
+    if rules[min(rules, key=int)]  # others leave the rest of each number to the engine
 }
 
 

@@ -4,7 +4,7 @@ from dataclasses import asdict
 from json import dumps, loads
 
 import pytest
-from shipped import LIBRARY
+from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
@@ -13,6 +13,7 @@ from lipsync_lang.phonology.g2p.own_words import ipa_labels
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import read_words
 from lipsync_lang.phonology.g2p.utterances import Utterances
+from lipsync_lang.resolver.language_tables import forms_of
 from lipsync_lang.speech.speaking.speaker import Speaker
 
 FORMS = SpokenForms(
@@ -62,6 +63,11 @@ def test_a_voice_says_the_respelling():
 def test_ipa_is_cut_into_labels_of_the_notation():
     assert ipa_labels("ˈtʃɛ pa", ("tʃ", "ɛ", "p", "a")) == ("tʃ", "ɛ", "p", "a")
     assert ipa_labels("ɡ a", ("ɡ", "a")) == ("ɡ", "a")
+
+
+def test_a_tone_goes_with_the_whole_label_before_it():
+    known = ("x", "ɑ", "ɑʊ", "ʊ", "n")
+    assert ipa_labels("xɑʊ˨˩˦nɑ˥", known) == ("x", "ɑʊ˨˩˦", "n", "ɑ˥")
 
 
 def test_forms_survive_the_cache():
@@ -158,3 +164,22 @@ def test_words_in_a_project_file_are_sent_to_a_pack(project):
     (fault,) = validate(Library(), [path])
     assert (fault.code, fault.line) == ("P101", 3)
     assert "in the folder `languages`" in fault.hint
+
+
+@pytest.mark.parametrize("name", LANGUAGES)
+def test_names_of_another_language_are_read_in_labels_of_this_one(name):
+    """A sound may be missing, as the j of "John" in Samoan; most are there."""
+    common, language = LIBRARY.common().model, LIBRARY.language(name).model
+    words = forms_of(language, common, language.g2p_notation).words
+    for tag, names in common.text.names.items():
+        own = language.tag.partition("-")[0] == tag or language.g2p_notation != "ipa"
+        for word, ipa in names.items():
+            labels = words[word].labels if word in words else ()
+            assert not (own and labels)
+            assert set(labels) <= set(language.notations.get("ipa", ())) | set(ipa.split())
+            assert own or not labels or len(labels) >= len(ipa.split()) - 1
+
+
+def test_a_pack_reads_a_shared_name_its_own_way():
+    french = LIBRARY.language("french").model
+    assert "YouTube" not in forms_of(french, LIBRARY.common().model, "ipa").words

@@ -97,7 +97,8 @@ class LanguageText(Strict):
     and a full stop, `#.`, stand before a small letter. Words with a full stop at their end end a
     sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
     stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
-    of a word. `{month}` in both is each word of the list `month`."""
+    of a word, and `…th…` stands within words, too. `{month}` in both is each word of the list
+    `month`. `№ #` also serves `#1`."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word."""
@@ -111,7 +112,8 @@ class LanguageText(Strict):
     `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
     many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
     `>{joined}` and `<{joined}` go by the rules `joined`; `<<` and `>>` count in the number of the
-    rule itself, such as 100000. From an empty rule on, numbers are read as the engine does."""
+    rule itself, such as 100000. From an empty rule on, numbers are read as the engine does. Rules
+    for 0 to 9 alone name each digit, as in telephone numbers."""
     thousands: str = Field(default="", max_length=1)
     """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
     decimal: str = ""
@@ -137,3 +139,7 @@ class SharedText(Strict):
     nearby: dict[Label, tuple[Label, ...]] = Field(default={})
     """For a label that a language does not have, others in order; a sound without any is left
     out."""
+    names: dict[Text, dict[Text, str]] = Field(default={})
+    """Names of other languages in IPA, such as `dʒ o n`, by the tag of the language that they come
+    from. Every language whose `g2p` writes IPA reads them so, except those of that tag and packs
+    that state the name themselves."""

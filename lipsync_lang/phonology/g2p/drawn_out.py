@@ -36,6 +36,7 @@ MAX_STARTS = 20
 
 _HYPHENS = re.compile("[-\u2010\u2011]")
 _LONG_RUN = re.compile(r"(\w)\1\1", re.IGNORECASE)
+_HYPHENATED_RUN = re.compile("(\\w)[-\u2010\u2011](?=\\1)", re.IGNORECASE)
 _LONG_MARK = "PROLONGED SOUND MARK"
 
 IsVowel = Callable[[str], bool]
@@ -82,7 +83,10 @@ def drawn_out(token: str, ordinary: Mapping[str, str]) -> ElongatedWord | None:
     ElongatedWord(word='No', runs=((1, 4),))
     >>> drawn_out("Goood", ordinary_spellings(["good"])).word
     'Good'
+    >>> drawn_out("Ye-e-es", {}).word
+    'Yes'
     """
+    token = _HYPHENATED_RUN.sub(r"\1", token)
     if not _LONG_RUN.search(token):
         return None
     runs = [(letter, len(list(same))) for letter, same in groupby(token, key=str.casefold)]

@@ -5,7 +5,8 @@ and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in 
 first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
 the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
 with a capital and a full stop are titles, which stand before a name; the words after `|` serve
-without one. A key after `…` is the end of a word.
+without one. A key after `…` is the end of a word; one between two of them stands within words, too.
+A `#` of the text is `№` here.
 """
 
 import re
@@ -41,7 +42,7 @@ _AFTER_NAME = re.compile(
     r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])" + _DOT
 )
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
-_PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+[a-z]")
+_PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+(?!of\b)[a-z]")
 """An `I` after a name that may be the English word."""
 
 _CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
@@ -88,30 +89,39 @@ class _Keys:
 
     def __init__(self, forms: SpokenForms) -> None:
         self._expansions, self._numbers = forms.abbreviations, forms.numbers
+        self._rules = {
+            name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
+        }
         self._decimal = forms.decimal
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
             rf"(?![{between}]?\d)"
         )
-        self._beginnings: dict[str, dict[tuple[str, bool, str], list[tuple[int, str]]]] = {}
-        self._ends = {key[1:]: read for key, read in self._expansions.items() if key[0] == "…"}
+        self._beginnings: dict[tuple[str, str], dict[tuple[str, bool], list[tuple[int, str]]]] = {}
+        self._ends = {k.strip("…"): read for k, read in self._expansions.items() if k[0] == "…"}
         for rank, key in enumerate(sorted(self._expansions, key=_longest_first)):
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
             numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
             # a number begins hundreds of keys, and the sign behind it few of them
             sign = _SIGN_OF_KEY.match(key)
-            bucket = literal, numbered, sign[1] if sign else ""
+            second = sign[1] if sign else literal[:1]
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
-                self._beginnings.setdefault(first, {}).setdefault(bucket, []).append((rank, key))
-        letters = "".join(first for first in self._beginnings if first.isalpha())
+                keys = self._beginnings.setdefault((first, second), {})
+                keys.setdefault((literal, numbered), []).append((rank, key))
+        firsts = dict.fromkeys(first for first, _ in self._beginnings)
+        letters = "".join(first for first in firsts if first.isalpha())
         signs = "".join(
             re.escape(first)
-            for first in self._beginnings
+            for first in firsts
             if not (first.isalpha() or first.isdecimal() or first in _MINUS)
         )
-        starts = [rf"(?<=[^\W\d_]){re.escape(end)}(?!\w)" for end in self._ends]
+        starts = [
+            rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}" + r"(?!\w)" * (key[-1] != "…")
+            for key in self._expansions
+            if key[0] == "…"
+        ]
         starts += [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
@@ -120,13 +130,16 @@ class _Keys:
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
-        at, text = 0, _WAVE.sub("〜", text)
+        at, text = 0, _WAVE.sub("〜", text).replace("#", "№")
         while start := self._starts.search(text, at):
             at = start.end()
             if start[0] in self._ends:
                 yield Replacement(*start.span(), self._ends[start[0]])
                 continue
-            if start[0].isalpha() and is_spaced(text[max(at - 2, 0) : at - 1]):
+            if start[0].isalpha() and (
+                self._beginnings.keys().isdisjoint(((start[0], text[at : at + 1]), (start[0], "")))
+                or is_spaced(text[max(at - 2, 0) : at - 1])
+            ):
                 continue
             found, read = self._match(text, start.start())
             read, _, alone = read.partition("|")
@@ -161,14 +174,13 @@ class _Keys:
         numeric = first.isdecimal() or first in _MINUS
         behind = _SIGN_BEHIND.findall(text, at, at + SEEN_NUMBER_CHARS) if numeric else ()
         fitting: list[tuple[int, str]] = []
-        for (literal, numbered, sign), keys in self._beginnings.get(first, {}).items():
-            end = at + 1 + len(literal)
-            if (
-                (not sign or sign in behind)
-                and text.startswith(literal, at + 1)
-                and (not numbered or text[end : end + 2].strip()[:1].isdecimal())
-            ):
-                fitting += keys
+        for second in {"", text[at + 1 : at + 2], *behind}:
+            for (literal, numbered), keys in self._beginnings.get((first, second), {}).items():
+                end = at + 1 + len(literal)
+                if text.startswith(literal, at + 1) and (
+                    not numbered or text[end : end + 2].strip()[:1].isdecimal()
+                ):
+                    fitting += keys
         for _, key in sorted(fitting):
             found = _expression(key).match(text, at)
             if found and key[0] == "~" and not roman(found[1]):
@@ -189,12 +201,8 @@ class _Keys:
             written = self._grouped.sub(_digits, written).replace("\u2212", "-")
             if isinstance(words, Mapping):
                 written = written.lstrip("-")
-                named = {
-                    name: rules
-                    for name, rules in self._numbers.items()
-                    if isinstance(rules, Mapping)
-                }
-                return number_words(words, str(roman(written) or written), named, self._decimal)
+                written = str(roman(written) or written)
+                return number_words(words, written, self._rules, self._decimal)
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
                 return words[value - 1]
@@ -209,7 +217,7 @@ class _Keys:
             read = read[:-1]
         before = found.string[max(found.start() - 1, 0) : found.start()]
         left = " " if before.isalnum() and read[:1].isalnum() else ""
-        right = " " if rest[:1].isalnum() and read[-1:].isalnum() else ""
+        right = " " if is_spaced(rest[:1]) and read[-1:].isalnum() else ""
         return left + read + right
 
 

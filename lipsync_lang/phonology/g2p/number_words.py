@@ -1,10 +1,14 @@
 """Words of numbers that a pack puts together, as "vinte e un" of 20 and 1."""
 
 import re
+from bisect import bisect_right
 from collections.abc import Mapping
+from functools import cache
 
 MAX_DIGITS = 12
 """Longer numbers are read digit by digit."""
+
+DIGITS = frozenset("0123456789")
 
 _GROUPS = re.compile(r"\d{1,3}(?:([.,])\d{3})(?:\1\d{3})*")
 _DECIMAL = re.compile(r"\d+[.,]\d+")
@@ -27,7 +31,7 @@ def number_words(
     tens, hundreds, thousands or millions there are; a part in brackets needs a rest other than 0.
     A rule with `<<` or `>>` counts in its own number, such as 100000, instead.
     `>{joined}` and `<{joined}` go by the `named` rules `joined`. An empty rule leaves its numbers
-    and larger ones as digits.
+    and larger ones as digits. Rules for 0 to 9 alone name each digit.
 
     >>> number_words({"1": "one", "2": "two", "100": "< hundred[ and >]"}, "102")
     'one hundred and two'
@@ -47,13 +51,21 @@ def named_rules(words: str) -> list[str]:
 
 def _of_digits(rules: Rules, digits: str, named: Mapping[str, Rules]) -> str:
     # numbers of telephones
-    if len(digits) > MAX_DIGITS or (len(digits) > len("007") and int(digits[0]) == 0):
+    zeros = len(digits) > len("007") and int(digits[0]) == 0
+    if len(digits) > MAX_DIGITS or zeros or rules.keys() == DIGITS:
         return " ".join(_words(rules, int(digit), named) for digit in digits)
     return _words(rules, int(digits), named)
 
 
+@cache
+def _starts(numbers: tuple[str, ...]) -> list[int]:
+    return sorted(map(int, numbers))
+
+
 def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
-    start = max((int(key) for key in rules if int(key) <= value), default=0)
+    starts = _starts(tuple(rules))
+    place = bisect_right(starts, value)
+    start = starts[place - 1] if place else 0
     words = rules.get(str(start), "")
     own = "<<" in words or ">>" in words
     power = start if own else next((one for one in _POWERS if one <= start), 0)

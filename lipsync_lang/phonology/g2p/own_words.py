@@ -7,14 +7,14 @@ capital alone: names are short, and other words begin like them.
 """
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
 
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.expansions import Replacement, is_spaced
 from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.phonology.g2p.spoken_forms import OwnWord, SpokenForms
-from lipsync_lang.phonology.g2p.tokens import pieces, plain
+from lipsync_lang.phonology.g2p.tokens import TextPiece, plain
 from lipsync_lang.phonology.labels import STRESS, normalise
 
 _HYPHENATED = re.compile("[^-]+")
@@ -47,11 +47,20 @@ class OwnWords:
         self._words = {plain(word): one for word, one in forms.words.items()}
         self._names = {plain(word) for word in forms.words if word[0].isupper()}
         self._endings = forms.endings
+        lost = max(map(len, forms.endings), default=0)
+        self._starts = {word[: min(max(len(word) - lost, 1), 3)] for word in self._words}
+        # an apostrophe or a hyphen may stand before an ending
+        self._longest = 1 + max(
+            (len(one) for others in forms.endings.values() for one in others), default=0
+        )
 
-    def find(self, text: str) -> FoundWords:
-        """Return the own words of a text."""
+    def find(self, text: str, tokens: Iterable[TextPiece]) -> FoundWords:
+        """Return the own words of a text that is cut into tokens."""
         found = FoundWords([], {})
-        for piece in pieces(text) if self._words else ():
+        for piece in tokens:
+            word = plain(piece.text)
+            if self._starts.isdisjoint((word[:3], word[:2], word[:1])) and "-" not in word:
+                continue
             own = self._find(piece.text)
             if own is not None and own.labels:
                 found.said[piece.start] = SpokenWord(piece.text, *own)
@@ -66,11 +75,17 @@ class OwnWords:
                 at += len(part)
         return found
 
+    def respelled(self, text: str) -> str:
+        """Return a text with the spellings of its own words."""
+        for one in reversed(self.find(text).respelled):
+            text = text[: one.start] + one.read + text[one.stop :]
+        return text
+
     def _find(self, written: str) -> OwnWord | None:
         word = plain(written)
         if word in self._words:
             return self._words[word]
-        for cut in range(len(word) - 1, 0, -1):
+        for cut in range(len(word) - 1, max(len(word) - self._longest, 1) - 1, -1):
             stem, rest = word[:cut], word[cut:].lstrip("'-")
             for last, others in self._endings.items():
                 own = self._words.get(stem + last)

@@ -96,7 +96,7 @@ class Utterances:
 
     def has_entry(self, word: str) -> bool:
         """Return True for a word that the pack reads its own way."""
-        return any(self._own.find(word))
+        return any(self._own.find(word, pieces(word)))
 
     def ordinary(self, text: str) -> bool:
         """Return True for a text that the engine reads without changes."""
@@ -104,11 +104,15 @@ class Utterances:
 
     def cut(self, text: str) -> list[UtterancePart]:
         """Cut a text into parts; together they are the text."""
-        own = self._own.find(text)
-        replaced = _apart(own.respelled, self._expansions.find(text))
+        tokens = list(pieces(text))
+        own = self._own.find(text, tokens)
+        expanded = [
+            one._replace(read=self._own.respelled(one.read)) for one in self._expansions.find(text)
+        ]
+        replaced = _apart(own.respelled, expanded)
         parts: list[UtterancePart] = []
         at, open_part = 0, UtterancePart("")
-        for start, stop, part in self._cuts(text, replaced, own.said):
+        for start, stop, part in self._cuts(text, tokens, replaced, own.said):
             if start > at:
                 parts += _filled(open_part, text, at, start, replaced)
             at, open_part = start, part
@@ -120,9 +124,12 @@ class Utterances:
         return parts or [UtterancePart(text)]
 
     def _cuts(
-        self, text: str, replaced: Sequence[Replacement], own: Mapping[int, SpokenWord]
+        self,
+        text: str,
+        tokens: Sequence[TextPiece],
+        replaced: Sequence[Replacement],
+        own: Mapping[int, SpokenWord],
     ) -> Iterator[_PartStart]:
-        tokens = list(pieces(text))
         shouted = text.upper() == text
         within = {p for one in replaced for p in range(one.start, one.stop)}
         odd = bool(_STUTTER_SIGN.search(text))
@@ -272,12 +279,17 @@ def _filled(
 
 
 def _apart(own: list[Replacement], others: list[Replacement]) -> list[Replacement]:
-    """Return all replacements in order; one that touches an own word gives way to it."""
+    """Return all replacements in order; one gives way to an own word unless it holds more."""
     if not own:
         return others
-    taken = {place for one in own for place in range(one.start, one.stop)}
-    free = (one for one in others if taken.isdisjoint(range(one.start, one.stop)))
-    return sorted((*own, *free))
+    taken = {place: one for one in own for place in range(one.start, one.stop)}
+    kept = set(own)
+    for one in others:
+        touched = {taken[place] for place in range(one.start, one.stop) if place in taken}
+        if all(mine.stop - mine.start < one.stop - one.start for mine in touched):
+            kept -= touched
+            kept.add(one)
+    return sorted(kept)
 
 
 def _is_pause(word: SpokenWord) -> bool:
