@@ -2,11 +2,13 @@
 
 A folder holds a dictionary for each language, `LANGUAGE.tsv` by the pack's name or tag, or several,
 `LANGUAGE.NAME.tsv`: a word, a tab, and its IPA, with or without spaces and slashes. Several lines
-of a word, or several entries between commas, are several pronunciations; the nearest counts. Both
-sides become common phonemes, and a shade counts as its parent, as in the packs' tests.
+of a word, or several entries between commas or bars, are several pronunciations; the nearest
+counts. Both sides become common phonemes, and a shade counts as its parent, as in the packs' tests.
+A phoneme twice in a row counts once: some dictionaries write long sounds with two letters.
 
 Printed for each language: words, phoneme error (edit distance by phonemes of the dictionary), the
-share of words whose lip closures differ, and with `--confusions N` the commonest differences.
+shares of words whose lip closures and whose rounding of vowels differ, and with `--confusions N`
+the commonest differences.
 `--json FILE` keeps the figures.
 Dictionaries that a pack was tuned on say nothing: keep those for judging apart.
 """
@@ -14,6 +16,7 @@ Dictionaries that a pack was tuned on say nothing: keep those for judging apart.
 import argparse
 from collections import Counter
 from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
@@ -29,6 +32,7 @@ from lipsync_lang.resolver.nearest_phonemes import among
 from lipsync_lang.speech.speaking.speaker import Speaker
 
 CLOSED = "bmp"
+ROUNDED = {"w", "yu", "ao", "ow", "aw", "oy"}
 NOTHING = "-"
 IPA = "ipa"
 
@@ -42,6 +46,7 @@ class Score(NamedTuple):
     phonemes: int
     errors: int
     closures: int
+    rounding: int
     confusions: Counter[Pair]
 
     @property
@@ -82,12 +87,13 @@ class Judge:
         self.known = frozenset(map(normalise, pack.model.notations[IPA]))
 
     def coarse(self, phonemes: Sequence[str]) -> list[str]:
-        """Return phonemes without silence, shades as their parents."""
-        return [
+        """Return phonemes without silence and repeats, shades as their parents."""
+        parents = (
             self.shades[name].like if name in self.shades else name
             for name in phonemes
             if name != self.silence
-        ]
+        )
+        return [name for name, _ in groupby(parents)]
 
     def stated(self, ipa: str) -> list[str]:
         """Return the common phonemes of IPA."""
@@ -102,7 +108,7 @@ class Judge:
         """Read the words, and compare."""
         read = self.speaker.transcribe(dictionary)
         confusions: Counter[Pair] = Counter()
-        phonemes = errors = closures = 0
+        phonemes = errors = closures = rounding = 0
         for (_, stated), transcript in zip(dictionary.items(), read, strict=True):
             said = self.coarse(transcript.phonemes)
             found, sounds = min(
@@ -112,8 +118,9 @@ class Judge:
             phonemes += len(sounds)
             errors += len(found)
             closures += any(CLOSED in pair for pair in found)
+            rounding += any((one in ROUNDED) != (other in ROUNDED) for one, other in found)
             confusions.update(found)
-        return Score(len(dictionary), phonemes, errors, closures, confusions)
+        return Score(len(dictionary), phonemes, errors, closures, rounding, confusions)
 
 
 def words_of(path: Path, most: int) -> dict[str, list[str]]:
@@ -122,7 +129,7 @@ def words_of(path: Path, most: int) -> dict[str, list[str]]:
     for line in path.read_text("utf-8").splitlines():
         word, _, ipa = line.partition("\t")
         if word.strip() and ipa.strip():
-            stated = (one.strip().strip("/") for one in ipa.split(","))
+            stated = (one.strip().strip("/") for one in ipa.replace("|", ",").split(","))
             found.setdefault(word.strip(), []).extend(one for one in stated if one)
     step = max(1, -(-len(found) // most))
     return dict(list(found.items())[::step])
@@ -140,7 +147,7 @@ def main() -> None:
     library = Library()
     kept: dict[str, dict[str, float]] = {}
     errors: list[float] = []
-    print(f"{'language':<16}{'words':>7}{'error':>8}{'closures':>10}")
+    print(f"{'language':<16}{'words':>7}{'error':>8}{'closures':>10}{'rounding':>10}")
     for path in sorted(options.folder.glob("*.tsv")):
         if options.only and path.stem.partition(".")[0] not in options.only:
             continue
@@ -150,9 +157,12 @@ def main() -> None:
             print(f"{path.stem:<16} {str(error).splitlines()[0]}")
             continue
         errors.append(score.error)
-        wrong = score.closures / max(score.words, 1)
-        kept[path.stem] = {"words": score.words, "error": score.error, "closures": wrong}
-        print(f"{path.stem:<16}{score.words:>7}{score.error:>8.3f}{wrong:>9.1%}")
+        closures, rounding = (n / max(score.words, 1) for n in (score.closures, score.rounding))
+        kept[path.stem] = {"words": score.words, "error": score.error, "closures": closures,
+                           "rounding": rounding}  # fmt: skip
+        print(
+            f"{path.stem:<16}{score.words:>7}{score.error:>8.3f}{closures:>10.1%}{rounding:>10.1%}"
+        )
         for (stated, read), count in score.confusions.most_common(options.confusions):
             print(f"    {stated} read as {read}: {count}")
     if errors:

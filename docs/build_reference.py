@@ -22,10 +22,11 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, get_args, get_type_hints
 
+from ipa_comparison import SymbolMappings, UnusualMapping, compare
+
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.authoring.ipa_comparison import SymbolMappings, UnusualMapping, compare
 from lipsync_lang.cli import parser
 from lipsync_lang.commands.completion import leaves
 from lipsync_lang.coverage.report import schema as coverage_schema

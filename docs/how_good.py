@@ -326,7 +326,7 @@ class Page:
         order = sorted(found, key=lambda name: found[name]["error"])
         rows = [
             [name, f"{found[name]['words']:,}", percent(found[name]["error"], 1),
-             percent(found[name]["closures"], 1)]
+             percent(found[name]["closures"], 1), percent(found[name]["rounding"], 1)]
             for name in order
         ]  # fmt: skip
         middle = median(row["error"] for row in found.values())
@@ -336,10 +336,13 @@ class Page:
             f"The median error of {len(found)} lists is {percent(middle, 1)} of the phonemes. The worst list, {order[-1]}, has "
             f"{percent(found[order[-1]]['error'])}.",
             picture("reading", f"Bars of phoneme error by language: {words}"),
-            table(["language", "words", "phoneme error", "words with a wrong lip closure"], rows),
+            table(
+                ["language", "words", "phoneme error", "wrong lip closure", "wrong rounding"], rows
+            ),
             measured_by(self.measured["reading"])
             + " The lists follow their own conventions, and a difference of convention counts as an error: "
-            + f"{self.two_lists()}. The British list was left out, because it looks like the work of eSpeak NG "
+            + f"{self.two_lists()}. Weak vowels that French leaves out count as rounding, and Khmer's list writes j as y. "
+            + "Closures and rounding are shares of the words. The British list was left out, because it looks like the work of eSpeak NG "
             "itself. The project does not record which words helped to write the packs.",
         )
 

@@ -1,6 +1,6 @@
 """Small tools for character heads made by a script: shapes, morph targets, binary glTF.
 
-A character is a list of `Part`s, which `lipsync_lang.rigs.parts` joins and `write_head` writes.
+A character is a list of `Part`s, which `merged` joins and `write_head` writes.
 """
 
 # ruff: noqa: INP001 - beside a script, not in a package
@@ -15,7 +15,6 @@ import numpy as np
 from lipsync_lang.rigs.parts import (  # for the scripts too
     STILL,
     Part,
-    merged,
     srgb,
     take,
     transformed,
@@ -187,6 +186,32 @@ def revolved(profile: ArrayLike, segments: int = 24, *, exponent: float = 2.0) -
 
 
 # --- work on parts
+
+
+def merged(parts: Sequence[Part], name: str) -> Part:
+    """Join parts, each shaded by itself, with the material of the first."""
+    parts = [with_normals(part) for part in parts]
+    starts = np.cumsum([0] + [len(part.positions) for part in parts])
+    targets = list(dict.fromkeys(key for part in parts for key in part.targets))
+    colors = [np.ones((len(p.positions), 3)) if p.colors is None else p.colors for p in parts]
+    return replace(
+        parts[0],
+        name=name,
+        positions=np.concatenate([part.positions for part in parts]),
+        triangles=np.concatenate(
+            [part.triangles + start for part, start in zip(parts, starts, strict=False)]
+        ),
+        targets={
+            key: np.concatenate([p.targets.get(key, np.zeros_like(p.positions)) for p in parts])
+            for key in targets
+        },
+        colors=np.concatenate(colors) if any(p.colors is not None for p in parts) else None,
+        normals=np.concatenate([part.normals for part in parts]),
+        target_normals={
+            key: np.concatenate([p.target_normals.get(key, p.normals) for p in parts])
+            for key in targets
+        },
+    )
 
 
 def mirrored(part: Part, name: str) -> Part:

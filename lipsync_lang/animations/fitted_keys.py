@@ -99,8 +99,7 @@ class _CurveSpans:
         rest = self.values[first + 1 : last] - ends
         # one inner frame leaves a slope open: the straight line decides
         straight = np.array([even, even])
-        found: Floats = straight + np.linalg.lstsq(sides, rest - sides @ straight, rcond=None)[0]
-        return found
+        return straight + np.linalg.lstsq(sides, rest - sides @ straight, rcond=None)[0]
 
     def fits(self, first: int, last: int, slopes: Floats) -> bool:
         """Return True if the curve of a span is within the bounds of its inner frames."""

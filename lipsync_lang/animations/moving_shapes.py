@@ -11,6 +11,8 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import boneless, late, shape_columns
 from lipsync_lang.animations.keys import KeyedCurve
 from lipsync_lang.arrays import Floats
+from lipsync_lang.rigs.model import is_index, known_model
+from lipsync_lang.rigs.shape_matching import on_mesh
 
 
 class MovingShape(NamedTuple):
@@ -55,9 +57,7 @@ def keys(animation: Animation, found: list[MovingShape], suits: float) -> list[K
 
 def on_model(animation: Animation) -> list[tuple[str, str, int]]:
     """Return mesh, shape name and column of each shape that moves points of a known model."""
-    from lipsync_lang.rigs.model import known_model
     from lipsync_lang.rigs.read_outs import still_by_mesh
-    from lipsync_lang.rigs.shape_matching import on_mesh
 
     if animation.model is None:
         return []
@@ -87,8 +87,6 @@ def node_paths(animation: Animation) -> dict[str, list[str]]:
     A path is the names of the nodes, such as ``Armature/Head``. A single mesh at the top is the
     model itself, and has an empty path.
     """
-    from lipsync_lang.rigs.model import is_index, known_model
-
     if animation.model is None:
         return {}
     model = known_model(animation.model, bones=True)

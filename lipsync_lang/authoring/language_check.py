@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -19,11 +19,9 @@ from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.reports.text_table import columns
 from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
 
 FAILED_TEST = "P221"
 
@@ -144,7 +142,7 @@ def mouths_of(library: Library, language: str, character: str) -> dict[str, str]
     return told
 
 
-def draw_mouths(performer: "Performer", sounds: Mapping[str, Any], out: BinaryIO) -> None:
+def draw_mouths(performer: Performer, sounds: Mapping[str, Any], out: BinaryIO) -> None:
     """Draw a PNG with a still of each mouth, with the first sound that has it and a word.
 
     Sounds that pass through several mouths are left out, because each of these has a still. Raises

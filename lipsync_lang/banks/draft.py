@@ -100,8 +100,7 @@ def _profile(target: Target, at: Floats) -> Floats:
 
 def _rise(target: Target, at: Floats) -> Floats:
     """Return (K,): the rise from rest at a bigram's edge to the first step of its phoneme."""
-    rise: Floats = np.minimum(1, at / _middles(target)[0])
-    return rise
+    return np.minimum(1, at / _middles(target)[0])
 
 
 def _dominance(targets: list[Target], at: Floats, middle: float) -> Floats:

@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import TYPE_CHECKING
 
 from lipsync_lang.build.digests import digest, file_digest
 from lipsync_lang.build.needs import PairNeeds
@@ -18,10 +17,9 @@ from lipsync_lang.build.timing_cache import TIMERS
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.resolver.cache import compiler, folder
-
-if TYPE_CHECKING:
-    from lipsync_lang.speech.hearing.adaptation import SpokenFile
-    from lipsync_lang.speech.hearing.sphinx.folder import Models
+from lipsync_lang.speech.hearing.adaptation import SpokenFile, adapt, write_adapted
+from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import models_of
+from lipsync_lang.speech.hearing.sphinx.folder import Models
 
 MAX_KEPT_MODELS = 16
 """Maximum number of models in the cache; the oldest are deleted first. Each has some 10 MB."""
@@ -67,9 +65,6 @@ def _adapted_folder(
     pair: PairNeeds, home: Path, lines: Sequence[PlannedLine], remark: AdaptationRemark
 ) -> Path | None:
     """Return the folder of the adapted model, made first if the cache lacks it."""
-    from lipsync_lang.speech.hearing.adaptation import SpokenFile
-    from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import models_of
-
     where = folder()
     if where is None:
         raise LipsyncError("the cache is off, and adapted models are kept there")
@@ -93,14 +88,12 @@ def _adapted_folder(
 
 def _make(
     pair: PairNeeds,
-    spoken: "Sequence[SpokenFile]",
-    models: "Models",
+    spoken: Sequence[SpokenFile],
+    models: Models,
     path: Path,
     remark: AdaptationRemark,
 ) -> None:
     """Adapt a model into a folder of the cache, or mark there that it gains nothing."""
-    from lipsync_lang.speech.hearing.adaptation import adapt, write_adapted
-
     speaker = pair.performer.speaker
     found = adapt(speaker, spoken, models)
     rise = f"log likelihood of held-out frames {found.before:.2f} to {found.after:.2f}"

@@ -14,7 +14,7 @@ from io import BytesIO
 from itertools import chain
 from pathlib import Path
 from stat import S_ISDIR
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
 
 from lipsync_lang.animations.animation import Animation, ExportSettings
@@ -33,10 +33,8 @@ from lipsync_lang.files.targets import read_only, refuse_locked
 from lipsync_lang.files.temporary import temporary_name, this_process
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.quality.figures import Quality
 from lipsync_lang.schedules.schedule import DOUBTFUL, Schedule
-
-if TYPE_CHECKING:
-    from lipsync_lang.quality.figures import Quality
 
 MAX_FINDINGS = 3
 """Maximum number of findings of a figure in a report."""
@@ -193,7 +191,7 @@ class LineMaker:
         return out
 
     def _judgement(
-        self, pair: PairNeeds, line: PlannedLine, animation: Animation, quality: "Quality"
+        self, pair: PairNeeds, line: PlannedLine, animation: Animation, quality: Quality
     ) -> LineJudgement:
         reasons = any(WRITERS[name].reasons for name, _ in line.outputs)
         needs = pair.of(animation.schedule, spoken=line.timings is None, reasons=reasons)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
@@ -18,21 +18,19 @@ from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, plan
 from lipsync_lang.build.project_extras import check_installed
+from lipsync_lang.build.records import Records
 from lipsync_lang.build.script import read_script
 from lipsync_lang.build.script_faults import PlanningError, ScriptFaults
 from lipsync_lang.build.script_files import PlanRemark
 from lipsync_lang.build.shards import Shard
 from lipsync_lang.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, find_project, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.speech.needed_extras import missing_for
-
-if TYPE_CHECKING:
-    from lipsync_lang.build.records import Records
-    from lipsync_lang.packs.models import Project
 
 STILL_SCHEDULE = Schedule((SILENCE,), np.array((0.0, 0.1)))
 """Schedule without a phoneme."""
@@ -84,7 +82,7 @@ class Selection:
 class ProjectBuild:
     """A project that is read, with its pairs resolved."""
 
-    project: "Project"
+    project: Project
     folder: Path
     lines: list[PlannedLine]
     settings: BuildSettings
@@ -214,7 +212,7 @@ class ProjectBuild:
 
     def plan(
         self,
-        records: "Records",
+        records: Records,
         *,
         force: bool = False,
         overwrite: bool = False,

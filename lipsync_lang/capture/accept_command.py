@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
@@ -40,24 +41,17 @@ def _add_accept(action: Add) -> None:
         "items", metavar="FIT.json ITEM", nargs="*",
         help="the file of the fit, and items of it, such as targets.ow or bigrams.l-ow",
     )  # fmt: skip
-    made.add_argument(
-        "-c", "--character", metavar="CHARACTER",
-        help="the character that receives the items [the project's]",
+    option(
+        made, "-c, --character CHARACTER", "the character that receives the items [the project's]"
+    )
+    flag(made, "--all", "take every item that may be accepted")
+    option(
+        made, "--confidence X", "lowest confidence of items that --all accepts, from 0 to 1 [0.5]",
+        type=float, default=0.5,
     )  # fmt: skip
-    made.add_argument("--all", action="store_true", help="take every item that may be accepted")
-    made.add_argument(
-        "--confidence", metavar="X", type=float, default=0.5,
-        help="lowest confidence of items that --all accepts, from 0 to 1 [0.5]",
-    )  # fmt: skip
-    made.add_argument(
-        "--anyway", action="store_true",
-        help="accept items although the fit does not generalise to held-out lines",
-    )  # fmt: skip
-    made.add_argument(
-        "--remove", action="store_true",
-        help="remove accepted items: those named, or --all; needs no FIT.json",
-    )  # fmt: skip
-    made.add_argument("--dry-run", action="store_true", help="change no file")
+    flag(made, "--anyway", "accept items although the fit does not generalise to held-out lines")
+    flag(made, "--remove", "remove accepted items: those named, or --all; needs no FIT.json")
+    flag(made, "--dry-run", "change no file")
     add_path(made)
     add_json(made)
 

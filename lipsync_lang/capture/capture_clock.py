@@ -126,8 +126,7 @@ class ComparedMotion:
 
     def signals(self) -> Floats:
         """Return r of each signal with its own curve, without correction: (S,)."""
-        found: Floats = self._correlations(np.array([[0.0, 0.0, 1.0]]))[0][0, 0]
-        return found
+        return self._correlations(np.array([[0.0, 0.0, 1.0]]))[0][0, 0]
 
     def _correlations(self, clocks: Floats) -> tuple[Floats, Floats]:
         """Return r and weight of each signal: (L, K, S) each; 0 if the signal or curve is still."""
@@ -191,8 +190,7 @@ def spoken_span(performer: Performer, schedule: Schedule) -> tuple[float, float]
 def sounds_of(performer: Performer, schedule: Schedule) -> Ints:
     """Return the indices of the labels other than silence."""
     ids, _, source = performer.common_phonemes(schedule)
-    found: Ints = np.unique(source[(ids != performer.compiled.tables.silence) & (source >= 0)])
-    return found
+    return np.unique(source[(ids != performer.compiled.tables.silence) & (source >= 0)])
 
 
 def read_clock(performer: Performer, line: CapturedLine) -> tuple[ClockReading, ComparedMotion]:

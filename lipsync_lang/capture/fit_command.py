@@ -3,11 +3,12 @@
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
+from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_pair
@@ -17,11 +18,9 @@ from lipsync_lang.reports.text_table import columns
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import BinaryIO
-
     from lipsync_lang.capture.fit_captures import CaptureFit
     from lipsync_lang.capture.fit_file import FitProposal
+
 
 SHOWN = 12
 """Maximum number of items and lines to print."""
@@ -42,30 +41,28 @@ def _add_fit(action: Add) -> None:
         "text and sound, beside it",
     )  # fmt: skip
     add_pair(made)
-    made.add_argument(
-        "--readout", metavar="FILE", type=Path,
-        help="the measures that a table of sensors shows [readout.yaml of its folder]",
+    option(
+        made, "--readout FILE",
+        "the measures that a table of sensors shows [readout.yaml of its folder]", type=Path,
     )  # fmt: skip
-    made.add_argument(
-        "--speaker", metavar="PATTERN",
-        help="the place of the speaker in file names, such as '{speaker}_*' [the first folder]",
+    option(
+        made, "--speaker PATTERN",
+        "the place of the speaker in file names, such as '{speaker}_*' [the first folder]",
     )  # fmt: skip
-    made.add_argument("--notation", metavar="NAME", help="the notation of the timings' labels")
-    made.add_argument(
-        "--aligner", metavar="NAME[:MODEL]",
-        help="another aligner than the language's, for captures with text and sound",
+    option(made, "--notation NAME", "the notation of the timings' labels")
+    option(
+        made, "--aligner NAME[:MODEL]",
+        "another aligner than the language's, for captures with text and sound",
     )  # fmt: skip
-    made.add_argument(
-        "-o", "--output", metavar="FILE", type=argument_path,
-        help="write the proposal, for `bank accept`; - is standard output",
+    option(
+        made, "-o, --output FILE", "write the proposal, for `bank accept`; - is standard output",
+        type=argument_path,
     )  # fmt: skip
-    made.add_argument(
-        "--page", metavar="FILE", type=argument_path,
-        help="write an HTML page of captures beside curves, and of all values found",
+    option(
+        made, "--page FILE",
+        "write an HTML page of captures beside curves, and of all values found", type=argument_path,
     )  # fmt: skip
-    made.add_argument(
-        "--workers", metavar="N", type=int, default=None, help="number of processes [one per core]"
-    )
+    option(made, "--workers N", "number of processes [one per core]", type=int)
     add_json(made)
 
 
@@ -100,7 +97,7 @@ def fit(options: Namespace) -> int:
     return SOUND
 
 
-def _writer(text: str) -> "Callable[[BinaryIO], object]":
+def _writer(text: str) -> Callable[[BinaryIO], object]:
     return lambda stream: stream.write(text.encode())
 
 

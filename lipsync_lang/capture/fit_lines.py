@@ -119,8 +119,7 @@ class FitLine:
     def signals(self, weights: Floats, motion: Motion) -> Floats:
         """Return the signals for (T, P) weights of poses: (T, S)."""
         if self.rig is None:
-            sums: Floats = weights @ self.gains.T
-            return sums
+            return weights @ self.gains.T
         fps = self.frames.fps
         kernel = channel_kernel(motion, fps)
         return drive(weights, self.rig, motion.speed_limit / fps, kernel)[:, self.columns]

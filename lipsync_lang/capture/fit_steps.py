@@ -235,10 +235,9 @@ def fit_bigrams(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
 
 def seen_poses(lines: Sequence[FitLine]) -> Bools:
     """Return True for poses with an effect on a recorded signal: (P,)."""
-    out: Bools = np.any(
+    return np.any(
         [np.any(line.gains[line.seen.any(axis=0)] != 0, axis=0) for line in lines], axis=0
     )
-    return out
 
 
 def seen_rows(lines: Sequence[FitLine], matrix: Any) -> Any:

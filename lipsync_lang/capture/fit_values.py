@@ -165,8 +165,7 @@ class FitFace:
                 sampled = self.controls(values) @ shape(np.linspace(0, 1, RESOLUTION + 1))
                 curves[self.rows] = sampled.swapaxes(1, 2).clip(0, 1)
             latest |= {"values": key, "curves": curves}
-        found: Tables = latest["base"].with_curves(latest["curves"])
-        return found
+        return latest["base"].with_curves(latest["curves"])
 
     @cached_property
     def _latest(self) -> dict[str, Any]:

@@ -4,6 +4,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND, as_json, count, tell_written
 from lipsync_lang.commands.registry import Add, add_actions, command
 from lipsync_lang.commands.shared_options import add_json
@@ -57,9 +58,7 @@ def _add_apply(action: Add) -> None:
     )
     made.add_argument("archive", metavar="ARCHIVE", type=Path, help="the archive to change")
     made.add_argument("patch", metavar="PATCH", type=Path, help="a file of `archive diff`")
-    made.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, help="the archive to write [ARCHIVE itself]"
-    )
+    option(made, "-o, --output FILE", "the archive to write [ARCHIVE itself]", type=Path)
 
 
 @command("archive show")

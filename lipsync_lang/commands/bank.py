@@ -4,10 +4,12 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import SOUND, as_json
+from lipsync_lang.commands.performing import plot_kind
 from lipsync_lang.commands.registry import Add, add_actions, command
 from lipsync_lang.commands.shared_options import add_json, add_pair
-from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files import STANDARD_STREAM, argument_path, atomic
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""
@@ -35,12 +37,10 @@ def _add_draft(action: Add) -> None:
     )
     made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
     add_pair(made)
-    made.add_argument(
-        "--write", action="store_true", help="write them to a bank; its own bigrams stay"
-    )
-    made.add_argument(
-        "--to", metavar="FILE", type=Path,
-        help="the bank to write to [posesets/NAME/banks/common.yaml of this folder]",
+    flag(made, "--write", "write them to a bank; its own bigrams stay")
+    option(
+        made, "--to FILE", "the bank to write to [posesets/NAME/banks/common.yaml of this folder]",
+        type=Path,
     )  # fmt: skip
 
 
@@ -55,15 +55,15 @@ def _add_diff(action: Add) -> None:
     )
     made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
     add_pair(made)
-    made.add_argument(
-        "--against", metavar="CHARACTER",
-        help="another character of the pose set, or the bare pose set [the layers below]",
+    option(
+        made, "--against CHARACTER",
+        "another character of the pose set, or the bare pose set [the layers below]",
     )  # fmt: skip
-    made.add_argument(
-        "--plot", metavar="FILE", type=argument_path,
-        help="draw the bigrams that differ most; - is standard output, as PNG",
+    option(
+        made, "--plot FILE", "draw the bigrams that differ most; - is standard output, as PNG",
+        type=argument_path,
     )  # fmt: skip
-    made.add_argument("--all", action="store_true", help="list every bigram that differs")
+    flag(made, "--all", "list every bigram that differs")
     add_json(made)
 
 
@@ -92,8 +92,6 @@ def diff(options: Namespace) -> int:
         options.bigrams,
     )  # fmt: skip
     if options.plot:
-        from lipsync_lang.commands.performing import plot_kind
-        from lipsync_lang.files import atomic
         from lipsync_lang.render.bank_diff_plot import plot_diff
 
         with atomic(options.plot) as stream:

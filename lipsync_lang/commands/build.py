@@ -12,6 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.build_watch import MadeByBuilds, StandingRemarks, watch_project
+from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options, count
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
@@ -45,50 +46,41 @@ def _add_build(add: Add) -> None:
         "build --dry-run",
     )
     which = made.add_argument_group("which lines to make")
-    which.add_argument(
-        "--only", metavar="PATTERN", action="append", default=[],
-        help="make lines whose ids match, such as 'intro_*'; may be repeated",
+    repeated(
+        which, "--only PATTERN", "make lines whose ids match, such as 'intro_*'; may be repeated"
+    )
+    repeated(
+        which, "-l, --language LANGUAGE", "make lines in this language; may be repeated [all]",
+        dest="languages",
     )  # fmt: skip
-    which.add_argument(
-        "-l", "--language", metavar="LANGUAGE", action="append", default=[], dest="languages",
-        help="make lines in this language; may be repeated [all]",
+    repeated(
+        which, "-c, --character CHARACTER", "make lines on this character; may be repeated [all]",
+        dest="characters",
     )  # fmt: skip
-    which.add_argument(
-        "-c", "--character", metavar="CHARACTER", action="append", default=[], dest="characters",
-        help="make lines on this character; may be repeated [all]",
-    )  # fmt: skip
-    which.add_argument(
-        "--shard", metavar="N/M",
-        help="make one of M disjoint parts, such as 3/16, into archives of its own",
-    )  # fmt: skip
-    for option, told in (
+    option(
+        which, "--shard N/M", "make one of M disjoint parts, such as 3/16, into archives of its own"
+    )
+    for name, told in (
         ("--prune", "delete files of lines that the script no longer has"),
         ("--force", "make and time lines again even if nothing changed"),
         ("--overwrite", "replace files that were edited by hand"),
         ("--dry-run", "list the lines that would be made, and why"),
     ):
-        which.add_argument(option, action="store_true", help=told)
+        flag(which, name, told)
     how = made.add_argument_group("how to make them")
-    how.add_argument(
-        "--workers",
-        metavar="N",
-        type=int,
-        default=None,
-        help="number of processes, at most [one per core]",
-    )
-    how.add_argument(
-        "--scheduler", metavar="ADDRESS", default=None,
-        help="give the work to this Dask cluster, such as tcp://10.0.0.5:8786",
+    option(how, "--workers N", "number of processes, at most [one per core]", type=int)
+    option(
+        how, "--scheduler ADDRESS",
+        "give the work to this Dask cluster, such as tcp://10.0.0.5:8786",
     )  # fmt: skip
-    how.add_argument("--watch", action="store_true", help="keep making changed lines until Ctrl-C")
-    how.add_argument(
-        "--tts", metavar="ENGINE", help="speech engine for all lines; none estimates times"
-    )
-    how.add_argument(
-        "--report", metavar="FILE", type=Path, action="append", default=[], dest="reports",
-        help="write a report: .html, .xml (JUnit) or .json; may be repeated [the project's]",
+    flag(how, "--watch", "keep making changed lines until Ctrl-C")
+    option(how, "--tts ENGINE", "speech engine for all lines; none estimates times")
+    repeated(
+        how, "--report FILE",
+        "write a report: .html, .xml (JUnit) or .json; may be repeated [the project's]", type=Path,
+        dest="reports",
     )  # fmt: skip
-    how.add_argument("--json", action="store_true", help="print events as JSON, one on each line")
+    flag(how, "--json", "print events as JSON, one on each line")
     add_path(made)
     made.set_defaults(in_project=False)
 

@@ -2,15 +2,18 @@
 
 import sys
 from argparse import Namespace
+from dataclasses import replace
 from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.performing import LINE_PAGE, perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json_form, add_line, add_output
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import write_all
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -32,24 +35,20 @@ def _add_check(add: Add) -> None:
         'check "Hello, world" -l english -c facefx --baseline',
     )
     add_line(check_)
-    check_.add_argument(
-        "--animation", metavar="FILE", type=Path,
-        help="check this animation file, from any program, instead of performing the line",
+    option(
+        check_, "--animation FILE",
+        "check this animation file, from any program, instead of performing the line", type=Path,
     )  # fmt: skip
-    check_.add_argument(
-        "--channels", action="store_true", help="check the channels of the character's rig"
-    )
-    check_.add_argument(
-        "--baseline", action="store_true", help="measure plain methods on the same line as well"
-    )
-    check_.add_argument(
-        "--limit", metavar="NAME=NUMBER", action="append", default=[], dest="limits",
-        help="largest value allowed for a measure: --limit jitter=2; may be repeated",
+    flag(check_, "--channels", "check the channels of the character's rig")
+    flag(check_, "--baseline", "measure plain methods on the same line as well")
+    repeated(
+        check_, "--limit NAME=NUMBER",
+        "largest value allowed for a measure: --limit jitter=2; may be repeated", dest="limits",
     )  # fmt: skip
-    check_.add_argument(
-        "--format", choices=("text", "json", "junit", "html"),
-        help="output format; html is a page that plays the line and shows the findings [by the "
-        "suffix of -o, else text]",
+    option(
+        check_, "--format",
+        "output format; html is a page that plays the line and shows the findings [by the suffix "
+        "of -o, else text]", choices=("text", "json", "junit", "html"),
     )  # fmt: skip
     add_json_form(check_)
     add_output(check_)
@@ -57,7 +56,6 @@ def _add_check(add: Add) -> None:
 
 def check(options: Namespace) -> int:
     """Print the figures of an animation; a figure past its limit is a fault."""
-    from lipsync_lang.files import write_all
     from lipsync_lang.quality.baselines import BASELINES
     from lipsync_lang.quality.check_animation import check as judge
     from lipsync_lang.quality.quality_report import FORMATS
@@ -105,8 +103,6 @@ def _page(
     performer: "Performer", takes: "Mapping[str, Animation]", judged: "Mapping[str, Quality]"
 ) -> str:
     """Return a page of the first take, with the others beside it."""
-    from dataclasses import replace
-
     from lipsync_lang.animations.animation import ExportSettings
     from lipsync_lang.quality.fitting import on_model
     from lipsync_lang.studio.line_page import line_page

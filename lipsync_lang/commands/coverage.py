@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.commands.coverage_corpus import CorpusPart, corpus_parts, shown_names, weights_of
+from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (
@@ -20,9 +21,9 @@ from lipsync_lang.commands.shared_options import (
     add_values,
     cleaning,
 )
-from lipsync_lang.coverage.forms import FORMS
+from lipsync_lang.coverage.forms import FORMS, SUFFIXES, FormOptions
 from lipsync_lang.errors import LipsyncError, OutputError, shortlist
-from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
@@ -52,48 +53,41 @@ def _add_coverage(add: Add) -> None:
         "[the project's lines]",
     )  # fmt: skip
     coverage_.set_defaults(words={}, lines=(), text_column=None, speaker_column=None, cast=None)
-    for short, name, what in (
-        ("-l", "language", "name or tag of a language"),
-        ("-c", "character", "a character or a pose set that speaks every line"),
+    for spelled, what in (
+        ("-l, --language LANGUAGE", "name or tag of a language"),
+        ("-c, --character CHARACTER", "a character or a pose set that speaks every line"),
     ):
-        coverage_.add_argument(
-            short, f"--{name}", metavar=name.upper(), action="append", default=[],
-            help=f"{what} [the project's]; may be repeated",
-        )  # fmt: skip
-    coverage_.add_argument(
-        "--format",
-        metavar="NAME",
-        help=f"what to write: {', '.join(FORMS.modules)} [by the suffix of -o, else text]",
-    )
+        repeated(coverage_, spelled, f"{what} [the project's]; may be repeated")
+    option(
+        coverage_, "--format NAME",
+        f"what to write: {', '.join(FORMS.modules)} [by the suffix of -o, else text]",
+    )  # fmt: skip
     add_output(coverage_)
     add_json_form(coverage_)
-    coverage_.add_argument(
-        "--column", metavar="NAME", action="append", default=[],
-        help="the text's column in tables, by name or number; LANGUAGE=NAME for one language's, "
-        "which may have several [the one named after the language]",
+    repeated(
+        coverage_, "--column NAME",
+        "the text's column in tables, by name or number; LANGUAGE=NAME for one language's, which "
+        "may have several [the one named after the language]",
     )  # fmt: skip
-    coverage_.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
-    coverage_.add_argument(
-        "--minutes", metavar="N", type=float, default=5.0, help="minutes to author a bigram [5]"
+    option(coverage_, "--encoding NAME", "the encoding of all files [UTF-8]")
+    option(coverage_, "--minutes N", "minutes to author a bigram [5]", type=float, default=5.0)
+    repeated(
+        coverage_, "--weight LANGUAGE=N",
+        "weight of a language in the total of all; may be repeated [1 each]",
+    )  # fmt: skip
+    option(
+        coverage_, "--fail-under PERCENT", "exit with 1 if less of the speech is authored",
+        type=float,
+    )  # fmt: skip
+    option(
+        coverage_, "--against OLD.json", "show the changes since an older JSON report", type=Path
     )
-    coverage_.add_argument(
-        "--weight", metavar="LANGUAGE=N", action="append", default=[],
-        help="weight of a language in the total of all; may be repeated [1 each]",
+    option(
+        coverage_, "--gestures NAME[:FACTOR],...",
+        "count these gestures of the pose set, at estimated times: all, or such as blink,nod [the "
+        "project's, or none]",
     )  # fmt: skip
-    coverage_.add_argument(
-        "--fail-under", metavar="PERCENT", type=float,
-        help="exit with 1 if less of the speech is authored",
-    )  # fmt: skip
-    coverage_.add_argument(
-        "--against", metavar="OLD.json", type=Path,
-        help="show the changes since an older JSON report",
-    )  # fmt: skip
-    coverage_.add_argument(
-        "--gestures", metavar="NAME[:FACTOR],...",
-        help="count these gestures of the pose set, at estimated times: all, or such as blink,nod "
-        "[the project's, or none]",
-    )  # fmt: skip
-    coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
+    flag(coverage_, "--all", "list every bigram and line")
     add_values(coverage_)
     add_path(coverage_)
 
@@ -188,9 +182,6 @@ def _shown(lines: "Iterable[Line]", shown: "Callable[[str], str]") -> "Iterator[
 
 
 def _write(options: Namespace, found: "Coverage") -> None:
-    from lipsync_lang.coverage.forms import FORMS, SUFFIXES, FormOptions
-    from lipsync_lang.files import write_all
-
     asked = FormOptions(everything=options.all, fail_under=options.fail_under)
     if not options.output:
         FORMS.find(options.format or "text")(found, sys.stdout, asked)

@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
@@ -12,8 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.commands.output import count
 from lipsync_lang.errors import LipsyncError, SpeechError, shortlist
-from lipsync_lang.extensions import Extensions
+from lipsync_lang.extensions import PACKS, Extensions, plug_ins
 from lipsync_lang.extras import Extra, extras, install_line
+from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
     from lipsync_lang.extensions import EntryPoint
@@ -102,7 +104,6 @@ def fault_of(code: str, *arguments: str) -> str:
 @check
 def _python() -> Iterator[CheckedPart]:
     from lipsync_lang.pipeline import kernel
-    from lipsync_lang.version import __version__
 
     yield CheckedPart("Python", OK, f"{sys.version.split()[0]} at {sys.executable}", ALWAYS)
     yield CheckedPart("lipsync-lang", OK, f"{__version__} ({kernel.summary()})", ALWAYS)
@@ -111,8 +112,6 @@ def _python() -> Iterator[CheckedPart]:
 @check
 def _packs() -> Iterator[CheckedPart]:
     """Count the packs, and their faults by code."""
-    from collections import Counter
-
     from lipsync_lang.packs.checking.validate import validate
     from lipsync_lang.packs.library import Library
 
@@ -239,14 +238,11 @@ def _extra(extra: Extra) -> CheckedPart:
 @check
 def _plug_ins() -> Iterator[CheckedPart]:
     """Import each plug-in in a process of its own; find the folders of its packs."""
-    from lipsync_lang.extensions import plug_ins
-
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         yield from pool.map(lambda found: _plug_in(*found), sorted(plug_ins().items()))
 
 
 def _plug_in(name: str, entry_points: "list[EntryPoint]") -> CheckedPart:
-    from lipsync_lang.extensions import PACKS
     from lipsync_lang.packs.finding import location
 
     lost = [one.value for one in entry_points if one.group == PACKS and location(one) is None]

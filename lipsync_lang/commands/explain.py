@@ -2,6 +2,7 @@
 
 from argparse import Namespace
 
+from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import perform
 from lipsync_lang.commands.registry import Add, command
@@ -17,9 +18,7 @@ def _add_explain(add: Add) -> None:
         'explain "Hello, world" -l english -c facefx --at 0.42',
     )
     add_line(explain_)
-    explain_.add_argument(
-        "--at", metavar="SECONDS", type=float, required=True, help="the time to explain"
-    )
+    option(explain_, "--at SECONDS", "the time to explain", type=float, required=True)
     add_json(explain_)
 
 

@@ -5,10 +5,11 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import SOUND, tell_written, working
 from lipsync_lang.commands.registry import Add, add_actions, command
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import argument_path
+from lipsync_lang.files import argument_path, write_all
 
 TITLE = "make a talking head from a face model"
 EXAMPLE = "heads ict ICT-FaceKit -o head.glb"
@@ -31,30 +32,25 @@ def _add_ict(action: Add) -> None:
     )
     made.set_defaults(recipe="ict")
     made.add_argument("folder", metavar="FOLDER", type=Path, help="the clone")
-    made.add_argument(
-        "--identity", metavar="N[:WEIGHT]", action="append", default=[],
-        help="add identity N of the model, by 1 or WEIGHT standard deviations; repeatable",
+    repeated(
+        made, "--identity N[:WEIGHT]",
+        "add identity N of the model, by 1 or WEIGHT standard deviations; repeatable",
     )  # fmt: skip
-    made.add_argument("--seed", metavar="N", type=int, help="draw a person by this number")
-    made.add_argument(
-        "--hair", metavar="OBJ", type=Path, help="hair, in the model's lengths and place"
-    )
-    made.add_argument(
-        "--colour", metavar="PART=#RRGGBB", action="append", default=[],
-        help="paint skin, lips, irises, brows, hair or another part; repeatable",
+    option(made, "--seed N", "draw a person by this number", type=int)
+    option(made, "--hair OBJ", "hair, in the model's lengths and place", type=Path)
+    repeated(
+        made, "--colour PART=#RRGGBB",
+        "paint skin, lips, irises, brows, hair or another part; repeatable",
     )  # fmt: skip
-    made.add_argument(
-        "--size", metavar="MB", type=float, default=4.0, help="largest size of the file [4]"
-    )
-    made.add_argument(
-        "-o", "--output", metavar="GLB", type=argument_path, required=True,
-        help="write the head; - is standard output",
+    option(made, "--size MB", "largest size of the file [4]", type=float, default=4.0)
+    option(
+        made, "-o, --output GLB", "write the head; - is standard output", type=argument_path,
+        required=True,
     )  # fmt: skip
 
 
 def heads(options: Namespace) -> int:
     """Make a head and write it."""
-    from lipsync_lang.files import write_all
     from lipsync_lang.heads.face_model import FaceModel, read_recipe
     from lipsync_lang.heads.made_head import HeadWish, make_head
 

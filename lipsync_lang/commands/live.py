@@ -9,6 +9,7 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
 from lipsync_lang.commands.local_server import add_serving, serve
+from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_manner, add_pair, add_values
@@ -47,49 +48,41 @@ def _add_live(add: Add) -> None:
     )
     add_pair(live_)
     add_values(live_)
-    live_.add_argument(
-        "--to", metavar="RECEIVER", action="append", default=[],
-        help="livelink:HOST:PORT (Unreal), vmc:HOST:PORT (VSeeFace, Unity), ws:HOST:PORT (serve "
+    repeated(
+        live_, "--to RECEIVER",
+        "livelink:HOST:PORT (Unreal), vmc:HOST:PORT (VSeeFace, Unity), ws:HOST:PORT (serve "
         "WebSockets), or - for lines of JSON; may be repeated [-]",
     )  # fmt: skip
-    live_.add_argument("--tts", metavar="ENGINE", help="speech engine; none is silent")
-    live_.add_argument(
-        "--subject", metavar="NAME", default="lipsync", help="the Live Link subject [lipsync]"
-    )
-    live_.add_argument(
-        "--rename", metavar="POSE=NAME", action="append", default=[],
-        help="send a pose to vmc under another name; may be repeated",
-    )  # fmt: skip
+    option(live_, "--tts ENGINE", "speech engine; none is silent")
+    option(live_, "--subject NAME", "the Live Link subject [lipsync]", default="lipsync")
+    repeated(live_, "--rename POSE=NAME", "send a pose to vmc under another name; may be repeated")
     heard = live_.add_argument_group("sound")
-    heard.add_argument(
-        "--audio", metavar="SOURCE",
-        help="follow a voice in any language, without a text: mic, mic:DEVICE, a recording, or - "
-        "for samples or WAV on standard input",
+    option(
+        heard, "--audio SOURCE",
+        "follow a voice in any language, without a text: mic, mic:DEVICE, a recording, or - for "
+        "samples or WAV on standard input",
     )  # fmt: skip
-    heard.add_argument(
-        "--rate",
-        metavar="N",
-        type=int,
-        help="samples per second of samples without a header, or of a microphone [16000]",
+    option(
+        heard, "--rate N",
+        "samples per second of samples without a header, or of a microphone [16000]", type=int,
+    )  # fmt: skip
+    option(
+        heard, "--format FORMAT",
+        "samples without a header: s16 or f32, also u8, s24, s32 and f64 [s16]",
+    )  # fmt: skip
+    option(
+        heard, "--delay SECONDS", "delay of the lips after the sound; more is more exact [0.08]",
+        type=float, default=0.08,
+    )  # fmt: skip
+    flag(
+        heard, "--page", "open a page in the browser whose head moves as you talk to its microphone"
     )
-    heard.add_argument(
-        "--format", metavar="FORMAT",
-        help="samples without a header: s16 or f32, also u8, s24, s32 and f64 [s16]",
-    )  # fmt: skip
-    heard.add_argument(
-        "--delay", metavar="SECONDS", type=float, default=0.08,
-        help="delay of the lips after the sound; more is more exact [0.08]",
-    )  # fmt: skip
-    heard.add_argument(
-        "--page", action="store_true",
-        help="open a page in the browser whose head moves as you talk to its microphone",
-    )  # fmt: skip
-    heard.add_argument("--list", action="store_true", dest="choosing", help="list the microphones")
+    flag(heard, "--list", "list the microphones", dest="choosing")
     add_manner(live_)
-    live_.add_argument(
-        "--gestures", metavar="NAME[:FACTOR],...",
-        help="make these gestures of the pose set: all, none, or such as blink,nod:0.5 [the "
-        "project's, or all on the page alone]",
+    option(
+        live_, "--gestures NAME[:FACTOR],...",
+        "make these gestures of the pose set: all, none, or such as blink,nod:0.5 [the project's, "
+        "or all on the page alone]",
     )  # fmt: skip
     add_serving(live_.add_argument_group("page"))
 
@@ -162,11 +155,11 @@ def _serve_page(options: Namespace, performer: "Performer", session: "Session") 
     """Serve the page of a voice until it is interrupted."""
     from lipsync_lang.live.web_socket import MAX_MESSAGE_BYTES
 
-    for option, given in (("a TEXT", options.text), ("--audio", options.audio),
+    for name, given in (("a TEXT", options.text), ("--audio", options.audio),
                           ("--to", options.to), ("--tts", options.tts),
                           ("--style", options.styles), ("--dial", options.dials)):  # fmt: skip
         if given:
-            raise LipsyncError(f"{option} is not for the page; leave it out with --page")
+            raise LipsyncError(f"{name} is not for the page; leave it out with --page")
 
     def open_app(token: str, hosts: "Collection[str]") -> "ASGIApp":
         from lipsync_lang.studio.voice_page import voice_app
@@ -230,10 +223,10 @@ def _source(options: Namespace) -> "tuple[Iterator[Pcm] | None, bool]":
         if options.rate is not None or options.format is not None:
             raise LipsyncError("--rate and --format are of sound; give a source with --audio")
         return None, False
-    for option, given in (("a TEXT", options.text), ("--tts", options.tts),
+    for name, given in (("a TEXT", options.text), ("--tts", options.tts),
                           ("--style", options.styles), ("--dial", options.dials)):  # fmt: skip
         if given:
-            raise LipsyncError(f"{option} is for speech of a text; leave it out with --audio")
+            raise LipsyncError(f"{name} is for speech of a text; leave it out with --audio")
     source = open_source(options.audio, form, options.rate, _complain)
     return source, is_microphone(options.audio)
 

@@ -5,8 +5,10 @@ import logging
 import sys
 from argparse import Namespace
 from contextlib import suppress
+from time import time
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.commands.options import Options, option
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import install_line
 
@@ -35,19 +37,18 @@ SHUTDOWN_SECONDS = 1
 """Time for open requests when the server closes."""
 
 
-def add_serving(add: argparse._ActionsContainer) -> None:
+def add_serving(add: Options) -> None:
     """Add the options of an address to a command or a group of options."""
-    add.add_argument(
-        "--port", metavar="N", type=int, default=0, help="the port to listen on [a free one]"
-    )
-    add.add_argument(
-        "--host", metavar="ADDRESS", default=LOCAL,
-        help="the address to listen on; needs --token for other machines [this machine only]",
+    option(add, "--port N", "the port to listen on [a free one]", type=int, default=0)
+    option(
+        add, "--host ADDRESS",
+        "the address to listen on; needs --token for other machines [this machine only]",
+        default=LOCAL,
     )  # fmt: skip
-    add.add_argument("--token", metavar="SECRET", help="the secret in the address [random]")
-    add.add_argument(
-        "--browser", action=argparse.BooleanOptionalAction, default=True,
-        help="open the address in a browser [yes]",
+    option(add, "--token SECRET", "the secret in the address [random]")
+    option(
+        add, "--browser", "open the address in a browser [yes]",
+        action=argparse.BooleanOptionalAction, default=True,
     )  # fmt: skip
 
 
@@ -122,8 +123,6 @@ def _address(options: Namespace, kept: "Path | None") -> "tuple[socket.socket, s
 
 def _read(kept: "Path") -> tuple[int, str] | None:
     """Return the port and the token in a private file; None if it has none, or old ones."""
-    from time import time
-
     from lipsync_lang.files.private import read_private
 
     content, written = read_private(kept) or (b"", 0.0)

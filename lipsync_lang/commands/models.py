@@ -4,6 +4,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, count, listening, tell_written
 from lipsync_lang.commands.registry import Add, add_actions, command
 from lipsync_lang.commands.shared_options import add_language, add_path
@@ -34,10 +35,10 @@ def _add_adapt(action: Add) -> None:
     )
     add_language(made)
     add_path(made)
-    made.add_argument("--model", metavar="MODEL", help="name or folder [the language's]")
-    made.add_argument(
-        "-o", "--output", metavar="FOLDER", type=Path, required=True,
-        help="folder of the adapted model, a copy under the same terms",
+    option(made, "--model MODEL", "name or folder [the language's]")
+    option(
+        made, "-o, --output FOLDER", "folder of the adapted model, a copy under the same terms",
+        type=Path, required=True,
     )  # fmt: skip
 
 

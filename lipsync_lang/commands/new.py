@@ -4,12 +4,14 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, count, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
 from lipsync_lang.commands.starting import lacking
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.packs.project import FILE
+from lipsync_lang.files import write_all
+from lipsync_lang.packs.project import FILE, load_project
 
 
 @command("new")
@@ -21,28 +23,29 @@ def _add_new(add: Add) -> None:
         "new my-game -l finnish",
     )
     made.add_argument("name", metavar="NAME", nargs="?", help="the name of the new folder")
-    made.add_argument(
-        "--example", metavar="EXAMPLE",
-        help="copy an example: a built-in language or pose set, or a whole game; a wrong name "
-        "lists them",
+    option(
+        made, "--example EXAMPLE",
+        "copy an example: a built-in language or pose set, or a whole game; a wrong name lists "
+        "them",
     )  # fmt: skip
-    made.add_argument(
-        "--recordings", metavar="FOLDER", type=Path,
-        help="the folder of the recordings of --from, if there are any",
+    option(
+        made, "--recordings FOLDER", "the folder of the recordings of --from, if there are any",
+        type=Path,
     )  # fmt: skip
-    made.add_argument(
-        "--from", metavar="TABLE", type=Path, dest="table",
-        help="make a project of this script in the current folder, one row for each line",
+    option(
+        made, "--from TABLE",
+        "make a project of this script in the current folder, one row for each line", type=Path,
+        dest="table",
     )  # fmt: skip
-    made.add_argument(
-        "-l", "--language", metavar="LANGUAGE", dest="new_language",
-        help="the language of the lines, by name or tag [from the columns of --from or "
-        "the folders of --recordings, else english]",
+    option(
+        made, "-l, --language LANGUAGE",
+        "the language of the lines, by name or tag [from the columns of --from or the folders of "
+        "--recordings, else english]", dest="new_language",
     )  # fmt: skip
-    made.add_argument(
-        "-c", "--character", metavar="CHARACTER", action="append", default=[], dest="characters",
-        help="the pose set of the new character, or an installed character; for recordings, may "
-        "be repeated [facefx]",
+    repeated(
+        made, "-c, --character CHARACTER",
+        "the pose set of the new character, or an installed character; for recordings, may be "
+        "repeated [facefx]", dest="characters",
     )  # fmt: skip
     add_path(made)
     made.set_defaults(in_project=False)
@@ -104,9 +107,7 @@ def _of_table(options: Namespace) -> int:
     from lipsync_lang.build.new_project import new_project
     from lipsync_lang.build.project_folder import starter
     from lipsync_lang.build.script import read_script
-    from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import Finder
-    from lipsync_lang.packs.project import load_project
 
     path, here = Path(FILE), Path.cwd()
     if path.exists():

@@ -7,6 +7,7 @@ from pathlib import Path
 from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import (
     FAULTS,
     SOUND,
@@ -19,7 +20,7 @@ from lipsync_lang.commands.output import (
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import argument_path
+from lipsync_lang.files import argument_path, write_all
 
 if TYPE_CHECKING:
     from lipsync_lang.authoring.new_pack import PackDraft
@@ -33,36 +34,31 @@ def _add_languages(add: Add) -> None:
     made = _add_kind(add, "languages", title, ("list", "show", "check", "new"))
     made.set_defaults(choosing=True)  # a character is welcome, but not needed
     check = made.add_argument_group("how a language is checked")
-    check.add_argument(
-        "-c", "--character", metavar="CHARACTER",
-        help="show the mouth of each sound on a character or a pose set",
+    option(
+        check, "-c, --character CHARACTER",
+        "show the mouth of each sound on a character or a pose set",
     )  # fmt: skip
-    check.add_argument(
-        "--picture", metavar="FILE", type=argument_path,
-        help="draw the mouths of the character on its model, as PNG",
+    option(
+        check, "--picture FILE", "draw the mouths of the character on its model, as PNG",
+        type=argument_path,
     )  # fmt: skip
     new = made.add_argument_group("sources of a new language")
-    new.add_argument("--voice", metavar="VOICE", help="an eSpeak NG voice, such as sw")
-    new.add_argument("--epitran", metavar="CODE", help="an Epitran code, such as xho-Latn")
-    new.add_argument(
-        "--lexicon", metavar="FILE", type=Path,
-        help="words and their IPA phonemes: word, tab, phonemes separated by spaces",
+    option(new, "--voice VOICE", "an eSpeak NG voice, such as sw")
+    option(new, "--epitran CODE", "an Epitran code, such as xho-Latn")
+    option(
+        new, "--lexicon FILE",
+        "words and their IPA phonemes: word, tab, phonemes separated by spaces", type=Path,
     )  # fmt: skip
-    new.add_argument(
-        "--inventory", metavar="FILE", type=Path,
-        help="the PHOIBLE table, or IPA phonemes separated by spaces",
-    )  # fmt: skip
-    new.add_argument(
-        "--inventory-id",
-        metavar="ID",
-        help="PHOIBLE inventory number, or an ISO 639-3 code or name",
+    option(
+        new, "--inventory FILE", "the PHOIBLE table, or IPA phonemes separated by spaces", type=Path
     )
-    new.add_argument(
-        "--text", metavar="FILE", type=argument_path,
-        help="sample lines to collect sounds from; - is standard input",
+    option(new, "--inventory-id ID", "PHOIBLE inventory number, or an ISO 639-3 code or name")
+    option(
+        new, "--text FILE", "sample lines to collect sounds from; - is standard input",
+        type=argument_path,
     )  # fmt: skip
-    new.add_argument("--tag", metavar="TAG", help="the BCP 47 tag of the language")
-    new.add_argument("--title", metavar="TITLE", help="the full name of the language")
+    option(new, "--tag TAG", "the BCP 47 tag of the language")
+    option(new, "--title TITLE", "the full name of the language")
 
 
 @command("posesets")
@@ -71,17 +67,16 @@ def _add_posesets(add: Add) -> None:
     made = _add_kind(add, "posesets", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new pose set")
     new.add_argument("poses", metavar="POSE", nargs="*", help="the names of its poses")
-    new.add_argument(
-        "--model", metavar="FILE", type=Path,
-        help="a model (.glb, .vrm, .gltf); its shapes are the poses unless you name some",
+    option(
+        new, "--model FILE",
+        "a model (.glb, .vrm, .gltf); its shapes are the poses unless you name some", type=Path,
     )  # fmt: skip
-    new.add_argument(
-        "--like", metavar="POSESET",
-        help="copy the motion of known poses from this pose set [the best match]",
-    )  # fmt: skip
+    option(
+        new, "--like POSESET", "copy the motion of known poses from this pose set [the best match]"
+    )
     guessed = "assign sounds to unknown poses by a first guess"
-    new.add_argument("--guess", action="store_true", help=guessed)
-    new.add_argument("--title", metavar="TITLE", help="its title in lists")
+    flag(new, "--guess", guessed)
+    option(new, "--title TITLE", "its title in lists")
 
 
 @command("characters")
@@ -89,12 +84,10 @@ def _add_characters(add: Add) -> None:
     title = "list characters, show one, or draft one from a model"
     made = _add_kind(add, "characters", title, ("list", "show", "new"))
     new = made.add_argument_group("sources of a new character")
-    new.add_argument(
-        "--model", metavar="FILE", type=Path, help="the model of the face (.glb, .vrm, .gltf)"
-    )
-    new.add_argument("--poseset", metavar="POSESET", help="its pose set [the best match]")
-    new.add_argument("--rig", metavar="RIG", help="a rig of the pose set [the best match]")
-    new.add_argument("--title", metavar="TITLE", help="its title in lists")
+    option(new, "--model FILE", "the model of the face (.glb, .vrm, .gltf)", type=Path)
+    option(new, "--poseset POSESET", "its pose set [the best match]")
+    option(new, "--rig RIG", "a rig of the pose set [the best match]")
+    option(new, "--title TITLE", "its title in lists")
 
 
 def _add_kind(add: Add, kind: str, title: str, actions: tuple[str, ...]) -> argparse.ArgumentParser:
@@ -208,7 +201,6 @@ def _new_character(library: "Library", options: Namespace) -> "PackDraft":
 def _check_language(library: "Library", options: Namespace) -> int:
     """Print the faults, the mouths and the tests of a language pack."""
     from lipsync_lang.authoring.language_check import check_language, draw_mouths
-    from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import located
     from lipsync_lang.packs.library import Library
     from lipsync_lang.performing.resolving import resolve

@@ -1,6 +1,7 @@
 """The command that shows the origin of the data of a pair."""
 
 from argparse import Namespace
+from dataclasses import asdict
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
@@ -21,8 +22,6 @@ def _add_resolve(add: Add) -> None:
 
 def resolve(options: Namespace) -> int:
     """Print a resolver's report; gaps are faults."""
-    from dataclasses import asdict
-
     from lipsync_lang.performing.resolving import resolve as resolve_pair
 
     report = resolve_pair(

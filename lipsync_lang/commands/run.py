@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.animations.rates import parse_offset
+from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import SOUND, as_options, count, listed
 from lipsync_lang.commands.performing import (
     LINE_PAGE,
@@ -19,7 +21,7 @@ from lipsync_lang.commands.performing import (
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_line
 from lipsync_lang.errors import LipsyncError, OutputError
-from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -36,46 +38,41 @@ def _add_run(add: Add) -> None:
     )
     add_line(run_)
     written = run_.add_argument_group("output")
-    written.add_argument(
-        "-o", "--output", metavar="FILE", action="append", default=[],
-        help="write the animation in the format of the suffix, or as FORMAT:FILE; csv:- is "
-        "standard output; may be repeated",
+    repeated(
+        written, "-o, --output FILE",
+        "write the animation in the format of the suffix, or as FORMAT:FILE; csv:- is standard "
+        "output; may be repeated",
     )  # fmt: skip
-    written.add_argument(
-        "--plot", metavar="FILE", type=argument_path,
-        help="draw every stage in a picture; - is standard output, as PNG",
+    option(
+        written, "--plot FILE", "draw every stage in a picture; - is standard output, as PNG",
+        type=argument_path,
     )  # fmt: skip
-    written.add_argument(
-        "--model", metavar="GLB", type=Path,
-        help="the model for -o line.glb, instead of the character's own",
+    option(
+        written, "--model GLB", "the model for -o line.glb, instead of the character's own",
+        type=Path,
     )  # fmt: skip
-    written.add_argument(
-        "--poses", action="store_true", help="write poses even if the character has a rig"
-    )
-    written.add_argument(
-        "--beside", metavar="CHARACTER", action="append", default=[],
-        help="draw this character below the first one instead of the stages; may be repeated",
+    flag(written, "--poses", "write poses even if the character has a rig")
+    repeated(
+        written, "--beside CHARACTER",
+        "draw this character below the first one instead of the stages; may be repeated",
     )  # fmt: skip
-    written.add_argument(
-        "--against", metavar="OTHER", action="append", default=[],
-        help="show a comparison on the page -o line.html: an animation file, a plain method "
+    repeated(
+        written, "--against OTHER",
+        "show a comparison on the page -o line.html: an animation file, a plain method "
         "(keyframes, dominance, held), or another character; may be repeated",
     )  # fmt: skip
-    written.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
-    written.add_argument(
-        "--offset", metavar="TIME", default=None,
-        help="start of the sound in the files: seconds, or a timecode 01:00:00:00 [the "
-        "project's, or 0]",
+    flag(written, "--cut", "leave out lead-in and tail")
+    option(
+        written, "--offset TIME",
+        "start of the sound in the files: seconds, or a timecode 01:00:00:00 [the project's, or 0]",
     )  # fmt: skip
-    written.add_argument(
-        "--keys", metavar="[lines:]ERROR",
-        help="store few keys with tangents, with at most this error, such as 0.01; lines:ERROR "
-        "stores straight lines instead, as formats without tangents do; lines:0 keeps every frame "
-        "that is not on a line [lines:0.005 in formats that are edited by hand, else every frame]",
+    option(
+        written, "--keys [lines:]ERROR",
+        "store few keys with tangents, with at most this error, such as 0.01; lines:ERROR stores "
+        "straight lines instead, as formats without tangents do; lines:0 keeps every frame that "
+        "is not on a line [lines:0.005 in formats that are edited by hand, else every frame]",
     )  # fmt: skip
-    written.add_argument(
-        "--check", action="store_true", help="check the animation's poses as well, as `check` does"
-    )
+    flag(written, "--check", "check the animation's poses as well, as `check` does")
 
 
 def run(options: Namespace) -> int:
@@ -83,8 +80,6 @@ def run(options: Namespace) -> int:
     from lipsync_lang.animations.animation import ExportSettings
     from lipsync_lang.animations.animation_writers import parse_output
     from lipsync_lang.animations.keys import parse_keys
-    from lipsync_lang.animations.rates import parse_offset
-    from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import is_model
 
     error, lines = parse_keys(options.keys) if options.keys is not None else (None, False)

@@ -1,64 +1,58 @@
 """Options shared by several commands: speaker, text and delivery."""
 
 import argparse
-from argparse import Namespace, _ActionsContainer
+from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.animations.rates import parse_rate
+from lipsync_lang.commands.options import Options, flag, option, repeated
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import argument_path
 
 if TYPE_CHECKING:
     from lipsync_lang.lines.markup import Cleaning
 
-Options = argparse._ActionsContainer  # noqa: SLF001 a command, or a group of its options
-
 
 def add_words(made: argparse.ArgumentParser) -> None:
     """Add the verbosity options."""
     words = made.add_mutually_exclusive_group()
-    words.add_argument("-q", "--quiet", action="store_true", help="print errors only")
-    words.add_argument(
-        "-v", "--verbose", action="store_true", help="print each step and its reason"
-    )
+    flag(words, "-q, --quiet", "print errors only")
+    flag(words, "-v, --verbose", "print each step and its reason")
 
 
 def add_path(made: Options) -> None:
     """Add the pack search path; the project supplies the default."""
     made.set_defaults(in_project=True)
-    made.add_argument(
-        "--path", metavar="FOLDER", type=Path, action="append", default=[],
-        help="search this folder for packs first; may be repeated",
-    )  # fmt: skip
+    repeated(
+        made, "--path FOLDER", "search this folder for packs first; may be repeated", type=Path
+    )
 
 
 def add_json(made: Options) -> None:
     """Add the option for JSON output."""
-    made.add_argument("--json", action="store_true", help="print JSON")
+    flag(made, "--json", "print JSON")
 
 
 def add_json_form(made: Options) -> None:
     """Add the option for JSON output to commands with several `--format` values."""
-    made.add_argument(
-        "--json", action="store_const", const="json", dest="format",
-        help="the same as --format json",
+    option(
+        made, "--json", "the same as --format json", action="store_const", const="json",
+        dest="format",
     )  # fmt: skip
 
 
 def add_output(made: Options) -> None:
     """Add the option for the files to write instead of printing."""
-    made.add_argument(
-        "-o", "--output", metavar="FILE", type=argument_path, action="append", default=[],
-        help="write to a file; - is standard output; may be repeated [print it]",
+    repeated(
+        made, "-o, --output FILE",
+        "write to a file; - is standard output; may be repeated [print it]", type=argument_path,
     )  # fmt: skip
 
 
 def add_language(made: Options) -> None:
     """Add the option for the language; the project supplies the default."""
-    made.add_argument(
-        "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
-    )
+    option(made, "-l, --language LANGUAGE", "name or tag of a language [the project's]")
 
 
 def add_pair(made: Options, *, models: bool = False) -> None:
@@ -69,7 +63,7 @@ def add_pair(made: Options, *, models: bool = False) -> None:
         else "a character or a pose set"
     )
     add_language(made)
-    made.add_argument("-c", "--character", metavar="CHARACTER", help=f"{face} [the project's]")
+    option(made, "-c, --character CHARACTER", f"{face} [the project's]")
     add_path(made)
 
 
@@ -78,108 +72,98 @@ def add_line(made: argparse.ArgumentParser) -> None:
     made.add_argument("text", metavar="TEXT", nargs="?", help="the text to say")
     add_pair(made.add_argument_group("speaker"), models=True)
     said = made.add_argument_group("line")
-    said.add_argument(
-        "--audio", metavar="FILE", type=Path,
-        help="a recording of the TEXT or of the --schedule; alone, its speech is recognised",
+    option(
+        said, "--audio FILE",
+        "a recording of the TEXT or of the --schedule; alone, its speech is recognised", type=Path,
     )  # fmt: skip
-    said.add_argument(
-        "--audio-channel", metavar="N", type=int,
-        help="channel of the recording, counted from 1 [all, mixed]",
-    )  # fmt: skip
-    said.add_argument(
-        "--aligner", metavar="NAME[:MODEL]",
-        help="aligner and its model [the language's]",
-    )  # fmt: skip
-    said.add_argument(
-        "--recogniser", metavar="NAME[:MODEL]",
-        help="recogniser and its model [the language's]",
-    )  # fmt: skip
-    said.add_argument(
-        "--schedule", metavar="FILE", type=argument_path,
-        help="timed phonemes instead of text; - is standard input",
-    )  # fmt: skip
-    said.add_argument(
-        "--read-as", metavar="FORMAT", help="the schedule's format [by its suffix and content]"
+    option(
+        said, "--audio-channel N", "channel of the recording, counted from 1 [all, mixed]", type=int
     )
-    said.add_argument(
-        "--tier", metavar="NAME", help="the schedule's tier, speaker or channel, if it has several"
-    )
-    said.add_argument(
-        "--rate", metavar="N", type=float,
-        help="units per second of the schedule's times: 1000 for milliseconds, 16000 for samples",
+    option(said, "--aligner NAME[:MODEL]", "aligner and its model [the language's]")
+    option(said, "--recogniser NAME[:MODEL]", "recogniser and its model [the language's]")
+    option(
+        said, "--schedule FILE", "timed phonemes instead of text; - is standard input",
+        type=argument_path,
     )  # fmt: skip
-    said.add_argument("--encoding", metavar="NAME", help="the schedule's encoding [UTF-8]")
-    said.add_argument("--notation", metavar="NAME", help="the notation of the schedule's labels")
-    said.add_argument(
-        "--line", metavar="NAME", help="the line whose edits in the character's file are applied"
-    )
-    said.add_argument(
-        "--tts", metavar="ENGINE", help="speech engine; none estimates times [the language's]"
-    )
+    option(said, "--read-as FORMAT", "the schedule's format [by its suffix and content]")
+    option(said, "--tier NAME", "the schedule's tier, speaker or channel, if it has several")
+    option(
+        said, "--rate N",
+        "units per second of the schedule's times: 1000 for milliseconds, 16000 for samples",
+        type=float,
+    )  # fmt: skip
+    option(said, "--encoding NAME", "the schedule's encoding [UTF-8]")
+    option(said, "--notation NAME", "the notation of the schedule's labels")
+    option(said, "--line NAME", "the line whose edits in the character's file are applied")
+    option(said, "--tts ENGINE", "speech engine; none estimates times [the language's]")
     add_values(said)
     how = made.add_argument_group("performance")
     add_manner(how)
-    how.add_argument(
-        "--intensity", metavar="X", type=float, default=None,
-        help="effect of loudness on the mouth: 0 for none, 1 as the pose set states, at most 2 [1 "
-        "if there is sound]",
+    option(
+        how, "--intensity X",
+        "effect of loudness on the mouth: 0 for none, 1 as the pose set states, at most 2 [1 if "
+        "there is sound]", type=float,
     )  # fmt: skip
-    how.add_argument(
-        "--gestures", metavar="NAME[:FACTOR],...",
-        help="make these gestures of the pose set: all, none, or such as blink,accent:0.5 [the "
+    option(
+        how, "--gestures NAME[:FACTOR],...",
+        "make these gestures of the pose set: all, none, or such as blink,accent:0.5 [the "
         "project's, or all in pages and videos alone]",
     )  # fmt: skip
-    how.add_argument(
-        "--idle", metavar="SECONDS", type=float,
-        help="rest so long after the line, with gestures of silence [the project's, or 0]",
+    option(
+        how, "--idle SECONDS",
+        "rest so long after the line, with gestures of silence [the project's, or 0]", type=float,
     )  # fmt: skip
 
 
 def add_manner(how: Options) -> None:
     """Add the options of delivery that need no whole line."""
-    how.add_argument(
-        "--style", metavar="NAME:SHARE", action="append", default=[], dest="styles",
-        help="blend in a style: --style angry:0.5; varying over seconds: --style angry:0@1,1@2.5",
+    repeated(
+        how, "--style NAME:SHARE",
+        "blend in a style: --style angry:0.5; varying over seconds: --style angry:0@1,1@2.5",
+        dest="styles",
     )  # fmt: skip
-    how.add_argument(
-        "--dial", metavar="REGION:LEVEL", action="append", default=[], dest="dials",
-        help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; may vary as in --style",
+    repeated(
+        how, "--dial REGION:LEVEL",
+        "scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; may vary as in --style",
+        dest="dials",
     )  # fmt: skip
     add_motion(how)
-    how.add_argument(
-        "--shades", action=argparse.BooleanOptionalAction, default=None,
-        help="perform shades (finer sounds), or each as its parent phoneme [the project's, or "
-        "yes; no "
-        "with motion=paper]",
+    option(
+        how, "--shades",
+        "perform shades (finer sounds), or each as its parent phoneme [the project's, or yes; no "
+        "with motion=paper]", action=argparse.BooleanOptionalAction,
     )  # fmt: skip
-    how.add_argument(
-        "--gaps", choices=("error", "rest"), default="error",
-        help="treatment of bigrams without data [error]",
+    option(
+        how, "--gaps", "treatment of bigrams without data [error]", choices=("error", "rest"),
+        default="error",
     )  # fmt: skip
-    how.add_argument(
-        "--unknown", choices=("error", "rest", "nearest"), default="nearest",
-        help="treatment of unmapped labels; nearest uses the features of IPA [nearest]",
+    option(
+        how, "--unknown",
+        "treatment of unmapped labels; nearest uses the features of IPA [nearest]",
+        choices=("error", "rest", "nearest"), default="nearest",
     )  # fmt: skip
 
 
 def add_motion(how: Options) -> None:
     """Add the frame rate and the settings of motion."""
-    how.add_argument(
-        "--fps", metavar="N", type=parse_rate, default=None,
-        help="frames per second, such as 24, 23.976 or 24000/1001 [the project's, or 60]",
+    option(
+        how, "--fps N",
+        "frames per second, such as 24, 23.976 or 24000/1001 [the project's, or 60]",
+        type=parse_rate,
     )  # fmt: skip
-    how.add_argument(
-        "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
-        help="change a motion setting, or use a preset: --set motion=paper",
+    repeated(
+        how, "--set motion.NAME=VALUE",
+        "change a motion setting, or use a preset: --set motion=paper", dest="settings",
     )  # fmt: skip
 
 
-def add_values(made: _ActionsContainer) -> None:
+def add_values(made: Options) -> None:
     """Add the values of placeholders; the project supplies the default."""
     made.set_defaults(unspoken=())
-    made.add_argument(
-        "--value", metavar="NAME=TEXT", action="append", default=[], dest="values",
-        help="speak this text for the placeholder [NAME], {NAME} or $NAME; may be repeated",
+    repeated(
+        made, "--value NAME=TEXT",
+        "speak this text for the placeholder [NAME], {NAME} or $NAME; may be repeated",
+        dest="values",
     )  # fmt: skip
 
 

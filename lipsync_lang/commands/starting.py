@@ -7,7 +7,7 @@ from pathlib import Path
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import extras, install_line
-from lipsync_lang.packs.project import find_project
+from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.version import __version__
 
 TITLE = f"lipsync-lang {__version__} turns speech into mouth animation, for any language and face."
@@ -43,8 +43,6 @@ def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes opti
 
 
 def _project_steps(path: Path, text: str) -> list[tuple[str, str]]:
-    from lipsync_lang.packs.project import load_project
-
     try:
         project = load_project(path).model
     except (LipsyncError, OSError):

@@ -5,12 +5,13 @@ from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
 
+from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import SOUND, tell_written
 from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_line
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import argument_path
+from lipsync_lang.files import argument_path, write_all
 
 
 @command("stills")
@@ -22,22 +23,17 @@ def _add_stills(add: Add) -> None:
         'stills "Hello, world" -l english -c facefx --at 0.12,0.42 --close -o hello.png',
     )
     add_line(stills_)
-    stills_.add_argument(
-        "--at", metavar="SECONDS", required=True, help="times of the schedule, separated by commas"
-    )
-    stills_.add_argument("--close", action="store_true", help="draw only the mouth")
-    stills_.add_argument(
-        "--model", metavar="GLB", type=Path, help="draw this model instead of the character's own"
-    )
-    stills_.add_argument(
-        "-o", "--output", metavar="FILE", type=argument_path, required=True,
-        help="write the sheet, as PNG; - is standard output",
+    option(stills_, "--at SECONDS", "times of the schedule, separated by commas", required=True)
+    flag(stills_, "--close", "draw only the mouth")
+    option(stills_, "--model GLB", "draw this model instead of the character's own", type=Path)
+    option(
+        stills_, "-o, --output FILE", "write the sheet, as PNG; - is standard output",
+        type=argument_path, required=True,
     )  # fmt: skip
 
 
 def stills(options: Namespace) -> int:
     """Draw the model at given times, to a sheet."""
-    from lipsync_lang.files import write_all
     from lipsync_lang.render.sheet import moments
 
     try:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.local_server import add_serving, serve
+from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_motion, add_pair, add_values, cleaning
@@ -26,7 +27,7 @@ def _add_studio(add: Add) -> None:
     add_pair(studio_)
     add_values(studio_)
     studio_.set_defaults(choosing=True, gestures=None)
-    studio_.add_argument("--tts", metavar="ENGINE", help="speech engine; none is silent")
+    option(studio_, "--tts ENGINE", "speech engine; none is silent")
     add_motion(studio_)
     add_serving(studio_)
 

@@ -3,6 +3,7 @@
 import sys
 from argparse import Namespace
 
+from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (
@@ -24,9 +25,9 @@ def _add_transcribe(add: Add) -> None:
         'transcribe "Hello, world" -l english',
     )
     transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="the text to read")
-    transcribe_.add_argument(
-        "--file", metavar="FILE", type=argument_path,
-        help="read the lines of this file instead of a TEXT; - is standard input",
+    option(
+        transcribe_, "--file FILE",
+        "read the lines of this file instead of a TEXT; - is standard input", type=argument_path,
     )  # fmt: skip
     add_language(transcribe_)
     add_values(transcribe_)

@@ -4,6 +4,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.commands.options import flag
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
@@ -19,11 +20,10 @@ def _add_validate(add: Add) -> None:
         "validate languages/finnish.yaml",
     )
     made.add_argument("paths", metavar="PATH", type=Path, nargs="*", help="a file or a folder")
-    made.add_argument(
-        "--no-tests",
-        action="store_true",
-        help="skip the tests in language packs (built-in languages are tested only if named)",
-    )
+    flag(
+        made, "--no-tests",
+        "skip the tests in language packs (built-in languages are tested only if named)",
+    )  # fmt: skip
     add_path(made)
     made.set_defaults(in_project=False)  # the project itself is validated
     add_json(made)

@@ -2,13 +2,10 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.report import Corpus, Coverage, CoverageReport, LanguageAddition, Tally
 from lipsync_lang.coverage.total import total_of
-
-if TYPE_CHECKING:
-    from lipsync_lang.resolver.compiled import Report
+from lipsync_lang.resolver.compiled import Report
 
 
 def joined(
@@ -63,7 +60,7 @@ def joined(
 
 
 def shared_of(
-    resolved: "Iterable[Report]", reports: Sequence[CoverageReport]
+    resolved: Iterable[Report], reports: Sequence[CoverageReport]
 ) -> tuple[LanguageAddition, ...]:
     """Return the bigrams that each language adds, with the number that any report needs."""
     return tuple(

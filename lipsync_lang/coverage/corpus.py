@@ -7,37 +7,32 @@ to disk if there are many.
 
 import json
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice, pairwise
 from tempfile import SpooledTemporaryFile
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
+from lipsync_lang.arrays import Ints
 from lipsync_lang.coverage.entry_words import EntryWords
+from lipsync_lang.coverage.gesture_tally import GestureTally
 from lipsync_lang.coverage.reading_cache import reading_cache
 from lipsync_lang.coverage.report import Corpus
 from lipsync_lang.coverage.script_changes import ScriptDigests
 from lipsync_lang.coverage.scripts import OtherScripts
 from lipsync_lang.coverage.tally_counter import TallyCounter
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.lines import Line
 from lipsync_lang.packs.speaker_faces import SpeakerFaces
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.phonology.g2p.tokens import PAUSES, pieces
 from lipsync_lang.pipeline.track import trigrams_in
+from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.speech.speaking.joining import estimate
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    import numpy.typing as npt
-
-    from lipsync_lang.arrays import Ints
-    from lipsync_lang.coverage.gesture_tally import GestureTally
-    from lipsync_lang.lines import Line
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.schedules.schedule import Schedule
-    from lipsync_lang.speech.speaking.transcripts import Transcript
+from lipsync_lang.speech.speaking.transcripts import Transcript
 
 BATCH_LINES = 1000
 """Number of lines in a batch for a voice."""
@@ -69,7 +64,7 @@ class Pages:
     def __len__(self) -> int:
         return len(self._starts) - 1
 
-    def add(self, line: "Line") -> None:
+    def add(self, line: Line) -> None:
         """Append a line."""
         self._file.seek(self._starts[-1])
         self._file.write(json.dumps([line.place, line.text]).encode())
@@ -96,7 +91,7 @@ class CorpusTotals:
     others: TallyCounter = field(default_factory=TallyCounter)
     digests: ScriptDigests = field(default_factory=ScriptDigests)
 
-    def add(self, line: "Line") -> None:
+    def add(self, line: Line) -> None:
         """Count a line."""
         self.files.setdefault(line.file or line.place)
         self.lines += 1
@@ -111,7 +106,7 @@ class CorpusTotals:
             if line.speaker:
                 self.others.add(line.speaker, line.place)
 
-    def corpus(self, languages: "Sequence[str]") -> Corpus:
+    def corpus(self, languages: Sequence[str]) -> Corpus:
         """Return the totals as the document holds them."""
         return Corpus(
             files=tuple(self.files),
@@ -124,22 +119,22 @@ class CorpusTotals:
         )
 
 
-Takes = Callable[["Line"], bool]
+Takes = Callable[[Line], bool]
 """Predicate for the lines that a character speaks."""
 
 
 class Reading(NamedTuple):
     """A reading of lines: a language with its pronunciations."""
 
-    performer: "Performer"
+    performer: Performer
     """Reads the lines; its character contributes pronunciations and trigrams."""
-    scripts: "Iterable[str]" = ()
+    scripts: Iterable[str] = ()
     """Scripts of the language; empty if unknown."""
     takes: Takes | None = None
     """Predicate of the lines to count; None for all."""
-    letters: "Iterable[str]" = ()
+    letters: Iterable[str] = ()
     """Letters of the language; empty if unknown."""
-    tallies: "Sequence[GestureTally]" = ()
+    tallies: Sequence[GestureTally] = ()
     """Counts of gestures, which the lines are added to."""
 
 
@@ -172,12 +167,12 @@ class Count:
         self._sets = array("H" if self.size**2 <= UINT16_VALUES else "I")
         self._starts = array("Q", [0])
 
-    def sets(self) -> "tuple[Ints, Ints]":
+    def sets(self) -> tuple[Ints, Ints]:
         """Return the codes of all lines, without silence, and the start index of each line."""
         kind = np.uint16 if self._sets.typecode == "H" else np.uint32
         return np.frombuffer(self._sets, kind), np.frombuffer(self._starts, np.uint64)
 
-    def add(self, start: int, lines: "Sequence[Line]") -> None:
+    def add(self, start: int, lines: Sequence[Line]) -> None:
         """Count lines with numbers from `start` on."""
         own = {n: line for n, line in enumerate(lines, start) if self._takes(line)}
         written = [line for line in own.values() if line.schedule is None]
@@ -206,7 +201,7 @@ class Count:
             if self._count(number, ids, words):
                 self._words |= dict.fromkeys(w for w in words if len(w) <= MAX_EXAMPLE_CHARS)
 
-    def _count(self, number: int, said: "Sequence[int]", words: "Sequence[str]") -> bool:
+    def _count(self, number: int, said: Sequence[int], words: Sequence[str]) -> bool:
         """Count a line; return True if any of its bigrams is new."""
         ids = np.array(said, np.int64)
         codes = ids[:-1] * self.size + ids[1:]
@@ -236,12 +231,12 @@ class Count:
         self._starts.append(len(self._sets))
         return is_first
 
-    def sounding(self, codes: "Ints") -> "npt.NDArray[np.bool_]":
+    def sounding(self, codes: Ints) -> npt.NDArray[np.bool_]:
         """Return True for codes without silence, in the shape of `codes`."""
         return (codes >= self.size) & (codes % self.size > 0)
 
     def _joined(
-        self, parts: "Sequence[str]", heard: "Iterator[Transcript]", place: str
+        self, parts: Sequence[str], heard: Iterator[Transcript], place: str
     ) -> LinePhonemes:
         """Join the parts of a line with breaks between them."""
         ids: list[int] = [SILENT]
@@ -257,7 +252,7 @@ class Count:
                 ids.append(SILENT)
         return [*ids, SILENT], words
 
-    def _transcribed(self, transcript: "Transcript", place: str) -> LinePhonemes:
+    def _transcribed(self, transcript: Transcript, place: str) -> LinePhonemes:
         words = [word for word in transcript.words if word.labels]
         for what in transcript.dropped:
             self.dropped.add(what, place)
@@ -275,17 +270,17 @@ class Count:
             self._tally(estimate(transcript, manner, notations[manner.notation]))
         return self._ids(transcript), [text for word in words for text in word.text.split()]
 
-    def _tally(self, schedule: "Schedule") -> None:
+    def _tally(self, schedule: Schedule) -> None:
         for tally in self._tallies:
             tally.add(schedule)
 
-    def _ids(self, transcript: "Transcript") -> list[int]:
+    def _ids(self, transcript: Transcript) -> list[int]:
         ids = [self._numbers[name] for name in transcript.phonemes]
         for gap in reversed(transcript.gaps):
             ids.insert(gap, BREAK)
         return ids
 
-    def _scheduled(self, line: "Line") -> LinePhonemes:
+    def _scheduled(self, line: Line) -> LinePhonemes:
         schedule = line.schedule
         assert schedule is not None  # noqa: S101 only lines with one come here
         notation = self._performer.notation(schedule)
@@ -311,8 +306,8 @@ class Count:
 
 
 def count(
-    lines: "Iterable[Line]",
-    readings: "Sequence[Reading]",
+    lines: Iterable[Line],
+    readings: Sequence[Reading],
     pages: Pages,
     faces: SpeakerFaces | None = None,
 ) -> tuple[Corpus, list[Count]]:

@@ -7,18 +7,15 @@ script writes many other words so, as German does with its nouns, or writes the 
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.report import EntryWord
 from lipsync_lang.coverage.scripts import script
 from lipsync_lang.coverage.tally_counter import TallyCounter
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.lines import Line
+from lipsync_lang.packs.models.language_models import Language
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
-
-if TYPE_CHECKING:
-    from lipsync_lang.lines import Line
-    from lipsync_lang.packs.models.language_models import Language
-    from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 MAX_NAMES_SHARE = 0.15
 """Largest share of words with a capital within sentences; above it, a capital makes no name."""
@@ -30,7 +27,7 @@ MAX_COMPARED_WORDS = 2000
 """Number of words that two engines read for a comparison, the most frequent ones."""
 
 
-def letters_of(language: "Language") -> frozenset[str]:
+def letters_of(language: Language) -> frozenset[str]:
     """Return the small letters that the texts of a pack have."""
     text = language.text
     written = [test.text for test in language.tests]
@@ -42,7 +39,7 @@ def letters_of(language: "Language") -> frozenset[str]:
 class EntryWords:
     """Counts of the words of lines that deserve an entry; none if `letters` are unknown."""
 
-    def __init__(self, speaker: "Speaker", letters: Iterable[str]) -> None:
+    def __init__(self, speaker: Speaker, letters: Iterable[str]) -> None:
         self._speaker = speaker
         self._letters = frozenset(letters)
         self._scripts = frozenset(map(script, self._letters)) - {""}
@@ -50,7 +47,7 @@ class EntryWords:
         self._small: set[str] = set()
         self._within = 0
 
-    def add(self, lines: Iterable["Line"]) -> None:
+    def add(self, lines: Iterable[Line]) -> None:
         """Count the words of lines."""
         for line in lines if self._letters else ():
             within = False

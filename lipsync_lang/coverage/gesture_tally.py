@@ -1,14 +1,12 @@
 """Counts of gestures in a script, at the times of its lines, or at estimated ones."""
 
 from collections import Counter
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 from lipsync_lang.coverage.report import GestureNeed
 from lipsync_lang.performing.gesturing import GestureScales, gesture_curves, scales_of
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.schedules.schedule import Schedule
 
 COUNTED_FPS = 30.0
 """Frames per second at which gestures are laid; a line has the same gestures at any rate."""
@@ -17,19 +15,19 @@ COUNTED_FPS = 30.0
 class GestureTally:
     """Gestures of the lines of a character, by their facts."""
 
-    def __init__(self, performer: "Performer", scales: list[float]) -> None:
+    def __init__(self, performer: Performer, scales: list[float]) -> None:
         self._performer, self._scales = performer, scales
         self.seconds = 0.0
         """Length of the lines, with the movements before and after them."""
         self._counts: Counter[tuple[int, str]] = Counter()
 
     @classmethod
-    def of(cls, performer: "Performer", asked: GestureScales | None) -> Self | None:
+    def of(cls, performer: Performer, asked: GestureScales | None) -> Self | None:
         """Return a tally of the gestures asked for; None if the pose set has none of them."""
         scales = scales_of(performer.compiled, asked)
         return None if scales is None else cls(performer, scales)
 
-    def add(self, schedule: "Schedule") -> None:
+    def add(self, schedule: Schedule) -> None:
         """Count the gestures of a line."""
         times = self._performer.performance(schedule, COUNTED_FPS).frames.times()
         _, laid = gesture_curves(self._performer, schedule, times, COUNTED_FPS, self._scales, {})

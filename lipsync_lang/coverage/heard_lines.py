@@ -16,6 +16,7 @@ import numpy as np
 from lipsync_lang.coverage.reading_cache import READINGS_FILE, ReadingCache, versions
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.lines import Line
+from lipsync_lang.lines.line_readers import by_suffix
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.g2p import SpokenWord
 from lipsync_lang.resolver.cache import folder
@@ -44,8 +45,6 @@ def unwritten(paths: Iterable[Path]) -> list[Path]:
 
 def is_text(path: Path) -> bool:
     """Return True for the name of a file of lines or timings."""
-    from lipsync_lang.lines.line_readers import by_suffix
-
     return path.suffix.lower() in by_suffix()
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.column_joining import shared_of
 from lipsync_lang.coverage.corpus import Pages, Reading, count
@@ -17,16 +16,14 @@ from lipsync_lang.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.coverage.scripts import scripts_of
 from lipsync_lang.coverage.total import total_of
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.lines import Line
 from lipsync_lang.packs.finding import Paths, folders_of
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
-
-if TYPE_CHECKING:
-    from lipsync_lang.lines import Line
-    from lipsync_lang.performing.gesturing import GestureScales
+from lipsync_lang.performing.gesturing import GestureScales
 
 
 def coverage(  # noqa: PLR0913 two names, and options by keyword
-    lines: "Iterable[Line]",
+    lines: Iterable[Line],
     language: str | Path | Iterable[str | Path],
     character: str | Path | Iterable[str | Path],
     *,
@@ -34,7 +31,7 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     minutes: float = 5.0,
     weights: Mapping[str, float] | None = None,
     cast: Mapping[str, Sequence[str]] | None = None,
-    gestures: "GestureScales | None" = None,
+    gestures: GestureScales | None = None,
 ) -> Coverage:
     """Count the bigrams that lines need, and compare them with the bigrams of characters.
 
@@ -111,5 +108,5 @@ def _names(given: str | Path | Iterable[str | Path]) -> list[str | Path]:
     return [given] if isinstance(given, (str, Path)) else list(dict.fromkeys(given))
 
 
-def _speaks(faces: SpeakerFaces, character: str, line: "Line") -> bool:
+def _speaks(faces: SpeakerFaces, character: str, line: Line) -> bool:
     return character in faces.of(line.speaker)

@@ -80,8 +80,7 @@ def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]
 
 
 def _members(sets: Ints, starts: Ints, number: int) -> list[int]:
-    members: list[int] = sets[starts[number] : starts[number + 1]].tolist()
-    return members
+    return sets[starts[number] : starts[number + 1]].tolist()
 
 
 def _spared(chosen: Sequence[int], sets: Ints, starts: Ints, wanted: Ints) -> list[int]:

@@ -12,15 +12,12 @@ from functools import cache
 from hashlib import blake2b, sha256
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lipsync_lang.extras import PROGRAM
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.phonology.g2p import SpokenWord
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES
 from lipsync_lang.resolver.cache import compiler, folder
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
 
 READINGS_FILE = "readings.sqlite"
 
@@ -65,7 +62,7 @@ class ReadingCache:
         return blake2b(written, key=self._settings, digest_size=KEY_BYTES).digest()
 
 
-def reading_cache(performer: "Performer") -> ReadingCache | None:
+def reading_cache(performer: Performer) -> ReadingCache | None:
     """Return the words that a performer's language was read as; None if they cannot be kept."""
     manner, home = performer.speaker.manner, folder()
     if home is None or manner.engine not in G2P_ENGINES.modules:

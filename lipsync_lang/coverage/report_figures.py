@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,11 +10,9 @@ from lipsync_lang.coverage import plan
 from lipsync_lang.coverage.corpus import Count, Pages
 from lipsync_lang.coverage.facts import AuthoredShare, NextHour, WorkLeft, authored
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Sentence, TrigramNeed
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.reports.percentages import percent
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.resolver.compiled import Origin
+from lipsync_lang.resolver.compiled import Origin
 
 
 class CountFigures:
@@ -31,7 +28,7 @@ class CountFigures:
         self.silent = np.where(sounding, 0, counted.bigrams)
         self.unused = [int(c) for c in codes if sounding[c] and not counted.bigrams[c]]
 
-    def trigrams(self, performer: "Performer") -> tuple[TrigramNeed, ...]:
+    def trigrams(self, performer: Performer) -> tuple[TrigramNeed, ...]:
         """Return the trigrams that a character plays, most frequent first.
 
         Trigrams of shades are left out, like bigrams of shades.
@@ -57,7 +54,7 @@ class CountFigures:
     def bigrams(
         self,
         counts: Ints,
-        origins: "dict[int, Origin]",
+        origins: dict[int, Origin],
         names: Sequence[str],
         trigrams: Iterable[TrigramNeed],
     ) -> tuple[BigramNeed, ...]:
@@ -100,7 +97,7 @@ class CountFigures:
 
 
 def report_of(
-    performer: "Performer",
+    performer: Performer,
     counted_lines: CountFigures,
     minutes: float,
     title: str,

@@ -3,12 +3,9 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from hashlib import blake2b
-from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.facts import Fact
-
-if TYPE_CHECKING:
-    from lipsync_lang.lines import Line
+from lipsync_lang.lines import Line
 
 MAX_COMPARED_LINES = 100_000
 """Maximum number of lines with digests; a larger script is not compared."""
@@ -51,7 +48,7 @@ class ScriptDigests:
         self._found: list[tuple[str, str, str]] = []
         self._lines = 0
 
-    def add(self, line: "Line") -> None:
+    def add(self, line: Line) -> None:
         """Add a line."""
         self._lines += 1
         if self._lines > MAX_COMPARED_LINES:

@@ -10,17 +10,14 @@ import re
 from collections.abc import Iterable, Sequence
 from difflib import SequenceMatcher
 from functools import cache
-from typing import TYPE_CHECKING
 from unicodedata import category, name, normalize
 
 from lipsync_lang.coverage.report import OtherScript
 from lipsync_lang.coverage.tally_counter import MAX_TALLY_NAMES, TallyCounter
+from lipsync_lang.lines import Line
+from lipsync_lang.packs.models.language_models import Language
 from lipsync_lang.phonology.g2p.tokens import PAUSES, counts, pieces
-
-if TYPE_CHECKING:
-    from lipsync_lang.lines import Line
-    from lipsync_lang.packs.models.language_models import Language
-    from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 TextSpans = list[tuple[int, int]]
 """Start and stop of each part of a text."""
@@ -51,7 +48,7 @@ def script(character: str) -> str:
     return name(normalize("NFKC", character)[0], "").partition(" ")[0]
 
 
-def scripts_of(language: "Language") -> frozenset[str]:
+def scripts_of(language: Language) -> frozenset[str]:
     """Return the scripts of a pack's own tests."""
     return frozenset(script(c) for test in language.tests for c in test.text) - {""}
 
@@ -59,14 +56,14 @@ def scripts_of(language: "Language") -> frozenset[str]:
 class OtherScripts:
     """Words of lines in other scripts, read or spelled; none if `own` scripts are unknown."""
 
-    def __init__(self, speaker: "Speaker", own: Iterable[str]) -> None:
+    def __init__(self, speaker: Speaker, own: Iterable[str]) -> None:
         self._speaker = speaker
         self._own = frozenset(own)
         self._classes: dict[str, str] = {}
         self._spells: dict[str, bool] = {}
         self._read, self._spelled = TallyCounter(), TallyCounter()
 
-    def spelled(self, lines: "Sequence[Line]") -> list[TextSpans]:
+    def spelled(self, lines: Sequence[Line]) -> list[TextSpans]:
         """Count the words of lines in other scripts; return the spans of spelled words."""
         spans: list[TextSpans] = []
         for line in lines:

@@ -4,25 +4,21 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, suppress
-from multiprocessing import parent_process
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from concurrent.futures import ProcessPoolExecutor
 
 MOST_PROCESSES = 61 if sys.platform == "win32" else 10_000
 """Maximum number of processes of a pool, which is the limit on Windows."""
 
 
 def child_pool(
-    count: int, begin: "Callable[..., None] | None" = None, *values: object
-) -> "ProcessPoolExecutor":
+    count: int, begin: Callable[..., None] | None = None, *values: object
+) -> ProcessPoolExecutor:
     """Return a pool of fresh processes, which start alike on every system.
 
     Parameters
@@ -30,15 +26,12 @@ def child_pool(
     count : of processes, fewer where the system allows no more
     begin, values : a function that each process calls first, and its arguments
     """
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
     return ProcessPoolExecutor(
         min(count, MOST_PROCESSES), get_context("spawn"), _begin, (begin, values)
     )
 
 
-def _begin(then: "Callable[..., None] | None", values: tuple[object, ...]) -> None:
+def _begin(then: Callable[..., None] | None, values: tuple[object, ...]) -> None:
     """Prepare a process: its parent alone answers to Ctrl-C, and it ends with its parent."""
     for name in ("SIGINT", "SIGBREAK"):  # Windows sends both to all processes of a console
         if hasattr(signal, name):

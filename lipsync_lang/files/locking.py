@@ -4,6 +4,7 @@ The system releases a lock when its process ends, however it ends.
 """
 
 import os
+from importlib import import_module
 from pathlib import Path
 
 
@@ -27,8 +28,6 @@ def _lock(held: int) -> None:
     try:
         import fcntl
     except ImportError:
-        from importlib import import_module
-
         windows = import_module("msvcrt")
         windows.locking(held, windows.LK_NBLCK, 1)
     else:

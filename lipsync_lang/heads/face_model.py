@@ -28,8 +28,7 @@ NAMED_MISSING_FILES = 3
 def read_recipe(name: str) -> Json:
     """Read a recipe by name."""
     text = files(__package__).joinpath("recipes", f"{name}.yaml").read_text("utf-8")
-    found: Json = yaml.safe_load(text)
-    return found
+    return yaml.safe_load(text)
 
 
 @dataclass(frozen=True)

@@ -48,8 +48,7 @@ def linear(code: str) -> Floats:
 def ramp(low: float, high: float, x: Floats) -> Floats:
     """Rise from 0 at `low` to 1 at `high` in an S; with low > high it falls."""
     t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    risen: Floats = t * t * (3.0 - 2.0 * t)
-    return risen
+    return t * t * (3.0 - 2.0 * t)
 
 
 def brow_way(points: Floats, recipe: Json) -> tuple[Floats, Floats]:
@@ -72,8 +71,7 @@ def _skin(points: Floats, recipe: Json) -> Floats:
 
     def spot(centre: Sequence[float], size: float) -> Floats:
         away = np.stack([x, y, z], 1) - np.array(centre)
-        shade: Floats = np.exp(-np.sum(away**2, axis=1) / size**2)
-        return shade
+        return np.exp(-np.sum(away**2, axis=1) / size**2)
 
     warm = 0.34 * spot((4.6, -0.4, 9.0), 2.4) + 0.3 * spot((0, 0.2, 12.8), 1.3)
     warm += 0.14 * spot((0, -7.0, 10.5), 1.8) + 0.3 * ramp(7.0, 8.0, x) * ramp(-7, -2, y)

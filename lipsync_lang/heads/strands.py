@@ -35,8 +35,7 @@ class Strands(NamedTuple):
 
     def on(self, values: Floats) -> Floats:
         """Carry (V, 3) displacements of the face over to the strands."""
-        found: Floats = values[self.first] * (1 - self.share) + values[self.second] * self.share
-        return found
+        return values[self.first] * (1 - self.share) + values[self.second] * self.share
 
 
 def lashes(places: Floats, rows: int, strips: Sequence[int]) -> Strands:

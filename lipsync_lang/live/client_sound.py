@@ -1,24 +1,22 @@
 """Sound of a client of a WebSocket: a voice of its own, or one that all receivers follow."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.listening.listener import Listener
 from lipsync_lang.live.live_frame import LiveFrame, as_row
 from lipsync_lang.live.live_gestures import LiveGestures, beside
+from lipsync_lang.live.live_voice import LiveVoice
 from lipsync_lang.live.sound_bytes import SampleForm, checked_form
-
-if TYPE_CHECKING:
-    from lipsync_lang.listening.listener import Listener
-    from lipsync_lang.live.live_voice import LiveVoice
-    from lipsync_lang.pipeline.perform import FinalFrames
+from lipsync_lang.pipeline.perform import FinalFrames
 
 SOUND_FIELDS = ("rate", "format", "delay", "for")
 
 FOR_ALL = "all"
 """Value of `for`: the receivers of the session follow the sound."""
 
-OpenListener = Callable[[int, float | None], "Listener"]
+OpenListener = Callable[[int, float | None], Listener]
 """Opens a listener for a rate and a delay in seconds; None is the session's delay."""
 
 BELIEF_DECIMALS = 3
@@ -30,7 +28,7 @@ class ClientSound:
     def __init__(
         self,
         open_listener: OpenListener,
-        voice: "LiveVoice",
+        voice: LiveVoice,
         gestures: "LiveGestures | None" = None,
     ) -> None:
         self.open_listener, self.voice, self.gestures = open_listener, voice, gestures
@@ -100,7 +98,7 @@ class ClientSound:
         self.listener, self.heard = None, 0.0
         return told
 
-    def _told(self, listener: "Listener", final: "FinalFrames") -> dict[str, Any]:
+    def _told(self, listener: Listener, final: FinalFrames) -> dict[str, Any]:
         lips = [*map(LiveFrame, final.times.tolist(), final.weights)]
         frames = [*map(as_row, beside(self.gestures, lips))]
         belief = [round(one, BELIEF_DECIMALS) for one in listener.belief.tolist()]

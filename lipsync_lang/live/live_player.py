@@ -12,21 +12,19 @@ from math import floor, inf
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
 from time import monotonic, sleep
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.live.live_frame import LiveFrame, Outlet
+from lipsync_lang.live.live_gestures import LiveGestures
+from lipsync_lang.live.live_voice import LiveVoice
 from lipsync_lang.performing.gesturing import line_facts
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.stream import Stream
 from lipsync_lang.schedules.schedule import Schedule
-
-if TYPE_CHECKING:
-    from lipsync_lang.live.live_gestures import LiveGestures
-    from lipsync_lang.live.live_voice import LiveVoice
-    from lipsync_lang.performing.stream import Stream
 
 IDLE_SECONDS = 0.5
 """Interval at which a mouth at rest is sent again, so that an engine keeps the connection."""
@@ -61,8 +59,8 @@ class LivePlayer:
         outlets: list[Outlet],
         how: Mapping[str, Any] | None = None,
         *,
-        voice: "LiveVoice | None" = None,
-        gestures: "LiveGestures | None" = None,
+        voice: LiveVoice | None = None,
+        gestures: LiveGestures | None = None,
         clock: Callable[[], float] = monotonic,
         wait: Callable[[float], None] = sleep,
     ) -> None:
@@ -116,7 +114,7 @@ class LivePlayer:
         moving = self.gestures is not None and self.stream is None and not heard
         return 0.9 / self.fps if moving else IDLE_SECONDS
 
-    def _spoken(self, stream: "Stream", now: float) -> list[LiveFrame]:
+    def _spoken(self, stream: Stream, now: float) -> list[LiveFrame]:
         """Return the frames of an utterance that are due, which go before those of a voice."""
         at = now - self.zero
         if not stream.finished and (stream.final_until or 0.0) < at + AHEAD_FRAMES / self.fps:

@@ -6,17 +6,15 @@ and the contradiction is told. Samples are floats from -1 to 1, little-endian in
 
 import struct
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from lipsync_lang.arrays import Singles
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.lines.line_readers import Remark
 from lipsync_lang.speech.sound import FASTEST, MAX_CHANNELS, SLOWEST, SPEECH_RATE
 from lipsync_lang.speech.sound_forms import FOREIGN_MARKS, FORM_BYTES, PLACEHOLDER_BYTES, is_name
-
-if TYPE_CHECKING:
-    from lipsync_lang.lines.line_readers import Remark
 
 PCM_FORMATS = {
     "u8": (1, 1), "s16": (1, 2), "s24": (1, 3), "s32": (1, 4), "f32": (3, 4), "f64": (3, 8),
@@ -130,7 +128,7 @@ class ByteStream:
         return found
 
 
-def sounds(read: Callable[[int], bytes], stated: SampleForm, tell: "Remark") -> Iterator[Pcm]:
+def sounds(read: Callable[[int], bytes], stated: SampleForm, tell: Remark) -> Iterator[Pcm]:
     """Yield the sound of a stream as it arrives, until its end.
 
     Parameters
@@ -172,7 +170,7 @@ def sounds(read: Callable[[int], bytes], stated: SampleForm, tell: "Remark") -> 
 
 
 def _whole_samples(
-    stream: ByteStream, form: SampleForm, left: int | None, tell: "Remark"
+    stream: ByteStream, form: SampleForm, left: int | None, tell: Remark
 ) -> Iterator[bytes]:
     """Yield bytes of whole samples, at most `left`, until the end."""
     size, rest = form.frame_bytes, b""
@@ -192,7 +190,7 @@ def _whole_samples(
 
 
 def _wav_form(
-    stream: ByteStream, stated: SampleForm, tell: "Remark"
+    stream: ByteStream, stated: SampleForm, tell: Remark
 ) -> tuple[SampleForm, int | None]:
     """Read a WAV header; return the form of its samples and their bytes, None if unknown."""
     stream.exactly(SNIFFED_BYTES)
@@ -213,7 +211,7 @@ def _wav_form(
     raise LipsyncError(f"the WAV header has no samples; {CONVERTED}")
 
 
-def _stated_form(chunk: bytes, stated: SampleForm, tell: "Remark") -> SampleForm:
+def _stated_form(chunk: bytes, stated: SampleForm, tell: Remark) -> SampleForm:
     """Return the form that a WAV header states; where it contradicts itself, tell which part."""
     kind, channels, rate, _, block, bits = struct.unpack("<HHIIHH", chunk[:FORM_BYTES])
     if kind == EXTENSIBLE and len(chunk) > 25:  # noqa: PLR2004 the place of the number
@@ -250,7 +248,7 @@ def _refuse_compressed(head: bytes) -> None:
             raise LipsyncError(f"the sound is {name}, neither samples nor WAV; {CONVERTED}")
 
 
-def _doubt(raw: bytes, form: SampleForm, tell: "Remark") -> None:
+def _doubt(raw: bytes, form: SampleForm, tell: Remark) -> None:
     """Tell if raw samples are floats, but stated as whole numbers, or the other way round."""
     values = np.abs(np.frombuffer(raw[: len(raw) - len(raw) % 4], "<f4"))
     values = values[values != 0]

@@ -6,18 +6,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from threading import Thread
 from time import sleep
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.extras import extras, install_line
+from lipsync_lang.lines.line_readers import Remark
+from lipsync_lang.live.live_voice import LiveVoice
 from lipsync_lang.live.sound_bytes import Pcm, SampleForm, sounds
 from lipsync_lang.speech.sound import INT16_FULL_SCALE, read_audio
-
-if TYPE_CHECKING:
-    from lipsync_lang.lines.line_readers import Remark
-    from lipsync_lang.live.live_voice import LiveVoice
 
 STANDARD_INPUT = "-"
 
@@ -33,7 +31,7 @@ RETRY_SECONDS = 2.0
 class SoundFeed:
     """A thread that offers the sound of a source to a voice until its end; `error` stopped it."""
 
-    def __init__(self, source: Iterator[Pcm], voice: "LiveVoice") -> None:
+    def __init__(self, source: Iterator[Pcm], voice: LiveVoice) -> None:
         self.error: LipsyncError | None = None
         self.voice = voice
         self._thread = Thread(target=self._work, args=(source, voice), daemon=True)
@@ -44,7 +42,7 @@ class SoundFeed:
         """True until the source has ended."""
         return self._thread.is_alive()
 
-    def _work(self, source: Iterator[Pcm], voice: "LiveVoice") -> None:
+    def _work(self, source: Iterator[Pcm], voice: LiveVoice) -> None:
         rate = 0
         try:
             for rate, samples in source:
@@ -59,7 +57,7 @@ class SoundFeed:
             voice.end()
 
 
-def open_source(text: str, form: SampleForm, rate: int | None, tell: "Remark") -> Iterator[Pcm]:
+def open_source(text: str, form: SampleForm, rate: int | None, tell: Remark) -> Iterator[Pcm]:
     """Open a source of sound: `-`, `mic`, `mic:DEVICE`, or a file.
 
     Parameters
@@ -101,7 +99,7 @@ def _standard_input() -> Any:
 class Microphone:
     """A microphone, by a part of its name or its number; the usual one without either."""
 
-    def __init__(self, device: str, rate: int | None, tell: "Remark") -> None:
+    def __init__(self, device: str, rate: int | None, tell: Remark) -> None:
         self.library, self.tell = _sounddevice(), tell
         self.device, self.name = _device(device)
         self.rate = rate

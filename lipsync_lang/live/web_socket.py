@@ -226,8 +226,7 @@ class WebSocketOutlet:
     @property
     def port(self) -> int:
         """Port of the server."""
-        port: int = self.socket.getsockname()[1]
-        return port
+        return self.socket.getsockname()[1]
 
     def send(self, frame: LiveFrame) -> None:
         """Send a frame to every client."""

@@ -22,6 +22,7 @@ from lipsync_lang.errors import ScheduleError, SpeechError
 from lipsync_lang.mfa.mfa_command import MfaModels, run_mfa
 from lipsync_lang.mfa.mfa_words import SILENCES, UNKNOWN, with_lacking
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Audio, Schedule, Word
+from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.speech.hearing.align.aligners import BatchAligner, aligner
 from lipsync_lang.speech.hearing.engine_names import engine_and_model
 from lipsync_lang.speech.results import batches, each, tried
@@ -104,8 +105,6 @@ def _written(corpus: Path, numbered: tuple[int, Given]) -> float:
 
 def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> Schedule:
     """Read the answer for a recording."""
-    from lipsync_lang.schedules.timing_readers import read_schedule
-
     file = next(output.rglob(f"{number:05d}.TextGrid"), None)
     if file is None:
         raise SpeechError(_unfit(text))

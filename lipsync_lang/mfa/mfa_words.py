@@ -6,16 +6,13 @@ reads text in the notation of the other labels, the word gets its phonemes, spre
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.errors import SpeechError, shortlist
 from lipsync_lang.phonology.labels import recognise
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-
-if TYPE_CHECKING:
-    from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 UNKNOWN = "spn"
 """Label of a word that the dictionary lacks."""
@@ -28,7 +25,7 @@ MAX_SHOWN_WORDS = 8
 Labels = tuple[str, ...]
 
 
-def with_lacking(schedule: Schedule, speaker: "Speaker") -> Schedule:
+def with_lacking(schedule: Schedule, speaker: Speaker) -> Schedule:
     """Return a schedule whose unknown words are read by the language, and a remark on them."""
     spans = [schedule.labels[word.first : word.stop] for word in schedule.words]
     lacking = [n for n, span in enumerate(spans) if set(span) == {UNKNOWN}]

@@ -1,18 +1,14 @@
 """Lists and descriptions of packs, as text and as data."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, NamedTuple
 
-from lipsync_lang.packs.finding import beside
+from lipsync_lang.packs import models
+from lipsync_lang.packs.finding import Kind, beside
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import AtMost
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.yaml.faults import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
-
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.finding import Kind
-    from lipsync_lang.packs.library import Library, Pack
 
 
 class Description(NamedTuple):
@@ -22,7 +18,7 @@ class Description(NamedTuple):
     data: Any
 
 
-def listing(library: "Library", kind: "Kind") -> Description:
+def listing(library: Library, kind: Kind) -> Description:
     """List every pack of a kind with its path; shadowed packs are marked."""
     rows = [
         {
@@ -45,14 +41,14 @@ def listing(library: "Library", kind: "Kind") -> Description:
     return Description("\n".join(lines), rows)
 
 
-def show(library: "Library", kind: "Kind", name: str) -> Description:
+def show(library: Library, kind: Kind, name: str) -> Description:
     """Describe one pose set or character; `authoring.language` describes languages."""
     if kind == "poseset":
         return _poseset(library, library.poseset(name))
     return _character(library, library.character(name))
 
 
-def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
+def _poseset(library: Library, pack: Pack[models.PoseSet]) -> Description:
     model = pack.model
     lines = [f"{model.title or model.name}, {shown(pack.path)}", *_poses(model)]
     if model.neutral is not None:
@@ -86,7 +82,7 @@ def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
     return Description("\n".join(lines), model.model_dump(mode="json", by_alias=True))
 
 
-def _poses(model: "models.PoseSet") -> "Iterator[str]":
+def _poses(model: models.PoseSet) -> Iterator[str]:
     """List the poses of speech and of gestures, a line each."""
     groups: dict[str, Mapping[str, models.Pose | models.GesturePose]] = {
         "poses": model.poses,
@@ -103,7 +99,7 @@ def _poses(model: "models.PoseSet") -> "Iterator[str]":
             yield f"  {name:<{width}}{pose.region:<{wide}}{pose.title}".rstrip()
 
 
-def _checks(checks: "models.Checks") -> "Iterator[str]":
+def _checks(checks: models.Checks) -> Iterator[str]:
     """Describe the checks of finished animations, a line each."""
     for name, rule in checks.rules.items():
         bounds = {"at least": rule.at_least, "at most": rule.at_most}
@@ -114,13 +110,13 @@ def _checks(checks: "models.Checks") -> "Iterator[str]":
     yield from (f"limit {name}: {value:g}" for name, value in limits.items())
 
 
-def _model(pack: "Pack[Any]", file: str | None) -> "Iterator[str]":
+def _model(pack: Pack[Any], file: str | None) -> Iterator[str]:
     if file is not None:
         path = beside(pack.path, file)
         yield f"model: {file} (missing)" if path is None else f"model: {shown(path)}"
 
 
-def _sum(gains: "Mapping[str, float]") -> str:
+def _sum(gains: Mapping[str, float]) -> str:
     """Write a sum of gain times pose: ``jaw - 0.5 lips``."""
     terms = []
     for pose, gain in gains.items():
@@ -129,7 +125,7 @@ def _sum(gains: "Mapping[str, float]") -> str:
     return " ".join(terms).removeprefix("+ ")
 
 
-def _character(library: "Library", pack: "Pack[models.Character]") -> Description:
+def _character(library: Library, pack: Pack[models.Character]) -> Description:
     model = pack.model
     lines = [f"{model.title or model.name}, {shown(pack.path)}", f"pose set: {model.poseset}"]
     counts: Mapping[str, Collection[str]] = {

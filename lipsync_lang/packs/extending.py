@@ -6,10 +6,10 @@ from unicodedata import normalize
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.automatic import automatic
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.packs.models import Language
 
 REPLACED_FIELDS = ("g2p", "tts", "audio", "automatic", "gesture_words")
@@ -19,10 +19,8 @@ MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")
 """Mappings that are merged; a child's entry replaces its parent's."""
 
 
-def extended(library: "Library", path: Path) -> "Pack[Language]":
+def extended(library: Library, path: Path) -> "Pack[Language]":
     """Load a language with all that it inherits; raise `PackFaults` for an unsound parent."""
-    from lipsync_lang.packs.library import Pack
-
     line: list[Pack[Language]] = []
     while True:
         pack = cast("Pack[Language]", library.load(path, "language", path.stem))

@@ -8,19 +8,17 @@ others.
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
-from lipsync_lang.extensions import PACKS, installed
+from lipsync_lang.extensions import PACKS, EntryPoint, installed
 from lipsync_lang.files.reach import PATH_VARIABLE, is_reached, refuse_outside
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.phonology.language_names import folded_language
-
-if TYPE_CHECKING:
-    from lipsync_lang.extensions import EntryPoint
 
 Kind = Literal["language", "poseset", "character"]
 
@@ -337,10 +335,8 @@ def built_in() -> Path:
     return carried if (carried / FOLDERS["language"]).is_dir() else package.parent
 
 
-def location(entry_point: "EntryPoint") -> Path | None:
+def location(entry_point: EntryPoint) -> Path | None:
     """Return the folder that an entry point names, or None; no code of it is run."""
-    from importlib.util import find_spec
-
     top, *rest = entry_point.value.split(":")[0].strip().split(".")
     try:
         spec = find_spec(top)

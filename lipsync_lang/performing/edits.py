@@ -6,7 +6,7 @@ word, and its phoneme 0 is its first sound. Pauses are not counted.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,11 +14,9 @@ from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.tables import RESOLUTION
+from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.schedules.phoneme_changes import misfit, with_changes
-
-if TYPE_CHECKING:
-    from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.schedule import Schedule
 
 SAME_SECONDS = 1e-3
 """Maximum difference between two times of one boundary."""
@@ -28,8 +26,8 @@ EditedCurves = Mapping[str, Sequence[Sequence[float]]]
 
 
 def corrected(
-    stated: Mapping[str, Any], compiled: "CompiledPair", schedule: "Schedule", line: str | None
-) -> "Schedule":
+    stated: Mapping[str, Any], compiled: CompiledPair, schedule: Schedule, line: str | None
+) -> Schedule:
     """Return a schedule with the phonemes, times and emphasis that the character states for a line.
 
     If the text, the voice or the recording has changed since, phonemes or times are not used, and
@@ -71,7 +69,7 @@ def corrected(
 
 
 def overlays(
-    compiled: "CompiledPair", schedule: "Schedule", silent: Sequence[bool], line: str | None
+    compiled: CompiledPair, schedule: Schedule, silent: Sequence[bool], line: str | None
 ) -> tuple[Overlay, ...]:
     """Find the edits of a character that apply to a schedule.
 
@@ -104,7 +102,7 @@ def overlays(
 
 
 def _laid(
-    compiled: "CompiledPair", curves: EditedCurves, schedule: "Schedule", first: int, stop: int
+    compiled: CompiledPair, curves: EditedCurves, schedule: Schedule, first: int, stop: int
 ) -> Iterator[Overlay]:
     start, end = float(schedule.times[first]), float(schedule.times[stop])
     at = np.linspace(0, 1, RESOLUTION + 1)
@@ -114,7 +112,7 @@ def _laid(
 
 
 def _span(
-    here: str, schedule: "Schedule", silent: Sequence[bool], edit: Mapping[str, Any]
+    here: str, schedule: Schedule, silent: Sequence[bool], edit: Mapping[str, Any]
 ) -> tuple[int, int]:
     """Return the scheduled phonemes of an edit: a phoneme, a word, or the whole line."""
     first, stop = 0, len(schedule)

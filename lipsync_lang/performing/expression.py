@@ -73,5 +73,4 @@ def _added(
     for low, other in tables.at_most:
         if pose == low:
             added = np.minimum(added, weights[other] - weights[pose])
-    out: Floats = np.maximum(added, 0.0)
-    return out
+    return np.maximum(added, 0.0)

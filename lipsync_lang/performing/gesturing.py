@@ -9,15 +9,17 @@ from functools import lru_cache
 from itertools import accumulate
 from math import inf
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from zlib import crc32
 
 import numpy as np
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.explanation import PoseAt, StageAt
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.gestures.laying import GestureSet, LaidGesture
+from lipsync_lang.gestures.pitch import pitches
 from lipsync_lang.gestures.placing import (
     DRAWING_SECONDS,
     LineFact,
@@ -25,17 +27,14 @@ from lipsync_lang.gestures.placing import (
     PlacedGesture,
     place,
 )
+from lipsync_lang.performing.label_sounds import LabelSounds
+from lipsync_lang.performing.performed_line import PerformedLine
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
 from lipsync_lang.pipeline import kernel
-
-if TYPE_CHECKING:
-    from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.performing.label_sounds import LabelSounds
-    from lipsync_lang.performing.performed_line import PerformedLine
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.resolver.compiled import CompiledPair
+from lipsync_lang.schedules.schedule import Audio, Schedule
 
 GestureScales = str | Mapping[str, float]
 """Factors by gesture; or text such as ``blink,accent:0.5``, ``all`` and ``none``."""
@@ -81,7 +80,7 @@ MARKED_PROMINENCE = 1000.0
 
 
 def scales_of(
-    compiled: "CompiledPair", asked: GestureScales | None, line: str | None = None
+    compiled: CompiledPair, asked: GestureScales | None, line: str | None = None
 ) -> list[float] | None:
     """Return the factor of each gesture; None if all are off.
 
@@ -129,8 +128,8 @@ def _parsed(text: str) -> dict[str, float]:
 
 
 def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its settings
-    performer: "Performer",
-    schedule: "Schedule",
+    performer: Performer,
+    schedule: Schedule,
     times: Floats,
     fps: float,
     scales: list[float],
@@ -147,7 +146,7 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
     own, line, stated = performer.gesture_set, settings.get("line"), settings.get("placed")
     whole: Any = settings.get("whole")
 
-    def found(said: "Schedule", ends: tuple[float, float]) -> list[PlacedGesture]:
+    def found(said: Schedule, ends: tuple[float, float]) -> list[PlacedGesture]:
         by_hand = placed_by_hand(performer, said, line, stated)
         return place(own.shapes, scales, line_facts(performer, said, ends, by_hand))
 
@@ -171,9 +170,9 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
 
 def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
     weights: Floats,
-    performer: "Performer",
-    schedule: "Schedule",
-    sounds: "LabelSounds",
+    performer: Performer,
+    schedule: Schedule,
+    sounds: LabelSounds,
     times: Floats,
     fps: float,
     scales: list[float],
@@ -200,17 +199,14 @@ def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
             said = np.array(facts, np.intp)
     silence = performer.compiled.tables.silence
     kept = own.kept(kernel.compiled, labels.manners, silence, fps)
-    beside: Floats = kernel.compiled.gesture(
+    return kernel.compiled.gesture(
         kept, weights, np.array(scales, float), times[0], times[-1], sounds.ids,
         sounds.times, sounds.source, labels.stresses(sounds), schedule.times, texts, firsts,
         raised, said,
     )  # fmt: skip
-    return beside
 
 
-def laid_gestures(
-    said: "PerformedLine", animation: "Animation"
-) -> tuple[Floats, list[LaidGesture]]:
+def laid_gestures(said: PerformedLine, animation: Animation) -> tuple[Floats, list[LaidGesture]]:
     """Return the curves and the gestures of an animation, whose frames are all of its line."""
     performer, line = said.performer, said.settings["line"]
     scales = scales_of(performer.compiled, said.settings.get("gestures"), line)
@@ -220,7 +216,7 @@ def laid_gestures(
     return gesture_curves(*line_at, scales, said.settings)
 
 
-def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
+def gesture_rates(said: PerformedLine, animation: Animation) -> str:
     """Describe how often an animation has each gesture, and how far its head turns."""
     curves, laid = laid_gestures(said, animation)
     own, minutes = said.performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
@@ -236,7 +232,7 @@ def gesture_rates(said: "PerformedLine", animation: "Animation") -> str:
     return f"gestures a minute: {', '.join(told)}{turned}"
 
 
-def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tuple[PoseAt, ...]:
+def explained(said: PerformedLine, animation: Animation, frame: int) -> tuple[PoseAt, ...]:
     """Explain the amounts of the poses of gestures in a frame."""
     curves, laid = laid_gestures(said, animation)
     if not curves.size:
@@ -254,7 +250,7 @@ def explained(said: "PerformedLine", animation: "Animation", frame: int) -> tupl
     return tuple(found)
 
 
-def told_gesture(own: GestureSet, laid: LaidGesture, animation: "Animation") -> str:
+def told_gesture(own: GestureSet, laid: LaidGesture, animation: Animation) -> str:
     """Describe a gesture of a frame: its trigger, its word, its height and its place."""
     placed, shape = laid.gesture, own.shapes[laid.gesture.number]
     fact = placed.fact + 1e-9
@@ -265,7 +261,7 @@ def told_gesture(own: GestureSet, laid: LaidGesture, animation: "Animation") -> 
     return f"{shape.name}: {trigger} {where}{placed.fact:.3f} s, {height}{shape.place}"
 
 
-def _seeds(schedule: "Schedule") -> tuple[list[float], list[int]]:
+def _seeds(schedule: Schedule) -> tuple[list[float], list[int]]:
     """Return the start of each word, and a number for the words before each, and for all."""
     words = [(word.start, word.text) for word in schedule.words]
     words = words or [*zip(schedule.times.tolist(), schedule.labels, strict=False)]
@@ -274,8 +270,8 @@ def _seeds(schedule: "Schedule") -> tuple[list[float], list[int]]:
 
 
 def line_facts(
-    performer: "Performer",
-    schedule: "Schedule",
+    performer: Performer,
+    schedule: Schedule,
     ends: tuple[float, float] | None = None,
     by_hand: Sequence[PlacedGesture] = (),
 ) -> LineFacts:
@@ -327,8 +323,8 @@ def seed_after(seed: int, text: str) -> int:
 
 
 def placed_by_hand(
-    performer: "Performer",
-    schedule: "Schedule",
+    performer: Performer,
+    schedule: Schedule,
     line: str | None,
     asked: Iterable[Mapping[str, Any]] | None = None,
 ) -> list[PlacedGesture]:
@@ -376,7 +372,7 @@ def _by_hand(stated: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _vowel_facts(
-    performer: "Performer", schedule: "Schedule", sounds: "LabelSounds"
+    performer: Performer, schedule: Schedule, sounds: LabelSounds
 ) -> dict[str, list[LineFact]]:
     """Return the vowels of a line that are stressed, and those that stand out."""
     labels = performer.labels
@@ -406,7 +402,7 @@ def _vowel_facts(
 
 
 def _phrases(
-    sounds: "LabelSounds", silence: int
+    sounds: LabelSounds, silence: int
 ) -> tuple[list[tuple[float, float]], list[tuple[float, float]]]:
     """Return the stretches of speech of a line, and the pauses between and around them."""
     times = sounds.times.tolist()
@@ -422,10 +418,8 @@ def _phrases(
     return [(begin, end) for begin, end in both if end > begin], pauses
 
 
-def _rising(audio: "Audio", phrases: list[tuple[float, float]]) -> list[LineFact]:
+def _rising(audio: Audio, phrases: list[tuple[float, float]]) -> list[LineFact]:
     """Return the ends of the phrases whose voice rises, as in a question."""
-    from lipsync_lang.gestures.pitch import pitches
-
     found = []
     nexts = (*(begin for begin, _ in phrases[1:]), inf)
     for (begin, end), then in zip(phrases, nexts, strict=False):
@@ -439,10 +433,8 @@ def _rising(audio: "Audio", phrases: list[tuple[float, float]]) -> list[LineFact
     return found
 
 
-def _rises(audio: "Audio", begins: Floats, ends: Floats) -> list[float]:
+def _rises(audio: Audio, begins: Floats, ends: Floats) -> list[float]:
     """Return how far the voice rises in each vowel over those before and soon after: semitones."""
-    from lipsync_lang.gestures.pitch import pitches
-
     vowels = [*zip(begins.tolist(), ends.tolist(), strict=True)]
     known: dict[tuple[float, float], float] = kept_with(audio, "pitches", None, dict)
     new = [one for one in vowels if one not in known]

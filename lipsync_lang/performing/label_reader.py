@@ -22,6 +22,7 @@ from lipsync_lang.performing.stress import (
     VOWEL_MANNER,
     stresses_of,
 )
+from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.ipa import is_one_sound
 from lipsync_lang.phonology.labels import (
@@ -34,11 +35,11 @@ from lipsync_lang.phonology.labels import (
     recognise,
     toneless,
 )
+from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
     from lipsync_lang.phonology.g2p.g2p_engines import Correction
-    from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
     from lipsync_lang.resolver.compiled import CompiledPair
 
 _CAPITAL = re.compile("[A-Z]")
@@ -131,7 +132,6 @@ class LabelReader:
         if not self._corrections or notation is not written:
             return schedule.labels
         from lipsync_lang.phonology.g2p.corrections import corrector
-        from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 
         bare = tuple(toneless(normalise(label)) for label in schedule.labels)
         said = corrector(self._corrections)(SpokenWord("", bare)).labels
@@ -152,7 +152,7 @@ class LabelReader:
             table = self._tables.setdefault(id(notation), LabelTable(notation, self._sounds))
         return table
 
-    def automatic(self, schedule: Schedule) -> "dict[str, Nearest]":
+    def automatic(self, schedule: Schedule) -> dict[str, Nearest]:
         """Return the labels mapped only by phonetic features, without duplicates.
 
         Each value holds the common phonemes with their shares, the features that are not shown, and
@@ -312,15 +312,13 @@ class LabelReader:
         return ready(tables, silences, silence, IPA, spelling, near, digits)
 
     @cached_property
-    def near(self) -> "NearestPhonemes | None":
+    def near(self) -> NearestPhonemes | None:
         """Nearest phonemes by features; None for a language with a complete mapping."""
-        from lipsync_lang.phonology.nearest import NearestPhonemes
-
         data = self.compiled.nearest
         return None if data is None else NearestPhonemes.from_plain(data)
 
     @cached_property
-    def _features(self) -> "NearestPhonemes | None":
+    def _features(self) -> NearestPhonemes | None:
         """Nearest phonemes for labels that no notation lists; loaded only for such labels."""
         from lipsync_lang.resolver.nearest_phonemes import among_shared
 

@@ -1,16 +1,12 @@
 """Remarks on the labels of a schedule: noise, sounds by their features, and doubtful notations."""
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from lipsync_lang.errors import shortlist
+from lipsync_lang.performing.label_reader import LabelReader
 from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from lipsync_lang.performing.label_reader import LabelReader
 
 SURE_SHARE = 0.97
 """Share of the labels that a notation must contain to be used without a remark."""
@@ -22,7 +18,7 @@ MAX_SHOWN = 4
 """Maximum number of labels or notations in a remark."""
 
 
-def label_remarks(reader: "LabelReader", schedule: Schedule) -> tuple[str, ...]:
+def label_remarks(reader: LabelReader, schedule: Schedule) -> tuple[str, ...]:
     """Return remarks on doubtful labels and their treatment; empty if there are none."""
     return (
         *_noise(reader, schedule),
@@ -31,7 +27,7 @@ def label_remarks(reader: "LabelReader", schedule: Schedule) -> tuple[str, ...]:
     )
 
 
-def _by_features(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
+def _by_features(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     """Yield a remark on each label that the language lacks, with the phonemes in its place."""
     found = reader.by_features(schedule)
     for label, value in [*found.items()][:MAX_UNLISTED]:
@@ -46,7 +42,7 @@ def _by_features(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
         yield (f"{schedule.source}: {more} more labels are performed by their phonetic features")
 
 
-def _noise(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
+def _noise(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     """Yield a remark on labels of noise and of speech that an aligner could not read."""
     noises = {normalise(label).casefold() for label in reader.compiled.noises}
     notation = reader.notation(schedule)
@@ -65,7 +61,7 @@ def _noise(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
         )
 
 
-def _notation(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
+def _notation(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     """Yield a remark on a notation that was recognised by its labels, unless it is certain."""
     if schedule.notation is not None:
         return

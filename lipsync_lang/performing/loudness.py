@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import copysign, log10
 from statistics import median
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,11 +20,9 @@ from lipsync_lang.arrays import Bools
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.pipeline.levels import Dial, Level
-
-if TYPE_CHECKING:
-    from lipsync_lang.pipeline.motion import Motion
-    from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.resolver.compiled import CompiledPair
+from lipsync_lang.schedules.schedule import Schedule
 
 MOST = 2.0
 """Maximum intensity; 1 is the setting of the pose set."""
@@ -59,11 +56,11 @@ _NEAR = (0.25, 0.5, 0.25)
 
 
 def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
-    compiled: "CompiledPair",
-    schedule: "Schedule",
+    compiled: CompiledPair,
+    schedule: Schedule,
     classes: Sequence[str],
     intensity: float | None,
-    motion: "Motion",
+    motion: Motion,
     poses: Bools,
 ) -> Dial | None:
     """Return the dial for loudness; None if the intensity is 0.
@@ -113,7 +110,7 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
 
 
 def levels(
-    schedule: "Schedule",
+    schedule: Schedule,
     classes: Sequence[str],
     intensity: float,
     limits: tuple[float, float],
@@ -155,7 +152,7 @@ def levels(
 
 
 def frame_levels(
-    slow: Level, schedule: "Schedule", intensity: float, limits: tuple[float, float]
+    slow: Level, schedule: Schedule, intensity: float, limits: tuple[float, float]
 ) -> Level:
     """Raise a level where a frame is louder than the median of the line, and lower it elsewhere.
 

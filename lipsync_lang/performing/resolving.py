@@ -10,6 +10,7 @@ from typing import Literal
 
 from lipsync_lang.errors import PackError, refuse_other, shortlist
 from lipsync_lang.packs.finding import Paths, is_model, located
+from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.resolver.compiled import CompiledPair
@@ -66,7 +67,6 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     refuse_other("gaps", gaps, Gaps)
     refuse_other("unknown", unknown, Unknown)
     if is_model(character):
-        from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.rigging import best_match, on_model
 
         model = Path(character)
@@ -97,7 +97,6 @@ def _pair(
     key = " + ".join((character, *has))
     compiled = store.load(language, key, folders) if cache else None
     if compiled is None:
-        from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.compile import compile_pair
 
         library = Library(folders)

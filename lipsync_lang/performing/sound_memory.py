@@ -22,5 +22,4 @@ def kept_with(
     results = _known.setdefault(owner, {})
     if kind not in results or results[kind][0] != given:
         results[kind] = given, compute()
-    found: Result = results[kind][1]
-    return found
+    return results[kind][1]

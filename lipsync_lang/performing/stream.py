@@ -15,26 +15,22 @@ Revised
 
 from collections.abc import Mapping
 from math import floor
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError, ScheduleError, refuse_other
-from lipsync_lang.performing.delivery import delivery
-from lipsync_lang.performing.gesturing import scales_of
+from lipsync_lang.performing.delivery import DialLevels, delivery
+from lipsync_lang.performing.gesturing import GestureScales, scales_of
 from lipsync_lang.performing.heard import HeardLabels
 from lipsync_lang.performing.intake import Intake, refuse_jump, second
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.performing.stream_gestures import StreamGestures
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
 from lipsync_lang.pipeline.perform import BLOCK, FinalFrames
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.delivery import DialLevels
-    from lipsync_lang.performing.gesturing import GestureScales
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.rigs.channel import Channel
 
 Late = Literal["refuse", "shorten"]
 """Treatments of a phoneme that starts before the time until which everything is known."""
@@ -63,16 +59,16 @@ class Stream:
 
     def __init__(  # noqa: PLR0913 as `Performer.perform`
         self,
-        performer: "Performer",
+        performer: Performer,
         fps: float,
         *,
         notation: str | None = None,
-        styles: "DialLevels | None" = None,
-        dials: "DialLevels | None" = None,
+        styles: DialLevels | None = None,
+        dials: DialLevels | None = None,
         stress: bool | None = None,
         emphasis: bool = False,
         late: Late = "refuse",
-        gestures: "GestureScales | None" = None,
+        gestures: GestureScales | None = None,
     ) -> None:
         refuse_other("late", late, Late)
         self.performer, self.fps, self.late = performer, fps, late
@@ -99,7 +95,7 @@ class Stream:
         return tuple(channel.name for channel in self.channels)
 
     @property
-    def channels(self) -> "tuple[Channel, ...]":
+    def channels(self) -> tuple[Channel, ...]:
         """Channel of each pose on a model."""
         spoken = self.performer.shown_channels(self._frames.tables)
         return spoken + (self.performer.gesture_channels if self._gestures else ())

@@ -6,8 +6,9 @@ whole line. For a frame at t, `GestureReach.ahead` tells how far phonemes must b
 placed only where it fits.
 """
 
+from collections.abc import Sequence
 from math import floor, inf
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -33,9 +34,6 @@ from lipsync_lang.performing.gesturing import (
 from lipsync_lang.performing.heard import HeardLabels
 from lipsync_lang.performing.stress import PRIMARY, VOWEL, StressMarks
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 NO_END = 2**60
 """Number of frames of a line whose end is unknown, beyond any stream."""
 
@@ -57,7 +55,7 @@ class GestureReach(NamedTuple):
     """Frames on either side whose sums of gestures keep to a speed together."""
 
     @classmethod
-    def of(cls, own: GestureSet, scales: "Sequence[float]", fps: float) -> Self:
+    def of(cls, own: GestureSet, scales: Sequence[float], fps: float) -> Self:
         """Add up the reach of the gestures whose factor is above 0."""
         used = [(n, own.shapes[n], by) for n, by in enumerate(scales) if by]
         most = np.zeros(len(own.poses))
@@ -73,7 +71,7 @@ class GestureReach(NamedTuple):
         return cls(ahead + rounded, longest + rounded, guard)
 
 
-def shared(own: GestureSet, scales: "Sequence[float]") -> list[int]:
+def shared(own: GestureSet, scales: Sequence[float]) -> list[int]:
     """Return the poses whose gestures may add up, or are scaled up."""
     moved = [pose for n, by in enumerate(scales) if by for pose, _ in own.shapes[n].poses]
     raised = {
@@ -90,7 +88,7 @@ class StreamGestures:
     scales : factor of each gesture of the set; some are above 0
     """
 
-    def __init__(self, own: GestureSet, scales: "Sequence[float]", fps: float) -> None:
+    def __init__(self, own: GestureSet, scales: Sequence[float], fps: float) -> None:
         self.own, self.fps = own, fps
         self.reach = GestureReach.of(own, scales, fps)
         self._guarded = shared(own, scales)

@@ -108,8 +108,7 @@ def stresses_of(marks: Ints, manners: Ints) -> Ints:
     cleared[1:] = cleared[:-1]
     cleared[0] = -1
     passed = np.where(carried > cleared, marks[carried], UNSTRESSED)
-    out: Ints = np.where(vowel, np.where(marks >= 0, marks, passed), -1)
-    return out
+    return np.where(vowel, np.where(marks >= 0, marks, passed), -1)
 
 
 def stress_dial(

@@ -8,7 +8,7 @@ of speech, and Q those of postures.
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,15 +17,13 @@ from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.levels import Blend
 from lipsync_lang.pipeline.motion import LEAST_SPEED, Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
-
-if TYPE_CHECKING:
-    from lipsync_lang.resolver.compiled import CompiledPair
+from lipsync_lang.resolver.compiled import CompiledPair
 
 YIELDING = -1.0
 """Priority of a pose of a posture, below those of all poses of speech."""
 
 
-def with_drafts(compiled: "CompiledPair", heard: Collection[str]) -> Tables:
+def with_drafts(compiled: CompiledPair, heard: Collection[str]) -> Tables:
     """Return the tables with a bank for each drafted style, in the order of `style_names`.
 
     Parameters
@@ -61,7 +59,7 @@ def with_drafts(compiled: "CompiledPair", heard: Collection[str]) -> Tables:
     return replace(tables, styles=tuple(banks))
 
 
-def styled_motion(compiled: "CompiledPair", motion: Motion, blends: Sequence[Blend]) -> Motion:
+def styled_motion(compiled: CompiledPair, motion: Motion, blends: Sequence[Blend]) -> Motion:
     """Return the motion of a line in which each drafted style has its highest share."""
     names, drafts = compiled.style_names, compiled.style_drafts
     scales = {"speed": 1.0, "softness": 1.0}
@@ -91,8 +89,7 @@ def _with_postures(tables: Tables, posture: dict[str, Any]) -> Tables:
 
     def square(rules: Floats) -> Floats:
         lower = beside(together, np.full((count, count), FREE))
-        out: Floats = np.vstack((beside(rules, together.T), lower))
-        return out
+        return np.vstack((beside(rules, together.T), lower))
 
     def bank(one: Bank) -> Bank:
         return one._replace(curves=beside(one.curves, 0))
@@ -115,7 +112,7 @@ def _with_postures(tables: Tables, posture: dict[str, Any]) -> Tables:
     )
 
 
-def _sounding(compiled: "CompiledPair") -> Floats:
+def _sounding(compiled: CompiledPair) -> Floats:
     """Return the share of an offset over each bigram: (B, RESOLUTION + 1).
 
     It is 1 in sounds, and falls to 0 in silence.

@@ -35,8 +35,7 @@ class Bend(NamedTuple):
         key = np.minimum(place.astype(np.intp), len(keys) - 2)
         share = place - key
         share = share * share * (3 - 2 * share)  # no corner at a key
-        added: Floats = amounts[key] + (amounts[key + 1] - amounts[key]) * share
-        return added
+        return amounts[key] + (amounts[key + 1] - amounts[key]) * share
 
 
 def bend(curves: Floats, bends: Sequence[Bend], times: Floats) -> Floats:

@@ -94,8 +94,7 @@ def sides(gains: Floats, floors: Floats) -> Ints:
     """
     share = gains * floors
     strongest = share[np.arange(len(share)), np.abs(share).argmax(axis=1)]
-    out: Ints = np.sign(strongest).astype(np.intp)
-    return out
+    return np.sign(strongest).astype(np.intp)
 
 
 def drive(weights: Floats, rig: Rig, step: float, kernel: Floats | None = None) -> Floats:

@@ -54,8 +54,7 @@ class KernelCopy(NamedTuple):
         """Perform a span of frames of a track without the frames around it: (T, P) weights."""
         arrays = _ints(track.ids), track.bounds, track.reach, track.moving, _ints(track.rows)
         place = track.waived, frames.start, frames.first, frames.count, *span
-        weights: Floats = kernel.compiled.weigh(*self, *arrays, *place, _given(dials))
-        return weights
+        return kernel.compiled.weigh(*self, *arrays, *place, _given(dials))
 
     def utter(self, ids: Ints, times: Floats, dials: Sequence[Dial]) -> tuple[Floats, Floats]:
         """Lay a track of phonemes, and perform it: (T,) seconds and (T, P) weights.
@@ -67,8 +66,7 @@ class KernelCopy(NamedTuple):
         ids : (m,) common phonemes, as `numpy.intp`
         times : (m + 1,) boundaries in seconds, as `numpy.float64`
         """
-        made: tuple[Floats, Floats] = kernel.compiled.utter(*self, ids, times, _given(dials))
-        return made
+        return kernel.compiled.utter(*self, ids, times, _given(dials))
 
 
 def keep(tables: Tables, motion: Motion, prepared: StageValues, fps: float) -> KernelCopy:

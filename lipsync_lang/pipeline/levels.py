@@ -25,8 +25,7 @@ class Level(NamedTuple):
 
     def at(self, times: Floats) -> Floats:
         """Return the level at (T,) times."""
-        values: Floats = np.interp(times, self.times, self.values)
-        return values
+        return np.interp(times, self.times, self.values)
 
 
 class Blend(NamedTuple):

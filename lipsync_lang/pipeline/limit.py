@@ -22,8 +22,7 @@ def ramps(step: float, late: Ints) -> Floats:
     late : (P,) frames of rest at the end, for a kernel to reach over
     """
     count = int(1 / step) + 1 + int(late.max(initial=0))
-    out: Floats = np.maximum(np.arange(count) - late[:, None], 0) * step
-    return out
+    return np.maximum(np.arange(count) - late[:, None], 0) * step
 
 
 def rest_at_ends(curves: Floats, ramp: Floats, *, head: bool, tail: bool) -> Floats:

@@ -63,8 +63,7 @@ def kernel(half: float, fps: float) -> Floats:
         wave = half * (1 + np.cos(np.pi * inside / half)) / (2 * np.pi**2)
         twice = np.where(x > half, x, (inside + half) ** 2 / (4 * half) - wave)
     weights = np.maximum(fps * np.diff(twice, 2), 0)
-    out: Floats = weights * (SURE / weights.sum())
-    return out
+    return weights * (SURE / weights.sum())
 
 
 def reach_of(half: float, fps: float) -> int:
@@ -93,5 +92,4 @@ def _round(curves: Floats, weights: Floats) -> Floats:
     rested = np.zeros((rows, count + reach))
     rested[:, :count] = curves
     mean = np.convolve(rested.ravel(), weights)[reach : reach + rested.size]
-    out: Floats = mean.reshape(rested.shape)[:, :count]
-    return out
+    return mean.reshape(rested.shape)[:, :count]

@@ -132,8 +132,7 @@ class Tables:
         A pose blocks those it is constrained with, wholly at the highest it ever gets.
         """
         tied = (self.thresholds < FREE) & ~np.eye(len(self.highest), dtype=bool)
-        out: Floats = tied / self.highest
-        return out
+        return tied / self.highest
 
     @cached_property
     def prepared(self) -> dict[Any, Any]:

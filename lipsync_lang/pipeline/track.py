@@ -176,8 +176,7 @@ def trigrams_in(ids: Ints, tables: Tables, first: int = 0) -> Ints:
 def _codes(ids: Ints, tables: Tables) -> Ints:
     """Return the code of each three neighbours, as `Tables.trigrams` has them."""
     size = len(tables.pairs)
-    codes: Ints = (ids[:-2] * size + ids[1:-1]) * size + ids[2:]
-    return codes
+    return (ids[:-2] * size + ids[1:-1]) * size + ids[2:]
 
 
 def _heard(tables: Tables, blends: Sequence[Blend]) -> Iterator[Bank]:

@@ -5,7 +5,7 @@ Each method returns an animation over the frames of the performer's own.
 Conventions: P poses, T frames, m targets of a phoneme; times are in seconds.
 """
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -13,16 +13,12 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Floats
 from lipsync_lang.banks.draft import PASSIVE
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models.pose_models import PhonemeTarget
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.quality.check_animation import Limits, check
 from lipsync_lang.quality.figures import Quality
 from lipsync_lang.schedules.schedule import Schedule
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from lipsync_lang.packs.models.pose_models import PhonemeTarget
 
 FALL_PER_SECOND = 50.0
 """Decay of a target's dominance with distance; of the values from 10 to 80, this one fits three
@@ -94,7 +90,7 @@ def dominance(
 
 def _targets(
     performer: Performer, library: Library | None
-) -> "Mapping[str, tuple[PhonemeTarget, ...]]":
+) -> Mapping[str, tuple[PhonemeTarget, ...]]:
     """Return the targets of the performer's character, from the performer's own paths.
 
     A shade without a target has the target of its parent.
@@ -106,13 +102,13 @@ def _targets(
     return {shade: targets.get(parent, ()) for shade, parent in parents} | targets
 
 
-def _weights(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> Floats:
+def _weights(steps: tuple[PhonemeTarget, ...], performer: Performer) -> Floats:
     """Return the poses at each step of a phoneme, or a single row of rest: (m, P)."""
     rows = [[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps]
     return np.array(rows or [[0.0] * len(performer.poses)])
 
 
-def _dominances(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tuple[Floats, Floats]:
+def _dominances(steps: tuple[PhonemeTarget, ...], performer: Performer) -> tuple[Floats, Floats]:
     """Return the poses at each step of a phoneme, (m, P), and the dominance of each pose, (P,).
 
     As in drafts, poses without a target are passive, unless a constraint opposes them to one with a
@@ -186,5 +182,4 @@ def compare(
 
 def read_out(animation: Animation, gains: dict[str, float]) -> Floats:
     """Return a pose set's measure over an animation: (T,), the sum of gain x pose."""
-    shown: Floats = np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)
-    return shown
+    return np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)

@@ -68,8 +68,7 @@ def contacts(scene: MeasuredScene) -> Iterable[list[Figure]]:
 def _within(scene: MeasuredScene, line: int, marked: Bools) -> Ints:
     """Return the phonemes of a line that are marked."""
     first, past = scene.phonemes[line : line + 2]
-    own: Ints = first + marked[first:past].nonzero()[0]
-    return own
+    return first + marked[first:past].nonzero()[0]
 
 
 def _stronger_neighbours(scene: MeasuredScene) -> Ints:
@@ -77,8 +76,7 @@ def _stronger_neighbours(scene: MeasuredScene) -> Ints:
     stronger = (scene.face.yields.astype(int) @ scene.demanded.astype(int)) > 0
     # a line begins and ends with silence, which demands nothing, so lines do not meet
     beside = np.pad(stronger.astype(np.intp), ((0, 0), (1, 1)))
-    neighbours: Ints = beside[:, 2:] + beside[:, :-2]
-    return neighbours
+    return beside[:, 2:] + beside[:, :-2]
 
 
 def _missed(scene: MeasuredScene, contact: int, missed: Ints, excused: Bools) -> Iterator[Finding]:

@@ -41,8 +41,7 @@ def percentile(values: Floats, per_cent: float) -> float:
 
 def derivative(curve: Floats, fps: float, order: int) -> Floats:
     """Return the size of a derivative: (T - order,), per second to the power of `order`."""
-    size: Floats = np.abs(np.diff(curve, order)) * fps**order
-    return size
+    return np.abs(np.diff(curve, order)) * fps**order
 
 
 def high_share(curve: Floats, fps: float) -> float:

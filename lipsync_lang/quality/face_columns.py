@@ -230,8 +230,7 @@ def _yields(tables: Tables) -> Bools:
     one, other = (floors[:, poses.astype(np.intp)] for poses in (low, high))
     sums = one[:, None] + other[None]
     passed = (sums > threshold + 1e-9) & (one[:, None] > 0) & (other[None] > 0)
-    found: Bools = passed.any(axis=2)
-    return found
+    return passed.any(axis=2)
 
 
 def _meant(compiled: "CompiledPair") -> dict[str, Bools]:
@@ -247,8 +246,7 @@ def _alone(compiled: "CompiledPair") -> Floats:
     rows = compiled.tables.pairs[compiled.tables.silence]
     curves = compiled.tables.curves[rows].astype(float)
     at = np.linspace(0, 1, curves.shape[1])
-    alone: Floats = curves * (at >= compiled.tables.boundary[rows][:, None])[:, :, None]
-    return alone
+    return curves * (at >= compiled.tables.boundary[rows][:, None])[:, :, None]
 
 
 def _vowels(compiled: "CompiledPair", aperture: Floats) -> Floats:

@@ -1,8 +1,8 @@
 """Readers of animations of other programs, as poses or rig channels of a performer, for `check`."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,15 +10,11 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_readers import Recording, read_animation
 from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.errors import AnimationError, shortlist
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.driver import Driver
 from lipsync_lang.rigs.shape_matching import placed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.rigs.channel import Channel
-    from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.schedule import Schedule
 
 UNEVEN_FRAMES = 0.02
 """Maximum difference of intervals as a share of a frame; more uneven frames are resampled."""
@@ -43,9 +39,9 @@ AnimationWithRemarks = tuple[Animation, tuple[str, ...]]
 
 
 def read_for(
-    performer: "Performer",
+    performer: Performer,
     path: str | Path,
-    schedule: "Schedule | None" = None,
+    schedule: Schedule | None = None,
     *,
     channels: bool = False,
 ) -> AnimationWithRemarks:
@@ -75,7 +71,7 @@ def read_for(
 
 
 def fit(
-    recording: Recording, performer: "Performer", schedule: "Schedule", *, channels: bool = False
+    recording: Recording, performer: Performer, schedule: Schedule, *, channels: bool = False
 ) -> AnimationWithRemarks:
     """Return a recording as an animation of a face; see `read_for`."""
     found = placed_columns(recording, performer, channels=channels)
@@ -99,7 +95,7 @@ class PlacedColumns:
     Conventions: C poses or channels of the face, N of them found, P poses, T frames.
     """
 
-    face: "tuple[Channel, ...]"
+    face: tuple[Channel, ...]
     numbers: Ints
     """(N,) ascending indices in `face` of the columns found."""
     times: Floats
@@ -119,7 +115,7 @@ class PlacedColumns:
 
 
 def placed_columns(
-    recording: Recording, performer: "Performer", *, channels: bool = False
+    recording: Recording, performer: Performer, *, channels: bool = False
 ) -> PlacedColumns:
     """Find the columns of a recording that are poses of a performer, or channels of its rig.
 
@@ -165,7 +161,7 @@ def placed_columns(
     return PlacedColumns(face, np.array(numbers), times, fps, values, gains, tuple(remarks))
 
 
-def on_model(animation: "Animation", performer: "Performer") -> "Animation":
+def on_model(animation: "Animation", performer: Performer) -> "Animation":
     """Return an animation of a performer's poses, or of its rig's channels, on its model."""
     if animation.poses != performer.poses:
         return replace(animation, model=performer.model)
@@ -190,6 +186,6 @@ def even_times(source: str, times: Floats) -> tuple[Floats, float]:
     return times[0] + np.arange(count) / fps, fps
 
 
-def some_names(names: "Iterable[str]") -> str:
+def some_names(names: Iterable[str]) -> str:
     """Format the first few names as a list."""
     return shortlist(names, MAX_REMARK_NAMES)

@@ -345,8 +345,7 @@ def _opens(scene: MeasuredScene) -> Bools:
     roles = scene.face.roles
     if roles is None:
         return np.zeros(len(scene.sounds), bool)
-    opens: Bools = scene.sounds & roles.opens[scene.ids]
-    return opens
+    return scene.sounds & roles.opens[scene.ids]
 
 
 @measure("opening_lag", "s", limit=0.017)

@@ -118,8 +118,7 @@ class MeasuredScene:
     @cached_property
     def sounds(self) -> Bools:
         """(n,) True for sounds, False for silence."""
-        sounds: Bools = self.ids != self.silence
-        return sounds
+        return self.ids != self.silence
 
     @cached_property
     def owner(self) -> Ints:
@@ -134,15 +133,13 @@ class MeasuredScene:
     @cached_property
     def speaking(self) -> Bools:
         """(T,) True for frames in a sound."""
-        speaking: Bools = self.sounds[self.owner]
-        return speaking
+        return self.sounds[self.owner]
 
     @cached_property
     def seconds(self) -> list[float]:
         """Total duration of the sounds of each line."""
         own = np.where(self.sounds, self.lengths, 0.0)
-        seconds: list[float] = np.add.reduceat(own, self.phonemes[:-1]).tolist()
-        return seconds
+        return np.add.reduceat(own, self.phonemes[:-1]).tolist()
 
     @cached_property
     def lengths(self) -> Floats:
@@ -168,8 +165,7 @@ class MeasuredScene:
 
     def top(self, values: Floats) -> Floats:
         """Return the maximum of (..., T) or (..., T - 1) values in each line: (..., L)."""
-        top: Floats = np.maximum.reduceat(values, self.frames[:-1], axis=-1)
-        return top
+        return np.maximum.reduceat(values, self.frames[:-1], axis=-1)
 
     def counts(self, marked: Bools) -> Ints:
         """Return the number of True of (..., n) marks in each line: (L, ...)."""
@@ -206,24 +202,21 @@ class MeasuredScene:
         columns, floor, high, _ = self.face.bounded
         span, curves = self.face.span[columns, None], self.curves[columns]
         below = (high - curves) / span + CEILING_TOLERANCE
-        margins: Floats = np.minimum((curves - floor) / span, below) + 1e-9
-        return margins
+        return np.minimum((curves - floor) / span, below) + 1e-9
 
     @cached_property
     def margin(self) -> Floats:
         """(contacts, T) margin of each contact at each frame; negative without contact."""
         if not self.face.touches:
             return np.zeros((0, len(self.times)))
-        margin: Floats = np.minimum.reduceat(self.margins, self.face.bounded.starts, axis=0)
-        return margin
+        return np.minimum.reduceat(self.margins, self.face.bounded.starts, axis=0)
 
     @cached_property
     def demanded(self) -> Bools:
         """(contacts, n) True for phonemes that demand a contact."""
         if not self.face.touches:
             return np.zeros((0, len(self.ids)), bool)
-        demanded: Bools = self.face.demanding[:, self.ids] & ~self.waived
-        return demanded
+        return self.face.demanding[:, self.ids] & ~self.waived
 
 
 def scene_of(animations: "Sequence[Animation]", performer: "Performer") -> MeasuredScene:

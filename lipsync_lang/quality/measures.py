@@ -77,8 +77,7 @@ def once(find: Callable[[MeasuredScene], Found]) -> Callable[[MeasuredScene], Fo
         known = scene.remembered
         if find not in known:
             known[find] = find(scene)
-        found: Found = known[find]
-        return found
+        return known[find]
 
     return remembered
 

@@ -115,8 +115,7 @@ def _chosen(animation: Animation) -> Ints:
         chosen.append(int(apart.argmax()))
         apart = np.minimum(apart, np.linalg.norm(faces - faces[chosen[-1]], axis=1))
         apart[chosen] = -1.0
-    found: Ints = sounds[np.sort(chosen)]
-    return found
+    return sounds[np.sort(chosen)]
 
 
 def _plain(text: str, width: int) -> str:

@@ -16,7 +16,8 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.models import Character
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
@@ -200,9 +201,6 @@ def _shaded(shelf: PairPacks, other: PairPacks, wanted: Sequence[str]) -> dict[s
 
 def _beneath(shelf: PairPacks) -> tuple[PairPacks, str]:
     """Return the layers beneath a shelf, the bare pose set or its drafts, and their name."""
-    from lipsync_lang.packs.library import Pack
-    from lipsync_lang.packs.models import Character
-
     name = shelf.poseset.model.name
     if shelf.character.path == shelf.poseset.path:
         return replace(shelf, banks=()), "its drafts"

@@ -354,8 +354,7 @@ def _posture(poseset: models.PoseSet) -> dict[str, Any]:
 def _delivery(manner: models.Delivery) -> dict[str, Any]:
     """Return a delivery as plain data."""
     stated = {"styles": manner.styles, "dials": manner.dials, "gestures": manner.gestures}
-    plain: dict[str, Any] = _plain(stated)
-    return plain
+    return _plain(stated)
 
 
 def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict[str, Any]:
@@ -391,8 +390,7 @@ def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict
     ]
     stated = {trigger: [*map(str.casefold, own)] for trigger, own in words}
     made = {"poses": poses, "gestures": gestures, "words": stated, "front": model.front}
-    plain: dict[str, Any] = _plain(made)
-    return plain
+    return _plain(made)
 
 
 def _line(line: models.LineEdits) -> dict[str, Any]:

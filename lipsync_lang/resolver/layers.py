@@ -16,6 +16,7 @@ from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.known import KnownPhonemes
 from lipsync_lang.packs.library import FilePlace, Library, Pack
+from lipsync_lang.packs.models import PhonemeTarget
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
@@ -465,8 +466,6 @@ class PairPacks:
 
     def usual_dominance(self, steps: "Iterable[Mapping[str, float]]") -> Floats:
         """Return the dominance (P,) of a target that states only the weights of each step."""
-        from lipsync_lang.packs.models import PhonemeTarget
-
         plain = [PhonemeTarget(weights=dict(weights)) for weights in steps]
         return self._target(plain, thresholds(self.poseset.model) < FREE).dominance
 

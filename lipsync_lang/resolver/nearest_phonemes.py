@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 from lipsync_lang.errors import PackError, SpeechError, did_you_mean, shortlist
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.finding import IPA, Paths
+from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import read_yaml
 from lipsync_lang.phonology.ipa import Features, by_ear, key
@@ -18,7 +19,6 @@ from lipsync_lang.phonology.nearest import NearestPhonemes
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.packs.yaml.source import YamlSource
 
 
@@ -34,12 +34,12 @@ class Disagreement(NamedTuple):
     """The reason, as `reason_for` gives it."""
 
 
-def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[str, Any]:
+def plain_among(library: Library, language: "Pack[models.Language]") -> dict[str, Any]:
     """Return the features and candidates of a language's nearest-phoneme search, as JSON."""
     return _plain_search(library, candidates(language.model, library.common().model))
 
 
-def _plain_search(library: "Library", known: dict[str, list[str]]) -> dict[str, Any]:
+def _plain_search(library: Library, known: dict[str, list[str]]) -> dict[str, Any]:
     """Return a search among phonemes, each with its IPA equivalents, as JSON.
 
     Of each of their shades it has the parent and the IPA equivalents. An unsound pack of the IPA
@@ -53,7 +53,7 @@ def _plain_search(library: "Library", known: dict[str, list[str]]) -> dict[str, 
     return {"features": _features(library), "candidates": known, "shades": shades}
 
 
-def spelling(library: "Library") -> dict[str, dict[str, Any]]:
+def spelling(library: Library) -> dict[str, dict[str, Any]]:
     """Return spellings of the IPA in other signs, and the letters with a visible mark, as JSON.
 
     Where the pack of the IPA is unsound or missing, nothing is known of either: the languages that
@@ -80,7 +80,7 @@ _SPELLINGS = WeakKeyDictionary()
 """Spellings by the files of the IPA and of the common phonemes, as long as a library has these."""
 
 
-def _features(library: "Library") -> dict[str, Any]:
+def _features(library: Library) -> dict[str, Any]:
     ipa = library.ipa()
     faults = sorted(set(check_ipa(ipa, library.common().model)))
     if faults:
@@ -88,7 +88,7 @@ def _features(library: "Library") -> dict[str, Any]:
     return ipa.model.model_dump(mode="json", by_alias=True)
 
 
-def among(library: "Library", language: "Pack[models.Language]") -> NearestPhonemes:
+def among(library: Library, language: "Pack[models.Language]") -> NearestPhonemes:
     """Return a nearest-phoneme search among the phonemes of a language."""
     return NearestPhonemes.from_plain(plain_among(library, language))
 
@@ -98,8 +98,6 @@ def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | N
 
     For labels that a pack does not list: where those packs are unsound or missing, there is none.
     """
-    from lipsync_lang.packs.library import Library
-
     library = Library(paths)
     try:
         common = library.common().model
@@ -109,7 +107,7 @@ def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | N
         return None
 
 
-def among_all(library: "Library") -> NearestPhonemes:
+def among_all(library: Library) -> NearestPhonemes:
     """Return a nearest-phoneme search among all common phonemes."""
     common = library.common().model
     # before the base, so that of equals the more special one is the nearest
@@ -142,8 +140,6 @@ def model_phones() -> ModelPhones | None:
 
     None where the pack of the IPA names no such model; raise `PackError` where it is unsound.
     """
-    from lipsync_lang.packs.library import Library
-
     data = _features(Library())
     hearing = data["hearing"]
     if hearing is None:
@@ -164,8 +160,6 @@ def phones_beside(folder: Path, names: Sequence[str]) -> ModelPhones | None:
     SpeechError
         A phone has no letters, or the file has another phone, or a letter that is no IPA.
     """
-    from lipsync_lang.packs.library import Library
-
     path = folder / PHONES_FILE
     if not path.is_file():
         return None

@@ -129,8 +129,7 @@ class Accessors:
     def _row(self, number: object) -> Json:
         if not is_index(number, len(self._rows)):
             fail(self.path, f"refers to accessor {_shown(number)}, but has only {len(self._rows)}")
-        row: Json = self._rows[number]
-        return row
+        return self._rows[number]
 
     @contextmanager
     def _decoding(self, what: str, extension: str) -> Iterator[None]:

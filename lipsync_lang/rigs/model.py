@@ -161,8 +161,7 @@ def _document(path: Path, text: bytes) -> Json:
         fail(path, f"is glTF version {str(asset.get('version'))[:20]}", f"{EXPORT}, version 2")
     for name in GLTF_LISTS:
         check_list(path, f"its {name}", document.get(name, []))
-    found: Json = document
-    return found
+    return document
 
 
 def _finite(text: str) -> float:

@@ -1,4 +1,4 @@
-"""Heads made by a program: triangle meshes with shapes, joined and written as binary glTF.
+"""Heads made by a program: triangle meshes with shapes, moved and written as binary glTF.
 
 Lengths in the file are metres, y points up and the face looks along +z; a part may be built in
 other units and `transformed` last. Triangles run anticlockwise seen from outside. All parts are one
@@ -90,7 +90,7 @@ def with_normals(part: Part) -> Part:
     return replace(part, normals=rest, target_normals=moved)
 
 
-# Joining and moving
+# Taking apart and moving
 
 
 def take(part: Part, faces: Bools, name: str, **changes: Any) -> Part:
@@ -130,28 +130,6 @@ def transformed(
     )
 
 
-def merged(parts: Sequence[Part], name: str) -> Part:
-    """Join parts, each shaded by itself, with the material of the first."""
-    parts = [with_normals(part) for part in parts]
-    starts = np.cumsum([0] + [len(part.positions) for part in parts])
-    targets = list(dict.fromkeys(key for part in parts for key in part.targets))
-    tinted = any(part.colors is not None for part in parts)
-    return replace(
-        parts[0],
-        name=name,
-        positions=np.concatenate([part.positions for part in parts]),
-        triangles=np.concatenate(
-            [part.triangles + start for part, start in zip(parts, starts, strict=False)]
-        ),
-        targets={key: np.concatenate([_shift(part, key) for part in parts]) for key in targets},
-        colors=np.concatenate([_tint(part) for part in parts]) if tinted else None,
-        normals=np.concatenate([_normals(part) for part in parts]),
-        target_normals={
-            key: np.concatenate([_normals(part, key) for part in parts]) for key in targets
-        },
-    )
-
-
 def _shift(part: Part, target: str) -> Floats:
     return part.targets.get(target, np.zeros_like(part.positions))
 
@@ -160,10 +138,6 @@ def _normals(part: Part, target: str = "") -> Floats:
     """Return the normals of a part that has them, at rest or at a shape."""
     found = (part.target_normals or {}).get(target, part.normals)
     return np.zeros_like(part.positions) if found is None else found
-
-
-def _tint(part: Part) -> Floats:
-    return np.ones_like(part.positions) if part.colors is None else part.colors
 
 
 # Binary glTF

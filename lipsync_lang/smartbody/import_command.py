@@ -5,6 +5,7 @@ from argparse import Namespace
 from itertools import groupby
 from pathlib import Path
 
+from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
@@ -24,27 +25,28 @@ def _add_import(action: Add) -> None:
         more=", its Python scripts (which are read, never run) or its text exports",
     )
     made.add_argument("files", metavar="FILE", type=Path, nargs="+", help="a script or text export")
-    made.add_argument(
-        "-c", "--character", metavar="POSESET",
-        help="the pose set whose poses the bank moves, or a character of it [the project's]",
+    option(
+        made, "-c, --character POSESET",
+        "the pose set whose poses the bank moves, or a character of it [the project's]",
     )  # fmt: skip
-    made.add_argument(
-        "--to", metavar="FILE", type=Path,
-        help="the bank to write to; its own bigrams stay "
-        "[posesets/NAME/banks/ of this folder, by the first file's name]",
+    option(
+        made, "--to FILE",
+        "the bank to write to; its own bigrams stay [posesets/NAME/banks/ of this folder, by the "
+        "first file's name]", type=Path,
     )  # fmt: skip
-    made.add_argument(
-        "--style", metavar="NAME",
-        help="the manner of speaking: picks one of several sets, or renames the only one",
+    option(
+        made, "--style NAME",
+        "the manner of speaking: picks one of several sets, or renames the only one",
     )  # fmt: skip
-    made.add_argument(
-        "--interpolation", choices=("bspline", "linear"), default="linear",
-        help="the kind of curve: linear curves pass through the keys, as the artist saw "
-        "them; bspline curves are smooth and stay below them [linear]",
+    option(
+        made, "--interpolation",
+        "the kind of curve: linear curves pass through the keys, as the artist saw them; bspline "
+        "curves are smooth and stay below them [linear]", choices=("bspline", "linear"),
+        default="linear",
     )  # fmt: skip
-    made.add_argument(
-        "--map", metavar="THEIRS=OURS", action="append", default=[],
-        help="a phoneme or pose for a name in the file, such as z=s; may be repeated",
+    repeated(
+        made, "--map THEIRS=OURS",
+        "a phoneme or pose for a name in the file, such as z=s; may be repeated",
     )  # fmt: skip
     add_path(made)
     add_json(made)

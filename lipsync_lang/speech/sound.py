@@ -239,10 +239,7 @@ def _blocks(path: str | Path, sound: Any) -> Iterator[npt.NDArray[np.float32]]:
 
 def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
     """Round to int16, clipped at full scale."""
-    whole: npt.NDArray[np.int16] = np.clip(
-        np.rint(samples), -INT16_FULL_SCALE, INT16_FULL_SCALE - 1
-    ).astype(np.int16)
-    return whole
+    return np.clip(np.rint(samples), -INT16_FULL_SCALE, INT16_FULL_SCALE - 1).astype(np.int16)
 
 
 def resampled(audio: Audio, rate: int) -> Audio:

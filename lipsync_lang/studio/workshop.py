@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.banks.write import empty_bank
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.json_object import Json
@@ -287,8 +288,6 @@ class Workshop:
         `style` names the style of the bank; neutral if it is empty. The file is cached, since the
         search for it reads banks, and edits do not change it.
         """
-        from lipsync_lang.banks.write import empty_bank
-
         key = f"{pair}:{style}" if style else pair
         if key not in self.homes:
             first, _, second = pair.partition("-")

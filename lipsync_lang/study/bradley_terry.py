@@ -114,8 +114,7 @@ def flipped_raters(by_rater: Sequence[Floats], wins: Floats) -> float:
     inverse = np.linalg.pinv(_information(wins, np.zeros(len(wins))))
 
     def scores(totals: Floats) -> Floats:
-        found: Floats = np.einsum("ni,ij,nj->n", totals, inverse, totals)
-        return found
+        return np.einsum("ni,ij,nj->n", totals, inverse, totals)
 
     observed = scores(gradients.sum(axis=0, keepdims=True))[0]
     chance = np.random.default_rng(0)
@@ -155,8 +154,7 @@ def fitted_strengths(wins: Floats) -> Floats:
 
 def _chances(strengths: Floats) -> Floats:
     """Return the probability that each method (row) beats each other (column)."""
-    chances: Floats = 1 / (1 + np.exp(strengths[None, :] - strengths[:, None]))
-    return chances
+    return 1 / (1 + np.exp(strengths[None, :] - strengths[:, None]))
 
 
 def _log_likelihood(wins: Floats, strengths: Floats) -> float:
@@ -164,15 +162,13 @@ def _log_likelihood(wins: Floats, strengths: Floats) -> float:
 
 
 def _gradient(wins: Floats, strengths: Floats) -> Floats:
-    gradient: Floats = (wins - (wins + wins.T) * _chances(strengths)).sum(axis=1)
-    return gradient
+    return (wins - (wins + wins.T) * _chances(strengths)).sum(axis=1)
 
 
 def _information(wins: Floats, strengths: Floats) -> Floats:
     chances = _chances(strengths)
     weights = (wins + wins.T) * chances * chances.T
-    information: Floats = np.diag(weights.sum(axis=1)) - weights
-    return information
+    return np.diag(weights.sum(axis=1)) - weights
 
 
 def _described(

@@ -83,8 +83,7 @@ def binomial_masses(trials: int, share: float) -> Floats:
     counts = np.arange(trials)
     steps = np.log((trials - counts) / (counts + 1)) + log(share / (1 - share))
     logs = trials * np.log1p(-share) + np.concatenate(([0.0], np.cumsum(steps)))
-    masses: Floats = np.exp(logs)
-    return masses
+    return np.exp(logs)
 
 
 def even_odds(successes: int, trials: int) -> float:

@@ -3,12 +3,16 @@
 import argparse
 import sys
 from argparse import Namespace
+from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.animations.rates import parse_rate
+from lipsync_lang.commands.options import Options, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count
+from lipsync_lang.commands.performing import motion_settings
 from lipsync_lang.commands.registry import Add, add_actions, command
 from lipsync_lang.commands.shared_options import (
     add_json,
@@ -56,14 +60,11 @@ def _add_new(action: Add) -> None:
     _add_lines(new_)
     _add_clips(new_)
     _add_page(new_.add_argument_group("text and questions of the page"))
-    new_.add_argument(
-        "-o", "--output", metavar="FOLDER", type=Path, required=True,
-        help="the folder of the study; it must not hold another study",
+    option(
+        new_, "-o, --output FOLDER", "the folder of the study; it must not hold another study",
+        type=Path, required=True,
     )  # fmt: skip
-    new_.add_argument(
-        "--workers", metavar="N", type=partial(_number, 1),
-        help="number of processes [one per core]",
-    )  # fmt: skip
+    option(new_, "--workers N", "number of processes [one per core]", type=partial(_number, 1))
     add_json(new_)
 
 
@@ -76,14 +77,14 @@ def _add_serve(action: Add) -> None:
         "study serve study --port 8080",
     )
     made.add_argument("folder", metavar="FOLDER", type=Path, help="the folder of the study")
-    made.add_argument(
-        "--host", metavar="ADDRESS", default="127.0.0.1",
-        help="the address to listen on; 0.0.0.0 admits other machines [127.0.0.1]",
+    option(
+        made, "--host ADDRESS",
+        "the address to listen on; 0.0.0.0 admits other machines [127.0.0.1]", default="127.0.0.1",
     )  # fmt: skip
-    made.add_argument("--port", metavar="N", type=int, default=0, help="the port [a free one]")
-    made.add_argument(
-        "--origin", metavar="URL", action="append", default=[],
-        help="a public address of the page, such as https://example.org; null for pages that are "
+    option(made, "--port N", "the port [a free one]", type=int, default=0)
+    repeated(
+        made, "--origin URL",
+        "a public address of the page, such as https://example.org; null for pages that are "
         "opened from files; may be repeated",
     )  # fmt: skip
 
@@ -95,79 +96,65 @@ def _add_lines(made: argparse.ArgumentParser) -> None:
         help="files or folders of lines: scripts, tables, timings; - is standard input",
     )  # fmt: skip
     lines = made.add_argument_group("lines")
-    lines.add_argument(
-        "--text", metavar="TEXT", action="append", default=[],
-        help="an additional line; may be repeated",
-    )  # fmt: skip
-    lines.add_argument(
-        "--column", metavar="NAME", help="the text's column in tables, by name or number"
-    )
-    lines.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
+    repeated(lines, "--text TEXT", "an additional line; may be repeated")
+    option(lines, "--column NAME", "the text's column in tables, by name or number")
+    option(lines, "--encoding NAME", "the encoding of all files [UTF-8]")
     add_values(lines)
     add_language(lines)
-    lines.add_argument(
-        "--audio", metavar="FOLDER", type=Path,
-        help="recordings named after the lines, instead of a voice",
-    )  # fmt: skip
-    lines.add_argument("--tts", metavar="ENGINE", help="speech engine [the language's]")
+    option(
+        lines, "--audio FOLDER", "recordings named after the lines, instead of a voice", type=Path
+    )
+    option(lines, "--tts ENGINE", "speech engine [the language's]")
 
 
 def _add_clips(made: argparse.ArgumentParser) -> None:
     """Add the methods and characters, and the options of the clips."""
     compared = made.add_argument_group("comparison")
-    compared.add_argument(
-        "--method", metavar="METHOD", action="append", default=[],
-        help="ours, keyframes, dominance, held, NAME=FOLDER of files named after the lines, "
+    repeated(
+        compared, "--method METHOD",
+        "ours, keyframes, dominance, held, NAME=FOLDER of files named after the lines, "
         "NAME=character:OTHER, NAME=bank:FILE or NAME=motion:PRESET; give two or more",
     )  # fmt: skip
-    for name, least, told in (
-        ("--pairs", 1, "largest number of pairs, chosen evenly [all]"),
-        ("--checks", 0, "number of attention checks [one for every ten pairs]"),
-        ("--raters-see", 1, "number of pairs that each rater sees [all]"),
+    for spelled, least, told in (
+        ("--pairs N", 1, "largest number of pairs, chosen evenly [all]"),
+        ("--checks N", 0, "number of attention checks [one for every ten pairs]"),
+        ("--raters-see N", 1, "number of pairs that each rater sees [all]"),
     ):
-        compared.add_argument(name, metavar="N", type=partial(_number, least), help=told)
-    compared.add_argument(
-        "--seed", metavar="N", type=int, default=1, help="seed of all random choices [1]"
-    )
+        option(compared, spelled, told, type=partial(_number, least))
+    option(compared, "--seed N", "seed of all random choices [1]", type=int, default=1)
     clips = made.add_argument_group("clips")
-    clips.add_argument(
-        "-c", "--character", metavar="CHARACTER", action="append", default=[],
-        help="a character or a pose set [the project's]; may be repeated",
+    repeated(
+        clips, "-c, --character CHARACTER",
+        "a character or a pose set [the project's]; may be repeated",
     )  # fmt: skip
-    clips.add_argument(
-        "--model", metavar="GLB", type=Path, help="film this model instead of the characters' own"
-    )
-    clips.add_argument(
-        "--fps", metavar="N", type=parse_rate, default=30.0, help="frames per second [30]"
-    )
-    clips.add_argument(
-        "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
-        help="change a motion setting of every method, or use a preset: --set motion=paper",
+    option(clips, "--model GLB", "film this model instead of the characters' own", type=Path)
+    option(clips, "--fps N", "frames per second [30]", type=parse_rate, default=30.0)
+    repeated(
+        clips, "--set motion.NAME=VALUE",
+        "change a motion setting of every method, or use a preset: --set motion=paper",
+        dest="settings",
     )  # fmt: skip
     add_path(clips)
 
 
-def _add_page(page: argparse._ArgumentGroup) -> None:
+def _add_page(page: Options) -> None:
     """Add the texts and questions of the page."""
-    page.add_argument(
-        "--title", metavar="TEXT", default="Which face speaks better?",
-        help="the page's title [Which face speaks better?]",
+    option(
+        page, "--title TEXT", "the page's title [Which face speaks better?]",
+        default="Which face speaks better?",
     )  # fmt: skip
-    page.add_argument(
-        "--consent", metavar="FILE", type=argument_path,
-        help="the text that raters agree to [a plain one]; - is standard input",
+    option(
+        page, "--consent FILE", "the text that raters agree to [a plain one]; - is standard input",
+        type=argument_path,
     )  # fmt: skip
-    page.add_argument(
-        "--ask", metavar="'LABEL: A|B'", action="append", default=[],
-        help="a question about the rater, with its choices; may be repeated",
-    )  # fmt: skip
-    page.add_argument(
-        "--question", choices=("accuracy", "naturalness"), action="append", default=[],
-        help="ask this of each pair [both]; may be repeated",
-    )  # fmt: skip
-    page.add_argument(
-        "--post", metavar="URL", help="send the answers to this address [save them as a file]"
+    repeated(
+        page, "--ask 'LABEL: A|B'", "a question about the rater, with its choices; may be repeated"
     )
+    repeated(
+        page, "--question", "ask this of each pair [both]; may be repeated",
+        choices=("accuracy", "naturalness"),
+    )  # fmt: skip
+    option(page, "--post URL", "send the answers to this address [save them as a file]")
 
 
 def _number(least: int, text: str) -> int:
@@ -235,9 +222,6 @@ def _plan(options: Namespace) -> "StudyPlan":
 
 def _cast(options: Namespace, name: str) -> "StudyCharacter":
     """Return a character with its performers for the methods."""
-    from dataclasses import replace
-
-    from lipsync_lang.commands.performing import motion_settings
     from lipsync_lang.performing.resolving import resolve as resolve_pair
     from lipsync_lang.study.methods import StudyCharacter, with_bank
 
@@ -263,8 +247,6 @@ def _cast(options: Namespace, name: str) -> "StudyCharacter":
 
 def serve(options: Namespace) -> int:
     """Serve a study's page and append the answers to a file, until it is interrupted."""
-    from contextlib import suppress
-
     try:
         from lipsync_lang.study.answer_server import AnswerServer
     except ImportError:

@@ -6,6 +6,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_json_form
@@ -35,31 +36,28 @@ def _add_report(action: Add) -> None:
         help="files of answers, or folders of them; - is standard input [those in the study's "
         "folder]",
     )  # fmt: skip
-    made.add_argument(
-        "-o", "--output", metavar="FILE", type=argument_path,
-        help="write to a file, as HTML, JSON or text by its suffix; - is standard output [print "
-        "it]",
+    option(
+        made, "-o, --output FILE",
+        "write to a file, as HTML, JSON or text by its suffix; - is standard output [print it]",
+        type=argument_path,
     )  # fmt: skip
-    made.add_argument(
-        "--format", metavar="NAME",
-        help="output format: text, json, html [by the suffix of -o, else text]",
-    )  # fmt: skip
-    add_json_form(made)
-    made.add_argument(
-        "--failed-checks", metavar="N", type=int, default=0,
-        help="number of attention checks that a rater may fail [0]",
-    )  # fmt: skip
-    made.add_argument(
-        "--least-seconds", metavar="N", type=float,
-        help="shortest time for a pair [the length of the clip]",
-    )  # fmt: skip
-    made.add_argument(
-        "--one-side", metavar="N", type=int, default=10,
-        help="exclude a rater who chooses one side in all of N or more pairs; 0 for never [10]",
-    )  # fmt: skip
-    made.add_argument(
-        "--keep-unfinished", action="store_true", help="count raters who stopped early, too"
+    option(
+        made, "--format NAME", "output format: text, json, html [by the suffix of -o, else text]"
     )
+    add_json_form(made)
+    option(
+        made, "--failed-checks N", "number of attention checks that a rater may fail [0]", type=int,
+        default=0,
+    )  # fmt: skip
+    option(
+        made, "--least-seconds N", "shortest time for a pair [the length of the clip]", type=float
+    )
+    option(
+        made, "--one-side N",
+        "exclude a rater who chooses one side in all of N or more pairs; 0 for never [10]",
+        type=int, default=10,
+    )  # fmt: skip
+    flag(made, "--keep-unfinished", "count raters who stopped early, too")
 
 
 @command("study power")
@@ -70,23 +68,19 @@ def _add_power(action: Add) -> None:
         "compute the raters and pairs that a study needs, or the power of a design",
         "study power --share 0.6 --pairs 20",
     )
-    made.add_argument(
-        "--share", metavar="X", type=float, required=True,
-        help="expected share of choices for the better method, such as 0.6",
+    option(
+        made, "--share X", "expected share of choices for the better method, such as 0.6",
+        type=float, required=True,
     )  # fmt: skip
-    for name, told in (
-        ("--raters", "number of raters [as many as needed]"),
-        ("--pairs", "number of pairs per rater [10, 20 and 40]"),
-    ):
-        made.add_argument(name, metavar="N", type=int, help=told)
+    option(made, "--raters N", "number of raters [as many as needed]", type=int)
+    option(made, "--pairs N", "number of pairs per rater [10, 20 and 40]", type=int)
     alike = "correlation of the choices of one rater, 0 to 1; the report of a study measures it"
-    for name, usual, told in (
-        ("--power", 0.8, "wanted probability of a significant result"),
-        ("--alpha", 0.05, "level of the two-sided test"),
-        ("--correlation", 0.1, alike),
+    for spelled, usual, told in (
+        ("--power X", 0.8, "wanted probability of a significant result"),
+        ("--alpha X", 0.05, "level of the two-sided test"),
+        ("--correlation X", 0.1, alike),
     ):
-        help_ = f"{told} [{usual}]"
-        made.add_argument(name, metavar="X", type=float, default=usual, help=help_)
+        option(made, spelled, f"{told} [{usual}]", type=float, default=usual)
     add_json(made)
 
 

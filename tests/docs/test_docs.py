@@ -1,7 +1,7 @@
 """Documentation: pages, links, packs, commands and Python code are checked."""
 
 import ast
-import importlib.util
+import importlib
 import re
 from difflib import unified_diff
 from pathlib import Path
@@ -30,12 +30,9 @@ from lipsync_lang.cli import main
 
 
 def generator():
-    spec = importlib.util.spec_from_file_location(
-        "build_reference", ROOT / "docs/build_reference.py"
-    )
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ROOT / "docs")
+        return importlib.import_module("build_reference")
 
 
 MADE = generator()

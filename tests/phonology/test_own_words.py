@@ -65,6 +65,11 @@ def test_ipa_is_cut_into_labels_of_the_notation():
     assert ipa_labels("ɡ a", ("ɡ", "a")) == ("ɡ", "a")
 
 
+def test_a_tone_goes_with_the_whole_label_before_it():
+    known = ("x", "ɑ", "ɑʊ", "ʊ", "n")
+    assert ipa_labels("xɑʊ˨˩˦nɑ˥", known) == ("x", "ɑʊ˨˩˦", "n", "ɑ˥")
+
+
 def test_forms_survive_the_cache():
     kept = SpokenForms.from_plain(loads(dumps(asdict(FORMS))))
     assert kept.words == FORMS.words

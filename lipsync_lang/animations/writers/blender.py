@@ -59,5 +59,4 @@ def write_blender(animation: Animation, out: TextIO) -> None:
 
 def _frames(animation: Animation, times: Floats) -> list[float]:
     """Convert seconds of the sound to scene frames."""
-    frames: list[float] = (FIRST + (times + animation.offset) * animation.fps).round(5).tolist()
-    return frames
+    return (FIRST + (times + animation.offset) * animation.fps).round(5).tolist()

@@ -12,7 +12,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 
@@ -20,13 +20,11 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.fixed import boneless, late, names, shape_columns
 from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
+from lipsync_lang.arrays import Floats
 from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
 from lipsync_lang.rigs.head_turn import HeadTurn
 from lipsync_lang.rigs.shape_matching import places
-
-if TYPE_CHECKING:
-    from lipsync_lang.arrays import Floats
 
 VRM_ANIMATION = "VRMC_vrm_animation"
 FLOAT_TYPE = 5126
@@ -113,7 +111,7 @@ def _expressions(animation: Animation) -> list[KeyedCurve]:
     return shown.keyframes(ERROR, lines=True)
 
 
-def _head(animation: Animation) -> "tuple[Floats, Floats] | None":
+def _head(animation: Animation) -> tuple[Floats, Floats] | None:
     """Return the times and the quaternions of the head; None for a head that rests."""
     turn = HeadTurn.of(animation.columns)
     if not animation.weights[:, [*turn.columns]].any():
@@ -123,7 +121,7 @@ def _head(animation: Animation) -> "tuple[Floats, Floats] | None":
     return animation.timeline[kept], turned[kept]
 
 
-def _rows(view: int, times: "Floats", values: "Floats") -> tuple[list[Json], list[bytes]]:
+def _rows(view: int, times: Floats, values: Floats) -> tuple[list[Json], list[bytes]]:
     """Return the accessors of times and values, in two buffer views, and their bytes."""
     seconds = times.astype("<f4")
     kept = np.append(True, np.diff(seconds) > 0)

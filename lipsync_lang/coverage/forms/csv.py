@@ -7,14 +7,12 @@ Words and file names come from the corpus, so text that begins like a formula is
 """
 
 import csv
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 from lipsync_lang.coverage.forms import FORMS, FormOptions
+from lipsync_lang.coverage.report import Coverage
 from lipsync_lang.coverage.total import piece_of
 from lipsync_lang.files.quoting import spreadsheet_text
-
-if TYPE_CHECKING:
-    from lipsync_lang.coverage.report import Coverage
 
 CSV_HEAD = (
     "language", "character", "bigram", "count", "percent", "running", "silence", "layer", "status",
@@ -24,7 +22,7 @@ CSV_HEAD = (
 
 
 @FORMS.register("csv")
-def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
+def write(coverage: Coverage, out: TextIO, options: FormOptions) -> None:
     """Write a row for each bigram that occurs; bigrams with silence come last."""
     del options  # it is always whole
     rows = csv.writer(out, lineterminator="\n")

@@ -1,24 +1,22 @@
 """Text for a terminal: the total, and each report from its next bigrams on."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 from lipsync_lang.coverage.facts import authored
 from lipsync_lang.coverage.forms import FORMS, FormOptions
 from lipsync_lang.coverage.forms.total_text import headline, total_lines
+from lipsync_lang.coverage.report import (
+    Corpus,
+    Coverage,
+    CoverageChanges,
+    CoverageReport,
+    GestureNeed,
+    Tally,
+)
 from lipsync_lang.errors import shortlist
 from lipsync_lang.reports.percentages import percentage_text, ranked_text
 from lipsync_lang.reports.text_table import columns
-
-if TYPE_CHECKING:
-    from lipsync_lang.coverage.report import (
-        Corpus,
-        Coverage,
-        CoverageChanges,
-        CoverageReport,
-        GestureNeed,
-        Tally,
-    )
 
 MAX_RANKING_ROWS = 20
 """Number of rows of the ranking by default."""
@@ -35,7 +33,7 @@ _WHY = {"letters": "foreign letters", "name": "a name", "engines": "two readings
 
 
 @FORMS.register("text")
-def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
+def write(coverage: Coverage, out: TextIO, options: FormOptions) -> None:
     """Write all reports; several reports are preceded by their total and a table."""
     blocks = [list(_corpus(coverage.corpus))]
     if len(coverage.reports) > 1:
@@ -67,7 +65,7 @@ def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     out.write("\n\n".join("\n".join(lines) for lines in blocks) + "\n")
 
 
-def _corpus(corpus: "Corpus") -> Iterator[str]:
+def _corpus(corpus: Corpus) -> Iterator[str]:
     """Yield what was read, what was heard, and what was left out."""
     read = (len(corpus.files), "file"), (corpus.lines, "line"), (corpus.words, "word")
     yield ", ".join(_count(number, thing) for number, thing in read)
@@ -80,7 +78,7 @@ def _corpus(corpus: "Corpus") -> Iterator[str]:
         yield f"no character of their own: {_tallies(corpus.other_speakers)}"
 
 
-def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
+def _next(report: CoverageReport, minutes: float) -> Iterator[str]:
     if not report.bigrams:
         yield "the language reads nothing in these lines"
         return
@@ -106,7 +104,7 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
     )
 
 
-def _table(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
+def _table(report: CoverageReport, *, everything: bool) -> Iterator[str]:
     shown = report.bigrams if everything else report.bigrams[:MAX_RANKING_ROWS]
     rows = [("rank", "bigram", "count", "%", "running", "from", "status", "in", "first at")]
     for rank, one in enumerate(shown, 1):
@@ -119,7 +117,7 @@ def _table(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
         yield f"... and {len(report.bigrams) - len(shown)} more; --all lists them"
 
 
-def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
+def _facts(report: CoverageReport, *, everything: bool) -> Iterator[str]:
     shares = ", ".join(f"{share} % in {number}" for share, number in report.needed.items())
     yield f"most frequent bigrams: {shares}"
     kinds = len(report.bigrams) + len(report.unused)
@@ -154,7 +152,7 @@ def _facts(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
         yield f"  ... and {len(report.sentences) - len(shown)} more; --all lists them"
 
 
-def _gestures(needs: "Sequence[GestureNeed]") -> Iterator[str]:
+def _gestures(needs: Sequence[GestureNeed]) -> Iterator[str]:
     if needs:
         yield "gestures, at estimated times unless lines have their own:"
     rows = [("gesture", "count", "a minute", "at")] if needs else []
@@ -164,7 +162,7 @@ def _gestures(needs: "Sequence[GestureNeed]") -> Iterator[str]:
     yield from (f"  {row}" for row in columns(rows))
 
 
-def _since(since: "CoverageChanges") -> list[str]:
+def _since(since: CoverageChanges) -> list[str]:
     lines = [f"since {since.file}:"]
     if since.left is not None and len(since.reports) > 1:
         before, now = since.left
@@ -192,7 +190,7 @@ def _since(since: "CoverageChanges") -> list[str]:
     return lines
 
 
-def _tallies(found: "Sequence[Tally]") -> str:
+def _tallies(found: Sequence[Tally]) -> str:
     return _few([f"{one.what} ({one.count}, {one.place})" for one in found])
 
 

@@ -49,7 +49,7 @@ class ReportView:
     @cached_property
     def rows(self) -> Sequence[StateRow]:
         """The bigrams, most frequent first."""
-        return self.document["bigrams"]  # type: ignore[no-any-return]  # JSON
+        return self.document["bigrams"]
 
     @cached_property
     def shares(self) -> dict[str, tuple[int, int]]:

@@ -2,21 +2,18 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
-from typing import TYPE_CHECKING
 
+from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import AtMost, BankPack, Character, PoseSet, Threshold
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.yaml.faults import Fault
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
-    from lipsync_lang.packs.yaml.source import Loc
+from lipsync_lang.packs.yaml.source import Loc
 
 SUM_TOLERANCE = 1e-9
 """Tolerance for sums of floats: 0.9 + 0.8 must not exceed 1.7."""
 
 
-def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[BankPack] | None = None) -> Iterator[Fault]:
+def conflicts(poseset: Pack[PoseSet], banks: Iterable[BankPack] | None = None) -> Iterator[Fault]:
     """Yield faults that make constraints impossible or hide contacts.
 
     `banks` are the pose set's banks; None if one cannot be loaded, which skips the checks of
@@ -37,7 +34,7 @@ def _rank(model: PoseSet, pose: str) -> int:
     return model.priority.index(pose) if pose in model.priority else len(model.priority)
 
 
-def _threshold(model: PoseSet, one: str, other: str) -> "tuple[float, Loc]":
+def _threshold(model: PoseSet, one: str, other: str) -> tuple[float, Loc]:
     """Return the largest sum of two poses, and its place."""
     for index, pair in enumerate(model.constraints.pairs):
         if isinstance(pair, Threshold) and set(pair.between) == {one, other}:
@@ -52,7 +49,7 @@ def _unlisted(model: PoseSet, poses: Iterable[str]) -> list[tuple[str, str]]:
     return [pair for pair in combinations(poses, 2) if frozenset(pair) not in listed]
 
 
-def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+def _pairs(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that no pair is constrained twice or with itself, and that one of its poses yields.
 
     Pairs that are not listed have the default threshold.
@@ -89,7 +86,7 @@ def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
         yield poseset.warning(("constraints", "default"), "W302", what, hint)
 
 
-def _circles(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+def _circles(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that `at_most` constraints form no circle."""
     rules = [
         (index, pair.pose, pair.at_most)
@@ -135,7 +132,7 @@ def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
     return floors
 
 
-def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+def _outranked(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that no pose with a floor yields to a pose without one."""
     model, floors = poseset.model, _floors(poseset.model)
     misspelt = not set(model.priority) <= set(model.poses)
@@ -159,7 +156,7 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
                 yield poseset.fault(loc, "P207", what, hint, key=True)
 
 
-def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+def _together(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that no phoneme demands two floors that exclude each other.
 
     Contacts of different phonemes may exclude each other: a lip cannot press the other lip and meet
@@ -186,7 +183,7 @@ def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             yield poseset.warning(("contacts", last), "W316", what, hint, key=True)
 
 
-def _contacts(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+def _contacts(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that each contact has an effect, and that no other holds up what it keeps down."""
     floors = _floors(poseset.model)
     for name, contact in poseset.model.contacts.items():
@@ -201,7 +198,7 @@ def _contacts(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             yield poseset.warning(("contacts", name), "W312", what, hint, key=True)
 
 
-def unprepared(pack: "Pack[PoseSet] | Pack[Character]", poseset: PoseSet) -> Iterator[Fault]:
+def unprepared(pack: Pack[PoseSet] | Pack[Character], poseset: PoseSet) -> Iterator[Fault]:
     """Check that a pack's target of a phoneme meets the floors and ceilings of its contacts."""
     targets = pack.model.targets
     for name, contact in poseset.contacts.items():
@@ -221,7 +218,7 @@ def unprepared(pack: "Pack[PoseSet] | Pack[Character]", poseset: PoseSet) -> Ite
                 yield pack.warning(("targets", phoneme), "W314", what, hint, key=True)
 
 
-def _unreached(poseset: "Pack[PoseSet]", banks: Iterable[BankPack]) -> Iterator[Fault]:
+def _unreached(poseset: Pack[PoseSet], banks: Iterable[BankPack]) -> Iterator[Fault]:
     """Check that the largest weights of two poses in targets, banks and floors pass thresholds."""
     model, constraints = poseset.model, poseset.model.constraints
     units = (

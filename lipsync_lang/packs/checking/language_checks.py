@@ -5,25 +5,22 @@ These checks need the pack alone. `authoring.trial` runs the tests with their en
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import did_you_mean
+from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.phonology.g2p.number_words import named_rules
 from lipsync_lang.phonology.g2p.own_words import ipa_labels, stands_alone
 from lipsync_lang.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow
 from lipsync_lang.phonology.labels import Notation, normalise
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Pack
-    from lipsync_lang.packs.yaml.source import Loc
 
-
-def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
+def check_labels(language: Pack[models.Language]) -> Iterator[Fault]:
     """Check that labels are distinct, and that rules use known labels and can fire."""
     yield from _twice(language)
     yield from _rules(language)
@@ -42,7 +39,7 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
             yield language.fault(("words", word), "P115", what, hint, key=True)
 
 
-def _written_forms(language: "Pack[models.Language]") -> Iterator[Fault]:
+def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:
     """Check that tables and lists have the names by which others use them, and numbers a place."""
     text = language.model.text
     if text is None:
@@ -66,7 +63,7 @@ def _written_forms(language: "Pack[models.Language]") -> Iterator[Fault]:
                 yield language.unknown(loc, "P236", "list of numbers", table, known)
 
 
-def _own_labels(model: "models.Language") -> "Iterator[tuple[Loc, Sequence[str]]]":
+def _own_labels(model: models.Language) -> Iterator[tuple[Loc, Sequence[str]]]:
     """Yield the place and the labels of each interjection, word in IPA, and ending."""
     known = model.notations.get(model.g2p_notation, ())
     for word, reading in model.words.items():
@@ -81,7 +78,7 @@ def _own_labels(model: "models.Language") -> "Iterator[tuple[Loc, Sequence[str]]
 
 
 def check_claims(
-    language: "Pack[models.Language]", common: "models.Phonemes | None"
+    language: Pack[models.Language], common: models.Phonemes | None
 ) -> Iterator[Fault]:
     """Check the inventory, the tests, and the labels of examples and reasons.
 
@@ -92,14 +89,14 @@ def check_claims(
     yield from _annotated_labels(language)
 
 
-def notation_of(model: "models.Language", name: str) -> Notation:
+def notation_of(model: models.Language, name: str) -> Notation:
     """Return a notation of a language for look-ups of labels; silence is not included."""
     return Notation(
         {label: sounds.value for label, sounds in model.notations.get(name, {}).items()}
     )
 
 
-def _twice(language: "Pack[models.Language]") -> Iterator[Fault]:
+def _twice(language: Pack[models.Language]) -> Iterator[Fault]:
     for name, table in language.model.notations.items():
         first: dict[str, str] = {}
         for label, sounds in table.items():
@@ -116,7 +113,7 @@ def _twice(language: "Pack[models.Language]") -> Iterator[Fault]:
                 yield language.warning(loc, "W308", what, "keep one of the two", key=True)
 
 
-def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
+def _rules(language: Pack[models.Language]) -> Iterator[Fault]:
     g2p = language.model.g2p
     if g2p is None:
         return
@@ -147,7 +144,7 @@ def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
         yield language.warning(("g2p", "rules", number), "W307", what, hint)
 
 
-def _inventory(language: "Pack[models.Language]") -> Iterator[Fault]:
+def _inventory(language: Pack[models.Language]) -> Iterator[Fault]:
     inventory = language.model.inventory
     if inventory is None:
         return
@@ -170,9 +167,7 @@ def _inventory(language: "Pack[models.Language]") -> Iterator[Fault]:
                 yield language.warning(("inventory", name, segment), "W308", what, hint, key=True)
 
 
-def _tests(
-    language: "Pack[models.Language]", shades: "Mapping[str, models.Shade]"
-) -> Iterator[Fault]:
+def _tests(language: Pack[models.Language], shades: Mapping[str, models.Shade]) -> Iterator[Fault]:
     """Check that the `ipa` of each test maps to the phonemes of the test."""
     notation = notation_of(language.model, IPA)
     for index, test in enumerate(language.model.tests):
@@ -192,7 +187,7 @@ def _tests(
             yield test_fault(language, index, what, "correct the map or the test", IPA)
 
 
-def _annotated_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
+def _annotated_labels(language: Pack[models.Language]) -> Iterator[Fault]:
     """Check that the labels of examples and reasons exist."""
     model = language.model
     notations = {name: notation_of(model, name) for name in model.notations}

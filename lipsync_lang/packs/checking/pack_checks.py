@@ -7,12 +7,13 @@ all packs of a library.
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.checking.conflicts import conflicts, unprepared
 from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
 from lipsync_lang.packs.finding import NONE_UNSAVED, beside
+from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import (
     BankPack,
     BigramCurves,
@@ -33,11 +34,8 @@ from lipsync_lang.packs.models.rig_channels import expanded
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
 
-
-def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
+def check_phonemes(common: Pack[Phonemes]) -> Iterator[Fault]:
     """Check that silence, `base`, `like` and mouth shapes name declared phonemes."""
     model = common.model
     known = {*model.phonemes, model.silence}
@@ -55,7 +53,7 @@ def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
             yield from _phonemes(common, place, sounds.to, everywhere)
 
 
-def _shades(common: "Pack[Phonemes]") -> Iterator[Fault]:
+def _shades(common: Pack[Phonemes]) -> Iterator[Fault]:
     """Check that each shade has a name of its own, and a parent that is not a shade."""
     model = common.model
     parents = {*model.phonemes} - {model.silence}
@@ -73,7 +71,7 @@ def _shades(common: "Pack[Phonemes]") -> Iterator[Fault]:
             yield from _phoneme(common, (*loc, "like"), shade.like, parents)
 
 
-def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fault]:
+def check_language(language: Pack[Language], common: Phonemes) -> Iterator[Fault]:
     """Check that a language maps labels and words to its own phonemes only."""
     model = language.model
     known = with_shades({*common.base, common.silence, *model.adds}, common)
@@ -92,7 +90,7 @@ def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fau
     yield from check_labels(language)
 
 
-def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) -> Iterator[Fault]:
+def _adds(language: Pack[Language], common: Phonemes, known: Collection[str]) -> Iterator[Fault]:
     stated = language.source.data.get("adds")
     if isinstance(stated, tuple):
         yield from _twice(language, ("adds",), stated)
@@ -109,7 +107,7 @@ def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) 
             yield from _phoneme(language, loc, phoneme.like, set(known) - {label}, common)
 
 
-def _engines(language: "Pack[Language]") -> Iterator[Fault]:
+def _engines(language: Pack[Language]) -> Iterator[Fault]:
     """Check that `g2p` and `audio` name a notation of the language, and `audio` its labels."""
     model, g2p, audio = language.model, language.model.g2p, language.model.audio
     for field, part in (("g2p", g2p), ("audio", audio)):
@@ -130,7 +128,7 @@ def _engines(language: "Pack[Language]") -> Iterator[Fault]:
 
 
 def check_poseset(
-    poseset: "Pack[PoseSet]",
+    poseset: Pack[PoseSet],
     phonemes: Collection[str],
     banks: Iterable[BankPack] | None = None,
     common: Phonemes | None = None,
@@ -200,7 +198,7 @@ def _poses_targeted(model: PoseSet | Character) -> Iterator[tuple[Loc, str]]:
             yield from (((*at, "dominance", pose), pose) for pose in target.dominance)
 
 
-def _poses(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+def _poses(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that each spelling belongs to one pose, none is the face at rest, and targets move all.
 
     A pose set without targets leaves all its poses to the banks.
@@ -226,7 +224,7 @@ def _poses(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             yield poseset.warning((field, pose), "W301", what, hint, key=True)
 
 
-def _postures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+def _postures(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that postures have poses of their own, limited beside known poses and contacts."""
     model = poseset.model
     for name, pose in model.posture_poses.items():
@@ -242,7 +240,7 @@ def _postures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
                 yield poseset.unknown(loc, "P201", "contact", contact, model.contacts, key=True)
 
 
-def _gestures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+def _gestures(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that gestures move poses of their own, within their bounds and speed."""
     model = poseset.model
     for field in ("gesture_poses", "optional_poses"):
@@ -264,7 +262,7 @@ def _gestures(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _gesture_bounds(
-    poseset: "Pack[PoseSet]", loc: Loc, gesture: Gesture, pose: GesturePose
+    poseset: Pack[PoseSet], loc: Loc, gesture: Gesture, pose: GesturePose
 ) -> Iterator[Fault]:
     """Check that a gesture keeps to the largest amount and the speed of one of its poses."""
     least = 0.0 if pose.node is None else -pose.most
@@ -283,7 +281,7 @@ def _gesture_bounds(
 
 
 def check_bank(
-    bank: "Pack[BankPack]",
+    bank: Pack[BankPack],
     poseset: PoseSet,
     phonemes: Collection[str] | None,
     languages: Collection[str],
@@ -302,7 +300,7 @@ def check_bank(
 
 
 def check_character(  # noqa: PLR0913 the packs that a character refers to
-    character: "Pack[Character]",
+    character: Pack[Character],
     poseset: PoseSet,
     phonemes: Collection[str],
     *,
@@ -346,7 +344,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
 
 
 def _own_drafts(
-    character: "Pack[Character]", poseset: PoseSet, phonemes: Collection[str]
+    character: Pack[Character], poseset: PoseSet, phonemes: Collection[str]
 ) -> Iterator[Fault]:
     """Check the poses, targets and seconds of a character for unknown names."""
     model, optional = character.model, poseset.optional_poses
@@ -367,7 +365,7 @@ def _own_drafts(
 
 
 def _rules(
-    pack: "Pack[PoseSet] | Pack[Character]",
+    pack: Pack[PoseSet] | Pack[Character],
     stated: Checks,
     poseset: PoseSet,
     phonemes: Collection[str],
@@ -385,7 +383,7 @@ def _rules(
             yield pack.fault((*at, "measure"), "P231", what, hint)
 
 
-def _file(pack: "Pack[Any]", loc: Loc, file: str | None) -> Iterator[Fault]:
+def _file(pack: Pack[Any], loc: Loc, file: str | None) -> Iterator[Fault]:
     """Check that a file named by a pack lies beside the file that names it."""
     place = pack.where(loc).file
     if file is not None and beside(place, file) is None:
@@ -394,7 +392,7 @@ def _file(pack: "Pack[Any]", loc: Loc, file: str | None) -> Iterator[Fault]:
 
 
 def _regions(
-    pack: "Pack[Any]", loc: "Loc", named: Iterable[str], poseset: PoseSet, *, key: bool = True
+    pack: Pack[Any], loc: "Loc", named: Iterable[str], poseset: PoseSet, *, key: bool = True
 ) -> Iterator[Fault]:
     """Check that regions, which are the keys at a place, are those of poses."""
     known = sorted({pose.region for pose in poseset.poses.values() if pose.region})
@@ -405,7 +403,7 @@ def _regions(
 
 
 def _delivery(
-    character: "Pack[Character]",
+    character: Pack[Character],
     at: Loc,
     stated: Delivery,
     poseset: PoseSet,
@@ -426,7 +424,7 @@ def _delivery(
 
 
 def _placed(
-    character: "Pack[Character]", name: str, line: LineEdits, poseset: PoseSet
+    character: Pack[Character], name: str, line: LineEdits, poseset: PoseSet
 ) -> Iterator[Fault]:
     """Check that a line places gestures of the pose set."""
     for index, one in enumerate(line.placed):
@@ -442,7 +440,7 @@ def with_shades(phonemes: Collection[str], common: Phonemes) -> set[str]:
 
 
 def check_bigrams(
-    pack: "Pack[BankPack] | Pack[Character]",
+    pack: Pack[BankPack] | Pack[Character],
     bigrams: Mapping[str, BigramCurves | TrigramCurves],
     poseset: PoseSet,
     phonemes: Collection[str] | None,
@@ -458,7 +456,7 @@ def check_bigrams(
 
 
 def check_home(
-    pack: "Pack[BankPack] | Pack[RigPack]", stated: str, poseset: PoseSet
+    pack: Pack[BankPack] | Pack[RigPack], stated: str, poseset: PoseSet
 ) -> Iterator[Fault]:
     """Check that a bank or rig lies in the folder of its pose set."""
     if stated != poseset.name:
@@ -466,7 +464,7 @@ def check_home(
         yield pack.fault(("poseset",), "P204", what, "move the file, or correct its `poseset`")
 
 
-def _twice(pack: "Pack[Any]", loc: Loc, items: Iterable[str]) -> Iterator[Fault]:
+def _twice(pack: Pack[Any], loc: Loc, items: Iterable[str]) -> Iterator[Fault]:
     seen: set[str] = set()
     for number, item in enumerate(items):
         if item in seen:
@@ -475,20 +473,20 @@ def _twice(pack: "Pack[Any]", loc: Loc, items: Iterable[str]) -> Iterator[Fault]
 
 
 def check_poses(
-    pack: "Pack[Any]", loc: Loc, named: Iterable[str], poseset: PoseSet
+    pack: Pack[Any], loc: Loc, named: Iterable[str], poseset: PoseSet
 ) -> Iterator[Fault]:
     """Check that the keys at a place are poses of a pose set."""
     for pose in named:
         yield from _pose(pack, (*loc, pose), pose, poseset)
 
 
-def _pose(pack: "Pack[Any]", loc: Loc, pose: str, poseset: PoseSet) -> Iterator[Fault]:
+def _pose(pack: Pack[Any], loc: Loc, pose: str, poseset: PoseSet) -> Iterator[Fault]:
     if pose not in poseset.poses:
         yield pack.unknown(loc, "P201", "pose", pose, poseset.poses, key=pose == loc[-1])
 
 
 def _phonemes(
-    pack: "Pack[Any]",
+    pack: Pack[Any],
     loc: Loc,
     labels: Iterable[str],
     known: Collection[str],
@@ -500,7 +498,7 @@ def _phonemes(
 
 
 def _phoneme(  # noqa: PLR0913 the phoneme, its place and options
-    pack: "Pack[Any]",
+    pack: Pack[Any],
     loc: Loc,
     label: str,
     known: Collection[str],

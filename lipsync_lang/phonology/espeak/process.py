@@ -34,8 +34,12 @@ _DOTS = re.compile(r"\.{2,}|…")
 _ORDER = (
     (re.compile("([\u064b-\u0650])\u0651"), "\u0651\\1"),
     (re.compile("([\u05b0-\u05bb\u05c7]+)([\u05bc\u05c1\u05c2]+)"), r"\2\1"),
+    (re.compile("(?<=[\u0400-\u04ff])\u0301"), ""),
 )
-"""Marks on one letter that the library reads only in the opposite of the Unicode order."""
+"""Marks that the library reads only in the opposite of the Unicode order, or not at all.
+
+It knows no word with the stress mark of Cyrillic.
+"""
 
 _BLANKED = frozenset("«»‹›„“”‟\u00ad\u200b\u200e\u200f\u2060\ufeff")
 _BLANKED |= {chr(code) for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A))}

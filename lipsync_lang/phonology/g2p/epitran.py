@@ -10,7 +10,7 @@ from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import plain, read_words
-from lipsync_lang.phonology.labels import LENGTH_MARKS, normalise
+from lipsync_lang.phonology.labels import LENGTH_MARKS, TONE, normalise
 
 _JOINED = {"Mn", "Lm", "Sk"}
 """Unicode categories of diacritics and modifier letters, which belong to the letter before."""
@@ -59,8 +59,9 @@ def segments(ipa: str, known: Collection[str] = ()) -> tuple[str, ...]:
     while at < len(text):
         stop = _after_marks(text, at + 1)
         for end in range(min(len(text), at + longest), stop, -1):
-            if text[at:end] in known and end == _after_marks(text, end):
-                stop = end
+            whole = _after_marks(text, end)
+            if text[at:end] in known and not text[end:whole].strip(TONE):
+                stop = whole
                 break
         segment = text[at:stop]
         if segment.strip() and (segment[0].isalnum() or category(segment[0])[0] in "LMN"):

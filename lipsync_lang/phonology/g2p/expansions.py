@@ -5,7 +5,8 @@ and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in 
 first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
 the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
 with a capital and a full stop are titles, which stand before a name; the words after `|` serve
-without one. A key after `…` is the end of a word. A `#` of the text is `№` here.
+without one. A key after `…` is the end of a word; one between two of them stands within words, too.
+A `#` of the text is `№` here.
 """
 
 import re
@@ -98,7 +99,7 @@ class _Keys:
             rf"(?![{between}]?\d)"
         )
         self._beginnings: dict[tuple[str, str], dict[tuple[str, bool], list[tuple[int, str]]]] = {}
-        self._ends = {key[1:]: read for key, read in self._expansions.items() if key[0] == "…"}
+        self._ends = {k.strip("…"): read for k, read in self._expansions.items() if k[0] == "…"}
         for rank, key in enumerate(sorted(self._expansions, key=_longest_first)):
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
             # most words like "in" have no number behind them, as `in 19##` has
@@ -116,7 +117,11 @@ class _Keys:
             for first in firsts
             if not (first.isalpha() or first.isdecimal() or first in _MINUS)
         )
-        starts = [rf"(?<=[^\W\d_]){re.escape(end)}(?!\w)" for end in self._ends]
+        starts = [
+            rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}" + r"(?!\w)" * (key[-1] != "…")
+            for key in self._expansions
+            if key[0] == "…"
+        ]
         starts += [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []

@@ -75,6 +75,12 @@ class OwnWords:
                 at += len(part)
         return found
 
+    def respelled(self, text: str) -> str:
+        """Return a text with the spellings of its own words."""
+        for one in reversed(self.find(text).respelled):
+            text = text[: one.start] + one.read + text[one.stop :]
+        return text
+
     def _find(self, written: str) -> OwnWord | None:
         word = plain(written)
         if word in self._words:

@@ -106,7 +106,10 @@ class Utterances:
         """Cut a text into parts; together they are the text."""
         tokens = list(pieces(text))
         own = self._own.find(text, tokens)
-        replaced = _apart(own.respelled, self._expansions.find(text))
+        expanded = [
+            one._replace(read=self._own.respelled(one.read)) for one in self._expansions.find(text)
+        ]
+        replaced = _apart(own.respelled, expanded)
         parts: list[UtterancePart] = []
         at, open_part = 0, UtterancePart("")
         for start, stop, part in self._cuts(text, tokens, replaced, own.said):
@@ -276,12 +279,17 @@ def _filled(
 
 
 def _apart(own: list[Replacement], others: list[Replacement]) -> list[Replacement]:
-    """Return all replacements in order; one that touches an own word gives way to it."""
+    """Return all replacements in order; one gives way to an own word unless it holds more."""
     if not own:
         return others
-    taken = {place for one in own for place in range(one.start, one.stop)}
-    free = (one for one in others if taken.isdisjoint(range(one.start, one.stop)))
-    return sorted((*own, *free))
+    taken = {place: one for one in own for place in range(one.start, one.stop)}
+    kept = set(own)
+    for one in others:
+        touched = {taken[place] for place in range(one.start, one.stop) if place in taken}
+        if all(mine.stop - mine.start < one.stop - one.start for mine in touched):
+            kept -= touched
+            kept.add(one)
+    return sorted(kept)
 
 
 def _is_pause(word: SpokenWord) -> bool:

@@ -134,8 +134,7 @@ class Material:
         height, width = self.texture.shape[:2]
         column = np.floor(u * width).astype(np.intp) % width
         row = np.floor(v * height).astype(np.intp) % height
-        found: Texels = self.texture[row, column]
-        return found
+        return self.texture[row, column]
 
 
 def material(gltf: Gltf, row: Json) -> Material:

@@ -151,8 +151,7 @@ def openness(scene: Scene, camera: Camera) -> Floats:
         facing = (normals @ way).clip(0)
         reached += facing * (near >= lightest)
         all_light += facing
-    found: Floats = LEAST_LIGHT + (1 - LEAST_LIGHT) * np.sqrt(reached / all_light)
-    return found
+    return LEAST_LIGHT + (1 - LEAST_LIGHT) * np.sqrt(reached / all_light)
 
 
 def encoded(light: npt.NDArray[np.floating]) -> npt.NDArray[np.uint8]:

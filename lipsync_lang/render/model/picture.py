@@ -200,8 +200,7 @@ def _at(faces: Faces, samples: Samples, part: slice) -> Singles:
     """Evaluate some of the appearance planes at samples: (k, n)."""
     x, y = samples.x.astype(np.float32), samples.y.astype(np.float32)
     first, along, down = faces.looks[:, part].take(samples.triangle, axis=2)
-    found: Singles = first + along * x + down * y
-    return found
+    return first + along * x + down * y
 
 
 def _pixels(light: Singles) -> Pixels:

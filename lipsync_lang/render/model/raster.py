@@ -60,8 +60,7 @@ def planes(corners: Floats, values: Floats) -> Floats:
 def area(corners: Floats) -> Floats:
     """Compute twice the signed area of triangles, (F,); left turns are negative."""
     (ax, ay), (bx, by) = ((corners[:, n] - corners[:, 0]).T for n in (1, 2))
-    found: Floats = ax * by - bx * ay
-    return found
+    return ax * by - bx * ay
 
 
 def fill(  # noqa: PLR0913, PLR0917 the buffers and a triangle
@@ -134,8 +133,7 @@ def _crossing(starts: Floats, stops: Floats, edge: Ints, y: Ints) -> Floats:
     """Compute the crossings of edges, given by number, with rows."""
     across, rise = (stops - starts).T
     slope = across / np.where(rise < MIN_RISE, 1.0, rise)
-    found: Floats = starts[edge, 0] + slope[edge] * (y - starts[edge, 1])
-    return found
+    return starts[edge, 0] + slope[edge] * (y - starts[edge, 1])
 
 
 def _whole(values: Floats, least: int, most: int) -> Ints:

@@ -44,8 +44,7 @@ class KeyTrack(NamedTuple):
         after = int(np.clip(np.searchsorted(self.times, seconds), 1, len(self.times) - 1))
         low, high = self.times[after - 1 : after + 1]
         share = np.clip((seconds - low) / (high - low), 0.0, 1.0)
-        found: Floats = (1 - share) * self.values[after - 1] + share * self.values[after]
-        return found
+        return (1 - share) * self.values[after - 1] + share * self.values[after]
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,8 +268,7 @@ class Scene:
     def moves(self) -> Floats:
         """(V,) maximum distance of each point from rest, estimated at a few times."""
         far = np.max([np.abs(self.points(t) - self.rest) for t in self._moments], axis=(0, 2))
-        found: Floats = far if far.any() else far + 1.0
-        return found
+        return far if far.any() else far + 1.0
 
     @cached_property
     def widest(self) -> Floats:

@@ -3,9 +3,9 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align
@@ -13,17 +13,13 @@ from lipsync_lang.phonology.espeak.process import quoted
 from lipsync_lang.phonology.labels import LENGTH_MARKS, Notation, normalise
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    from lipsync_lang.speech.speaking.transcripts import Transcript
+from lipsync_lang.speech.speaking.transcripts import Transcript
 
 LONG = 1.5
 """Duration ratio of a long sound to a short one."""
 
 
-def estimate(transcript: "Transcript", manner: Manner, notation: Notation) -> Schedule:
+def estimate(transcript: Transcript, manner: Manner, notation: Notation) -> Schedule:
     """Estimate times: each label has the duration of its phoneme class, plus pauses.
 
     It is a `SpeechError` if no part of the text is readable.
@@ -67,7 +63,7 @@ def estimate(transcript: "Transcript", manner: Manner, notation: Notation) -> Sc
     )
 
 
-def _refuse_nothing(labels: Sequence[str], transcript: "Transcript") -> None:
+def _refuse_nothing(labels: Sequence[str], transcript: Transcript) -> None:
     if not labels:
         unread = f"; it cannot read {' '.join(transcript.unread)}" if transcript.unread else ""
         raise SpeechError(
@@ -77,7 +73,7 @@ def _refuse_nothing(labels: Sequence[str], transcript: "Transcript") -> None:
 
 
 def join(
-    transcript: "Transcript",
+    transcript: Transcript,
     spoken: Schedule,
     manner: Manner,
     notations: Mapping[str, Notation],
@@ -125,7 +121,7 @@ def _units(labels: Sequence[str], notation: Notation) -> tuple[list[int], list[s
 def _rows(
     label_of: Sequence[int],
     heard: Sequence[str],
-    found: "npt.NDArray[np.intp]",
+    found: npt.NDArray[np.intp],
     starts: Sequence[float],
     end: float,
 ) -> list[tuple[int, float, float]]:
@@ -148,7 +144,7 @@ def _rows(
 
 
 def _scheduled(
-    transcript: "Transcript", spoken: Schedule, rows: Sequence[tuple[int, float, float]]
+    transcript: Transcript, spoken: Schedule, rows: Sequence[tuple[int, float, float]]
 ) -> Schedule:
     """Build a schedule from the rows; labels without a row share a neighbour's time."""
     flat = [label for word in transcript.words for label in (word.labels or (SILENCE,))]
@@ -187,7 +183,7 @@ def _scheduled(
     )
 
 
-def _stress_with_pauses(transcript: "Transcript") -> list[int | None]:
+def _stress_with_pauses(transcript: Transcript) -> list[int | None]:
     """Return the stress of a transcript's labels, with one place for each pause."""
     if not any(word.stress for word in transcript.words):
         return []
@@ -199,7 +195,7 @@ def _stress_with_pauses(transcript: "Transcript") -> list[int | None]:
 
 
 def stress_read(
-    transcript: "Transcript",
+    transcript: Transcript,
     labels: Sequence[str],
     notation: str,
     manner: Manner,
@@ -247,7 +243,7 @@ def _groups(flat: Sequence[str], present: Collection[int]) -> dict[int, list[int
     return groups
 
 
-def _words(transcript: "Transcript", numbers: Sequence[int]) -> tuple[Word, ...]:
+def _words(transcript: Transcript, numbers: Sequence[int]) -> tuple[Word, ...]:
     """Return the words of a transcript with their new label positions."""
     place = {number: index for index, number in enumerate(numbers) if number >= 0}
     words: list[Word] = []

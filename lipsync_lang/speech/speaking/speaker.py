@@ -17,6 +17,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.json_object import Json
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.packs.finding import Paths, located
+from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.phonology.g2p import SpokenWord, engine
 from lipsync_lang.phonology.g2p.g2p_engines import G2PEngine
@@ -25,6 +26,7 @@ from lipsync_lang.phonology.g2p.utterances import Utterances
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.speech import ENGINES, speak_many
 from lipsync_lang.speech.results import batches, each, exhaust, next_result, raised
 from lipsync_lang.speech.speaking.transcripts import Transcript
 from lipsync_lang.speech.speaking.written_text import WrittenText, as_written, silent
@@ -80,7 +82,6 @@ class Speaker:
         cls, language: str | Path, paths: Paths = (), cleaning: Cleaning = AS_WRITTEN
     ) -> "Speaker":
         """Prepare a language by name, tag or file, with `paths` searched first."""
-        from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.language_tables import manner_of, notations_of
         from lipsync_lang.resolver.nearest_phonemes import among
 
@@ -176,8 +177,6 @@ class Speaker:
         hidden = [text for text, words in zip(texts, found, strict=True) if self._hides(words)]
         if not hidden:
             return found
-        from lipsync_lang.speech import speak_many
-
         voice, name = self.manner.settings.voice or "", self.manner.engine or ""
         heard = each(speak_many(hidden, voice, engine=name), _separate_words)
         return [next(heard) if self._hides(words) else words for words in found]
@@ -331,7 +330,6 @@ class Speaker:
         self, texts: Iterable[str], engine: str | None, words_per_minute: int | None
     ) -> Iterator[Schedule | SpeechError]:
         """Speak texts with a voice; join what the G2P engine reads, if that is another."""
-        from lipsync_lang.speech import speak_many
         from lipsync_lang.speech.speaking.joining import join
 
         manner = self.manner
@@ -388,8 +386,6 @@ class Speaker:
         reads = manner.settings.voice if name == manner.engine else None
         voice = manner.others.get(name, reads)
         if voice is None:
-            from lipsync_lang.speech import ENGINES
-
             ENGINES.find(name, SpeechError)
             raise SpeechError(
                 f"{manner.language} has no voice of {name}; add to its pack "

@@ -15,6 +15,7 @@ from lipsync_lang.performing.gesturing import ALL
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performed_line import performer_of
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.quality.check_animation import check
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
 from lipsync_lang.schedules.timing_readers import read_timings
@@ -249,8 +250,6 @@ def figures(workshop: Workshop, _: StudioRequest) -> Json:
     """Return the figures of the take with findings; none while a pair without a line is open."""
     if workshop.line is None:
         return {"figures": []}
-    from lipsync_lang.quality.check_animation import check
-
     return {"figures": figures_data(check(workshop.perform()))}
 
 

@@ -26,11 +26,8 @@ MIN_WORDS = 3
 REACH = 4
 """Most words over which a word is moved."""
 
-MIN_ORDER_GAIN = 60.0
-"""Log likelihood that another order gains at least.
-
-2 % of right lines gain that much, and 80 % of those with a word out of place.
-"""
+EXCHANGED_LOG, MOVED_LOG, PARTS_LOG = -35.0, -60.0, -100.0
+"""Log scores of two neighbours exchanged, of a word moved further, and of two parts exchanged."""
 
 ORDER_FLOOR_LOG = -12.0
 """Least log likelihood of a frame relative to the likeliest phoneme, in the search of orders."""
@@ -119,7 +116,7 @@ class TextErrors:
             ways[one.word] += (one.phone,)
         # the pronunciation that is heard, or the first one of a word that is left out
         self._ways = [way or some[0] for way, some in zip(ways, words, strict=True)]
-        self._spoken = [way for way in ways if way]
+        self._spoken = {one.word for one in self._said}
         first, stop = self._said[0].first, self._said[-1].stop
         self._others = [one for one in heard if one.word == one.phone == OUTSIDE]
         before, after = self._other_frames(0, first), self._other_frames(stop, len(features))
@@ -139,15 +136,9 @@ class TextErrors:
 
         Of two parts that are exchanged, it is the first word of the sound.
         """
-        given, _ = self._likeliest_order(0, self._ways)
-        best, way = self._likeliest_order(REACH, self._ways)
-        if self._spoken and len(self._spoken) < len(self._ways):
-            # a word that is not said at all, as where a recording is cut off, fits nowhere better
-            given = max(given, self._likeliest_order(0, self._spoken)[0])
-        if best - given < MIN_ORDER_GAIN:
-            return None
+        way = self._likeliest_order()
         order = list(dict.fromkeys(word for word, _ in way))
-        if len(order) < len(self._ways):
+        if order == sorted(order) or len(order) < len(self._ways):
             return None
         rests = ([*order[:at], *order[at + 1 :]] for at in range(len(order)))
         # without a single word that moved, the halves are exchanged
@@ -155,54 +146,60 @@ class TextErrors:
         first = next(run.first for word, run in way if word == order[at])
         return MovedWord(order[at], order[at - 1] if at else OUTSIDE, first + self._start)
 
-    def _likeliest_order(
-        self, reach: int, ways: Sequence[tuple[int, ...]]
-    ) -> tuple[float, list[tuple[int, Run]]]:
-        """Return the log likelihood of words in another order, and their phonemes.
+    def _likeliest_order(self) -> list[tuple[int, Run]]:
+        """Return the phonemes of the likeliest order of the words, with the price of another one.
 
-        One word is moved over no more than `reach` others, or two parts are exchanged.
+        One word is moved, or two parts are exchanged. A word that `lay` left out may lack.
         """
         graph, silence = Graph(self._model), self._model.silence
-        count = len(ways)
+        ways, count = self._ways, len(self._ways)
         joins: list[list[int]] = [[SOUND_START], *([] for _ in range(count))]
+        prices: dict[int, float] = {}
 
-        def spoken(word: int, before: int, after: int, ends: Sequence[int]) -> list[int]:
+        def spoken(
+            word: int, before: int, after: int, ends: Sequence[int], price: float = 0.0
+        ) -> list[int]:
             """Add a word between two others, after an optional pause."""
             left = ways[before][-1] if before >= 0 else silence
             right = ways[after][0] if after < count else silence
             pause = graph.add(PAUSE, silence, silence, ends)
+            prices[len(graph.nodes)] = price
             return graph.word(word, [ways[word]], left, right, [*ends, pause])
 
         for at in range(count):
             before = joins[at]
             # later: the words after this one, and then this one
             last = before
-            for other in range(at + 1, min(at + reach + 1, count)):
+            for other in range(at + 1, min(at + REACH + 1, count)):
                 last = spoken(other, other - 1 if other > at + 1 else at - 1, other + 1, last)
-                joins[other + 1] += spoken(at, other, other + 1, last)
+                price = MOVED_LOG if other > at + 1 else EXCHANGED_LOG
+                joins[other + 1] += spoken(at, other, other + 1, last, price)
             # earlier: a word from further on, and then those from here on
-            for other in range(at + 2, min(at + reach + 1, count)):
-                last = spoken(other, at - 1, at, before)
+            for other in range(at + 2, min(at + REACH + 1, count)):
+                last = spoken(other, at - 1, at, before, MOVED_LOG)
                 for word in range(at, other):
                     last = spoken(word, word - 1 if word > at else other, word + 1, last)
                 joins[other + 1] += last
             joins[at + 1] += spoken(at, at - 1, at + 1, before)
+            if at not in self._spoken:
+                joins[at + 1] += before
         ends = joins[count]
-        if reach:
-            # from any word to the last, and then from the first on
-            last = []
-            for word in range(1, count):
-                last = spoken(word, word - 1, word + 1, [SOUND_START, *last])
-            for word in range(count - 1):
-                last = spoken(word, word - 1 if word else count - 1, word + 1, last)
-                ends += last
+        # from any word to the last, and then from the first on
+        last = []
+        for word in range(1, count):
+            last = spoken(word, word - 1, word + 1, [SOUND_START, *last])
+        for word in range(count - 1):
+            price = 0.0 if word else PARTS_LOG
+            last = spoken(word, word - 1 if word else count - 1, word + 1, last, price)
+            ends += last
         ends.append(graph.add(PAUSE, silence, silence, ends))
         scores = self._scores(graph)
         np.maximum(scores, (self._best + ORDER_FLOOR_LOG)[:, None, None], out=scores)
-        way = self._way(graph, scores, ends)
-        fit = sum(float(scores[run.first : run.stop, run.phone].max(axis=1).sum()) for run in way)
+        turns = np.zeros(len(graph.nodes))
+        turns[[*prices]] = [*prices.values()]
+        way = self._way(graph, scores, ends, turns)
         runs = [(graph.nodes[run.phone].word, run) for run in way]
-        return fit, [(word, run) for word, run in runs if word != OUTSIDE]
+        return [(word, run) for word, run in runs if word != OUTSIDE]
 
     def unwritten(self) -> list[UnwrittenSpeech]:
         """Return speech that no word of the text explains, within the words and beside them."""

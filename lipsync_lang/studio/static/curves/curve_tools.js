@@ -1,7 +1,7 @@
 /** Tools above a plot of curves: time and value of what is chosen, points, clipboard, ghosts, zoom. */
 
 import { chosenPoints } from "./curve_points.js";
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { actButton } from "../shell/form_fields.js";
 
 const TYPED = "0.4 sets, +0.1 and -0.1 shift, *0.8 and 80% scale";
@@ -20,7 +20,7 @@ export class CurveTools {
     );
     this.delete = actButton("− Point", "− Point: delete the chosen points (Delete)", () => editor.remove());
     this.haunts = made("span", { class: "group ghosts", role: "group", "aria-label": "Faint curves for comparison" });
-    this.start = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Start from other curves" }));
+    this.start = made("select", { "aria-label": "Start from other curves" });
     this.start.addEventListener("change", () => {
       editor.startFrom(this.start.value);
       this.start.value = "";
@@ -33,7 +33,7 @@ export class CurveTools {
     );
     zoom.classList.add("zoom");
     place.append(
-      ...this.inputs.map((input, axis) => made("label", {}, ["Time", "Value"][axis], input)),
+      ...this.inputs.map((input, axis) => made("label", ["Time", "Value"][axis], input)),
       this.grid,
       group(
         "Points",
@@ -57,16 +57,14 @@ export class CurveTools {
 
   /** @param {string} name @param {0 | 1} axis @returns {HTMLInputElement} */
   #input(name, axis) {
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        inputmode: "decimal",
-        size: "6",
-        autocomplete: "off",
-        "aria-label": `${name} of the chosen points`,
-        title: `${name}: ${TYPED}`,
-      })
-    );
+    const input = made("input", {
+      type: "text",
+      inputmode: "decimal",
+      size: "6",
+      autocomplete: "off",
+      "aria-label": `${name} of the chosen points`,
+      title: `${name}: ${TYPED}`,
+    });
     input.addEventListener("change", () => {
       const read = this.editor.type(axis, input.value);
       if (!read) this.editor.does.tell?.(`${name} cannot be '${input.value}': ${TYPED}`);
@@ -102,21 +100,19 @@ export class CurveTools {
   ghosts() {
     const { editor } = this;
     this.haunts.replaceChildren(...editor.ghosts.map(({ name, kind }) => {
-      const one = made(
-        "button",
+      const one = button(
+        name,
         {
-          type: "button",
           class: `ghost ${kind}`,
           "aria-pressed": String(editor.haunting.has(name)),
           title: `Show or hide the curves of ${name}`,
         },
-        name,
+        () => {
+          if (!editor.haunting.delete(name)) editor.haunting.add(name);
+          one.setAttribute("aria-pressed", String(editor.haunting.has(name)));
+          editor.drawing.draw();
+        },
       );
-      one.addEventListener("click", () => {
-        if (!editor.haunting.delete(name)) editor.haunting.add(name);
-        one.setAttribute("aria-pressed", String(editor.haunting.has(name)));
-        editor.drawing.draw();
-      });
       return one;
     }));
     this.start.hidden = !editor.ghosts.length;

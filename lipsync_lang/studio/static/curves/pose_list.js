@@ -2,7 +2,7 @@
 
 import { valuesAt } from "./bspline.js";
 import { sample } from "./curve_drawing.js";
-import { made, middled } from "../shell/elements.js";
+import { button, made, middled } from "../shell/elements.js";
 
 /** Poses from which a list can be searched. */
 const MANY = 12;
@@ -12,9 +12,7 @@ export class PoseList {
   /** @param {import("./curve_editor.js").CurveEditor} editor @param {HTMLElement} place */
   constructor(editor, place) {
     this.editor = editor;
-    this.search = /** @type {HTMLInputElement} */ (
-      made("input", { type: "search", placeholder: "Find a pose", "aria-label": "Find a pose" })
-    );
+    this.search = made("input", { type: "search", placeholder: "Find a pose", "aria-label": "Find a pose" });
     this.list = made("ul", {
       class: "pose-list",
       role: "listbox",
@@ -68,18 +66,10 @@ export class PoseList {
       /** @type {string} */ text,
       /** @type {string} */ label,
       /** @type {() => void} */ does,
-    ) => {
-      const one = made(
-        "button",
-        { type: "button", class: kind, tabindex: "-1", "aria-label": `${label} ${name}`, title: label },
-        text,
-      );
-      one.addEventListener("click", (event) => {
-        event.stopPropagation();
-        does();
-      });
-      return one;
-    };
+    ) => button(text, { class: kind, tabindex: "-1", "aria-label": `${label} ${name}`, title: label }, (event) => {
+      event.stopPropagation();
+      does();
+    });
     const bar = made("i"), value = made("span", { class: "value" });
     const row = made(
       "li",

@@ -21,9 +21,9 @@ export class FacePlace {
     this.faces = the("faces");
     /** The faces of the character, and of the one beside it. @type {Portrait[]} */
     this.portraits = [];
-    this.second = /** @type {HTMLSelectElement} */ (
-      made("select", { "aria-label": "Character beside the face", title: "Another character that says the same line" })
-    );
+    this.second = made("select", {
+      "aria-label": "Character beside the face", title: "Another character that says the same line",
+    });
     this.second.addEventListener("change", () => this.#beside());
     /** The take of the character beside the face is older than the line. */
     this.stale = false;
@@ -32,13 +32,10 @@ export class FacePlace {
     this.video = null;
     /** @type {Window | null} */
     this.window = null;
-    this.file = /** @type {HTMLInputElement} */ (
-      made("input", { type: "file", accept: "video/*", hidden: "", "aria-label": "Video of reference" })
-    );
-    this.offset = /** @type {HTMLInputElement} */ (
-      made("input", { type: "number", value: "0", step: "10", "aria-label": "Offset of the video in milliseconds",
-        title: "Milliseconds after the line begins, at which the video begins" })
-    );
+    this.file = made("input", { type: "file", accept: "video/*", hidden: "", "aria-label": "Video of reference" });
+    this.offset = made("input", { type: "number", value: "0", step: "10",
+      "aria-label": "Offset of the video in milliseconds",
+      title: "Milliseconds after the line begins, at which the video begins" });
     this.offset.hidden = true;
     this.button = actButton("Video…", "Video… of reference beside the face", () => {
       if (this.video) this.#close();
@@ -150,7 +147,7 @@ export class FacePlace {
   open(file) {
     const address = URL.createObjectURL(file);
     const attributes = { src: address, playsinline: "", "aria-label": file.name };
-    this.video = /** @type {HTMLVideoElement} */ (made("video", attributes));
+    this.video = made("video", attributes);
     this.video.muted = true;
     this.video.addEventListener("loadeddata", () => this.studio.wake());
     this.video.addEventListener("error", () => {

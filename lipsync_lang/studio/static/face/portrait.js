@@ -15,9 +15,9 @@ export class Portrait {
   constructor(page, take) {
     this.take = take;
     this.data = page.faces[take.data.face];
-    this.canvas = /** @type {HTMLCanvasElement} */ (made("canvas", { role: "img" }));
+    this.canvas = made("canvas", { role: "img" });
     this.caption = made("figcaption", { dir: "auto" });
-    this.figure = made("figure", {}, this.canvas, this.caption);
+    this.figure = made("figure", this.canvas, this.caption);
     this.close = false;
     /** @type {import("./gl_face.js").GlFace | null} */
     this.face = null;

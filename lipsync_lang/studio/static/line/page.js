@@ -82,7 +82,7 @@ class Page {
       this.portraits.flatMap((one) => [...one.data.unshown, ...(one.trouble ? [one.trouble] : [])]),
     );
     the("notes").hidden = !notes.size;
-    the("notes").replaceChildren(...[...notes].map((one) => made("li", {}, one)));
+    the("notes").replaceChildren(...[...notes].map((one) => made("li", one)));
     this.#show();
   }
 
@@ -261,7 +261,7 @@ class Page {
     the("others").append(...this.takes.slice(1).map((one, n) => made("option", { value: String(n + 1) }, label(one))));
     the("help")
       .querySelector("dl")
-      ?.append(...Object.entries(KEYS).flatMap(([keys, what]) => [made("dt", {}, keys), made("dd", {}, what)]));
+      ?.append(...Object.entries(KEYS).flatMap(([keys, what]) => [made("dt", keys), made("dd", what)]));
     the("timeline").setAttribute(
       "aria-label",
       `Sound, words, phonemes and poses of: ${title}. ` +

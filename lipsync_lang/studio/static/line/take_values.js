@@ -33,15 +33,12 @@ export class TakeValues {
     if (told === this.told) return;
     [this.told, this.rows, this.row] = [told, rows, -1];
     this.places.poses.replaceChildren(...rows.map((name, row) => {
-      const button = made(
-        "button",
-        { type: "button", "aria-expanded": "false" },
-        middled(name),
-        made("i"),
-        made("span", {}, ""),
+      const one = button(
+        [middled(name), made("i"), made("span", "")],
+        { "aria-expanded": "false" },
+        () => this.does.pick(row === this.row ? -1 : row),
       );
-      button.addEventListener("click", () => this.does.pick(row === this.row ? -1 : row));
-      return made("li", {}, button, ...(pairs[row] ? [this.#folder(pairs[row])] : []));
+      return made("li", one, ...(pairs[row] ? [this.#folder(pairs[row])] : []));
     }));
   }
 
@@ -77,16 +74,14 @@ export class TakeValues {
     this.places.moment.replaceChildren(
       made("b", { dir: "auto" }, sound.label),
       `${as}${sound.word ? ", in " : ""}`,
-      made("bdi", {}, sound.word),
+      made("bdi", sound.word),
     );
     this.places.bigrams.replaceChildren(...take.bigramsAt(frame).map((one) => {
       const drawn = one.drawn_as ? `, drawn as ${one.drawn_as}` : "", word = one.word ? `, as in ${one.word}` : "";
       const half = one.trigram ? `, in the trigram ${one.trigram}` : "";
-      return made(
-        "li",
-        {},
+      return made("li",
         `${one.pair} at ${one.position.toFixed(2)}: ${one.layer}, ${one.status || "none"}${drawn}${half}${word} `,
-        made("small", {}, one.from.join(", ")),
+        made("small", one.from.join(", ")),
         ...(this.does.more?.(one) ?? []),
       );
     }));
@@ -112,16 +107,10 @@ export class TakeValues {
     if (row !== this.row || playing) return;
     const steps = own ? take.stepsAt(own.pose, frame) : [];
     const listed = steps.map((step) =>
-      made(
-        "li",
-        {},
-        made("span", {}, step.label),
-        made("span", {}, step.weight.toFixed(3)),
-        made("span", {}, step.why),
-      ),
+      made("li", made("span", step.label), made("span", step.weight.toFixed(3)), made("span", step.why)),
     );
     const rest = own?.pose === -1 ? "played from the poses by the rig" : "at rest";
-    item.append(made("ol", {}, ...(listed.length ? listed : [made("li", {}, rest)])));
+    item.append(made("ol", ...(listed.length ? listed : [made("li", rest)])));
   }
 }
 

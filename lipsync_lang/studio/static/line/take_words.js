@@ -94,7 +94,7 @@ export function listFigures(places, figures, go) {
  * @returns {HTMLElement} with buttons that go to its findings
  */
 function figureItem(figure, go) {
-  const verdict = made("b", {}, figure.verdict);
+  const verdict = made("b", figure.verdict);
   const row = made("li", { class: figure.verdict, title: figure.name }, verdict, ` ${figure.told} `);
   for (const [seconds, what] of figure.findings.slice(0, FINDINGS)) {
     row.append(button(`${clock(seconds)}: ${what}`, "", () => go(seconds)));

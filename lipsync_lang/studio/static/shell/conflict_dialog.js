@@ -58,7 +58,7 @@ function picture(name, sides) {
     svg.append(drawn("polyline", { points: path.join(" "), class: side }));
     svg.append(...points.map(([t, v]) => drawn("circle", { cx: x(t), cy: y(v), r: 2.5, class: side })));
   }
-  return made("figure", {}, made("figcaption", { dir: "auto" }, name.replace(/^curves /, "")), svg);
+  return made("figure", made("figcaption", { dir: "auto" }, name.replace(/^curves /, "")), svg);
 }
 
 /** @param {Conflict} conflict @returns {Element[]} pictures of the curves that differ, and words for other values */
@@ -84,20 +84,18 @@ function told(value) {
  * @returns {Promise<Record<string, string> | null>} the side by key; null if nothing is chosen now
  */
 export async function settled(conflict) {
-  const rows = conflict.map((one) => made("li", {},
-    made("b", {}, one.what), " ",
+  const rows = conflict.map((one) => made("li",
+    made("b", one.what), " ",
     made("select", { "aria-label": `Version of ${one.what} to keep`, "data-key": one.key },
       ...SIDES.map(([value, name]) => made("option", { value }, `Keep ${name}`))),
     made("div", { class: "both" }, ...comparison(one))));
   const form = made("form", { method: "dialog" },
-    made("h2", {}, "Also changed on the disk"),
+    made("h2", "Also changed on the disk"),
     made("p", { class: "both" }, ...SIDES.map(([side, name]) => made("span", { class: side }, name))),
-    made("ul", {}, ...rows),
+    made("ul", ...rows),
     made("p", { class: "row" },
-      made("button", { class: "main", value: "save" }, "Save"), made("button", {}, "Not now")));
-  const dialog = /** @type {HTMLDialogElement} */ (
-    made("dialog", { class: "conflict", "aria-label": "Conflict" }, form)
-  );
+      made("button", { class: "main", value: "save" }, "Save"), made("button", "Not now")));
+  const dialog = made("dialog", { class: "conflict", "aria-label": "Conflict" }, form);
   document.body.append(dialog);
   dialog.showModal();
   await new Promise((done) => dialog.addEventListener("close", done));

@@ -7,28 +7,30 @@ export function the(id) {
 
 /**
  * Make an element.
- * @param {string} name
- * @param {Record<string, string>} [traits]
- * @param {...(Node | string)} content
- * @returns {HTMLElement}
+ * @template {keyof HTMLElementTagNameMap} Name
+ * @param {Name} name
+ * @param {...(Record<string, string> | Node | string)} parts its traits, if any, and its content
+ * @returns {HTMLElementTagNameMap[Name]}
  */
-export function made(name, traits = {}, ...content) {
+export function made(name, ...parts) {
   const element = document.createElement(name);
-  for (const [key, value] of Object.entries(traits)) element.setAttribute(key, value);
-  element.append(...content);
+  for (const one of parts) {
+    if (typeof one === "string" || one instanceof Node) element.append(one);
+    else for (const [key, value] of Object.entries(one)) element.setAttribute(key, value);
+  }
   return element;
 }
 
 /**
  * Make a button.
- * @param {string} text
+ * @param {string | Node[]} content
  * @param {string | Record<string, string>} about its title, or its traits
  * @param {(pressed: MouseEvent) => void} does
  * @returns {HTMLButtonElement}
  */
-export function button(text, about, does) {
+export function button(content, about, does) {
   const traits = typeof about === "string" ? { ...(about && { title: about }) } : about;
-  const one = /** @type {HTMLButtonElement} */ (made("button", { type: "button", ...traits }, text));
+  const one = made("button", { type: "button", ...traits }, ...[content].flat());
   one.addEventListener("click", does);
   return one;
 }
@@ -44,7 +46,7 @@ const TAIL = 7;
 export function middled(name, traits = {}) {
   const signs = [...name], cut = Math.max(0, signs.length - TAIL), { class: more = "", ...rest } = traits;
   return made("span", { ...rest, class: `middled ${more}`.trim(), dir: "auto", title: name },
-    made("span", {}, signs.slice(0, cut).join("")), made("span", {}, signs.slice(cut).join("")));
+    made("span", signs.slice(0, cut).join("")), made("span", signs.slice(cut).join("")));
 }
 
 /**

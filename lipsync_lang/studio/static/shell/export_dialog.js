@@ -19,7 +19,7 @@ export class ExportDialog {
     this.studio = studio;
     /** Formats that were chosen last. @type {Set<string>} */
     this.chosen = new Set();
-    this.dialog = /** @type {HTMLDialogElement} */ (made("dialog", { id: "exporting", "aria-labelledby": "exported" }));
+    this.dialog = made("dialog", { id: "exporting", "aria-labelledby": "exported" });
     document.body.append(this.dialog);
     the("export").addEventListener("click", () => this.show());
   }
@@ -38,24 +38,24 @@ export class ExportDialog {
   #fill(formats, lines, folder) {
     const { state, take } = this.studio, [go, close, told] = [
       made("button", { type: "button", class: "main" }, "Export"),
-      made("button", {}, "Close"), made("p", { role: "status" }),
+      made("button", "Close"), made("p", { role: "status" }),
     ];
     const check = (/** @type {string} */ type, /** @type {string} */ name, /** @type {string} */ value,
       /** @type {boolean} */ on, /** @type {boolean} */ off, /** @type {(Node | string)[]} */ ...content) =>
       made("label", { class: "check" },
         made("input", { type, name, value, ...(on ? { checked: "" } : {}), ...(off ? { disabled: "" } : {}) }),
-        made("span", {}, ...content));
-    const form = /** @type {HTMLFormElement} */ (made("form", { method: "dialog" },
+        made("span", ...content));
+    const form = made("form", { method: "dialog" },
       made("h2", { id: "exported" }, "Export"),
       made("ul", { "aria-label": "Formats" }, ...formats.map(({ name, suffix, title, refused }) =>
-        made("li", {}, check("checkbox", "format", name, this.chosen.has(name), Boolean(refused),
-          made("b", {}, name), ` ${suffix} `, made("small", {}, refused || title))))),
+        made("li", check("checkbox", "format", name, this.chosen.has(name), Boolean(refused),
+          made("b", name), ` ${suffix} `, made("small", refused || title))))),
       check("radio", "lines", "one", Boolean(take), !take, `This line (${state.name}), into your downloads`),
       check("radio", "lines", "all", !take, !lines.length,
         `All lines in ${state.language} (${lines.length}), into this folder of the project:`),
       made("input", { type: "text", name: "folder", value: folder, "aria-label": "Folder of the project" }),
       check("checkbox", "replace", "yes", false, false, "Replace files that exist"),
-      told, made("p", { class: "row" }, go, close)));
+      told, made("p", { class: "row" }, go, close));
     go.addEventListener("click", () => this.#run(form, lines, told));
     this.dialog.replaceChildren(form);
   }

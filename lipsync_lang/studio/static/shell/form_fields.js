@@ -27,7 +27,7 @@ export function numberField(label, value, span, changed) {
     { class: "number-field" },
     made("span", { dir: "auto" }, label),
     input,
-    ...(span.unit ? [made("small", {}, span.unit)] : []),
+    ...(span.unit ? [made("small", span.unit)] : []),
   );
 }
 
@@ -40,9 +40,9 @@ export function numberField(label, value, span, changed) {
  */
 export function sliderField(label, value, span, changed) {
   const input = numberInput(label, value, span), { min, max, step } = span;
-  const slider = /** @type {HTMLInputElement} */ (
-    made("input", { type: "range", min: String(min), max: String(max), step: String(step), "aria-label": label })
-  );
+  const slider = made("input", {
+    type: "range", min: String(min), max: String(max), step: String(step), "aria-label": label,
+  });
   slider.value = String(value ?? span.usual ?? min);
   slider.disabled = span.disabled ?? false;
   slider.addEventListener("input", () => {
@@ -61,22 +61,20 @@ export function sliderField(label, value, span, changed) {
     made("span", { dir: "auto" }, label),
     slider,
     input,
-    made("small", {}, span.unit ?? ""),
+    made("small", span.unit ?? ""),
   );
 }
 
 /** @param {string} label @param {number | null} value @param {Span} span */
 function numberInput(label, value, { min, max, step, usual = "", disabled = false }) {
-  const input = /** @type {HTMLInputElement} */ (
-    made("input", {
-      type: "number",
-      min: String(min),
-      max: String(max),
-      step: String(step),
-      placeholder: usual,
-      "aria-label": label,
-    })
-  );
+  const input = made("input", {
+    type: "number",
+    min: String(min),
+    max: String(max),
+    step: String(step),
+    placeholder: usual,
+    "aria-label": label,
+  });
   input.value = value === null ? "" : String(value);
   input.disabled = disabled;
   return input;
@@ -99,13 +97,11 @@ function read(input, { min, max }) {
  * @param {boolean} [disabled]
  */
 export function choiceField(label, names, value, changed, disabled = false) {
-  const select = /** @type {HTMLSelectElement} */ (
-    made(
-      "select",
-      { "aria-label": label },
-      ...(value ? [] : [made("option", { value: "" }, label)]),
-      ...names.map((name) => made("option", { value: name }, name)),
-    )
+  const select = made(
+    "select",
+    { "aria-label": label },
+    ...(value ? [] : [made("option", { value: "" }, label)]),
+    ...names.map((name) => made("option", { value: name }, name)),
   );
   select.value = value;
   select.disabled = disabled;

@@ -20,26 +20,22 @@ export class ScriptLines {
     this.answers = 0;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.later = undefined;
-    this.search = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "search",
-        dir: "auto",
-        "aria-label": "Search the lines",
-        placeholder: "Search names, speakers and texts",
-      })
-    );
+    this.search = made("input", {
+      type: "search",
+      dir: "auto",
+      "aria-label": "Search the lines",
+      placeholder: "Search names, speakers and texts",
+    });
     this.told = made("p", { role: "status" });
     this.rows = made("ol");
-    this.dialog = /** @type {HTMLDialogElement} */ (
-      made(
-        "dialog",
-        { id: "script-list", "aria-labelledby": "script-lines" },
-        made("h2", { id: "script-lines" }, "Lines of the script"),
-        this.search,
-        this.told,
-        this.rows,
-        made("form", { method: "dialog" }, made("button", {}, "Close")),
-      )
+    this.dialog = made(
+      "dialog",
+      { id: "script-list", "aria-labelledby": "script-lines" },
+      made("h2", { id: "script-lines" }, "Lines of the script"),
+      this.search,
+      this.told,
+      this.rows,
+      made("form", { method: "dialog" }, made("button", "Close")),
     );
     document.body.append(this.dialog);
     this.search.addEventListener("input", () => {
@@ -133,18 +129,19 @@ export class ScriptLines {
       line.recording ? "recording" : "",
       line.timings ? "timings" : "",
     ];
-    const button = made(
-      "button",
-      { type: "button", ...(line.name === this.place?.name ? { "aria-current": "true" } : {}) },
-      made("b", {}, line.name),
-      made("small", {}, told.filter(Boolean).join(" · ")),
+    const parts = [
+      made("b", line.name),
+      made("small", told.filter(Boolean).join(" · ")),
       made("span", { dir: "auto" }, line.text),
-    );
-    button.addEventListener("click", () => {
-      this.dialog.close();
-      this.studio.busy(() => this.#open(line));
-    });
-    return made("li", {}, button);
+    ];
+    return made("li", button(
+      parts,
+      line.name === this.place?.name ? { "aria-current": "true" } : {},
+      () => {
+        this.dialog.close();
+        this.studio.busy(() => this.#open(line));
+      },
+    ));
   }
 
   /** @param {ScriptLine} line */

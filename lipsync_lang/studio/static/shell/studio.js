@@ -196,7 +196,7 @@ export class Studio {
     the("tongue").setAttribute("aria-pressed", "false");
     const notes = [...data.unshown, ...(trouble ? [trouble] : [])];
     the("notes").hidden = !notes.length;
-    the("notes").replaceChildren(...notes.map((/** @type {string} */ one) => made("li", {}, one)));
+    the("notes").replaceChildren(...notes.map((/** @type {string} */ one) => made("li", one)));
     const shown = this.portrait;
     setTimeout(() => { shown.shade(); this.wake(); }, SHADE_LATER);
     this.notify("face");
@@ -209,7 +209,7 @@ export class Studio {
     if (first && !asked) await this.open(first.language, first.character);
     if (!this.state.language) {
       const words = "Choose a language and a character above. Edits are saved in this folder only.";
-      the("view").replaceChildren(made("section", { class: "empty" }, made("h2", {}, words)));
+      the("view").replaceChildren(made("section", { class: "empty" }, made("h2", words)));
     }
     if (this.state.language && !this.take && first?.line) await this.speak(first.line);
     if (!asked) this.tell("Edits are saved in this folder only.", "", true, ...this.#tours());

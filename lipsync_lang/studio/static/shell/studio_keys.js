@@ -33,7 +33,7 @@ export function showHelp() {
   const help = /** @type {HTMLDialogElement} */ (the("help"));
   const list = /** @type {HTMLElement} */ (help.querySelector("dl"));
   list.replaceChildren(
-    ...[...Object.entries(KEYS), ...added].flatMap(([key, does]) => [made("dt", {}, key), made("dd", {}, does)]),
+    ...[...Object.entries(KEYS), ...added].flatMap(([key, does]) => [made("dt", key), made("dd", does)]),
   );
   if (help.open) help.close();
   else help.showModal();

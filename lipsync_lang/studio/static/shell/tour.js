@@ -40,8 +40,8 @@ export class Tour {
     if (step.view) this.studio.go(...(/** @type {[string, string]} */ (step.view.split("/"))));
     const last = number === this.steps.length - 1;
     this.card.replaceChildren(
-      made("h2", {}, step.title), made("p", {}, step.text),
-      made("p", { class: "row" }, made("small", {}, `${number + 1} of ${this.steps.length}`),
+      made("h2", step.title), made("p", step.text),
+      made("p", { class: "row" }, made("small", `${number + 1} of ${this.steps.length}`),
         ...(number ? [button("Back", "", () => this.go(number - 1))] : []),
         ...(last ? [] : [button("End", "", () => this.end())]),
         button(last ? "Done" : "Next", { class: "main" }, () => this.go(number + 1))));

@@ -1,7 +1,7 @@
 /** Lane of gestures under a timeline: a row for each kind, with a bar for each gesture at its time. */
 
 import { drawn } from "../shell/drawings.js";
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 
 const ROW = 18, PAD = 3;
 /** Height of a bar without a scale, and what a scale of 1 adds. */
@@ -34,13 +34,15 @@ export class GestureLane {
     /** The pressed gesture as it was, and the press. @type {{own: Shown, x: number, moved: boolean} | null} */
     this.pressed = null;
     this.svg = drawn("svg", { role: "group", "aria-label": "Gestures", tabindex: "-1" });
-    this.kind = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Gesture to add" }));
-    const add = made("button", {
-      type: "button",
-      title: "Add this gesture at the chosen word, or at the playhead (T); a double click adds it there",
-      "aria-label": "Add the gesture",
-    }, "+");
-    add.addEventListener("click", () => does.add());
+    this.kind = made("select", { "aria-label": "Gesture to add" });
+    const add = button(
+      "+",
+      {
+        title: "Add this gesture at the chosen word, or at the playhead (T); a double click adds it there",
+        "aria-label": "Add the gesture",
+      },
+      () => does.add(),
+    );
     const name = made("span", { class: "lane-name" }, this.kind, add);
     place.append(made("div", { class: "gesture-lane" }, name, this.svg));
     this.#listen();

@@ -1,7 +1,7 @@
 /** Tracks of a line above its timeline: points of seconds and level, dragged, added and deleted. */
 
 import { drawn } from "../shell/drawings.js";
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { levelAt, movedPoint, pointsOf, withoutPoint, withPoint } from "./level_points.js";
 
 const TALL = 46, PAD = 7, DOT = 5;
@@ -49,12 +49,11 @@ export class TrackLanes {
       svg: drawn("svg", { role: "group", "aria-label": `Track of ${track.name}`, height: TALL, tabindex: "-1" }),
     }));
     this.place.replaceChildren(...this.lanes.map((lane) => {
-      const away = made(
-        "button",
-        { type: "button", title: "Remove this track", "aria-label": `Remove the track of ${lane.track.name}` },
+      const away = button(
         "×",
+        { title: "Remove this track", "aria-label": `Remove the track of ${lane.track.name}` },
+        () => this.does.set(lane.track, undefined, true),
       );
-      away.addEventListener("click", () => this.does.set(lane.track, undefined, true));
       this.#listen(lane);
       return made(
         "div",

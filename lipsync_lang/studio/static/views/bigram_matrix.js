@@ -1,6 +1,6 @@
 /** Matrix of first by second phoneme: the status of each bigram, and how often the script needs it. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 
 /** Statuses with their sign and their words; the sign distinguishes them without colours. */
 const STATUSES = {
@@ -37,7 +37,8 @@ export class BigramMatrix {
     });
     this.info = made("p", { class: "matrix-info", role: "status" });
     this.legend = made("ul", { class: "matrix-legend", "aria-label": "Statuses" });
-    this.only = made("button", { type: "button", "aria-pressed": "false" }, "Only needed bigrams");
+    this.only = button("Only needed bigrams", { "aria-pressed": "false" }, () =>
+      this.only.setAttribute("aria-pressed", String(this.table.classList.toggle("needed"))));
     this.wanted = made("ol", { class: "wanted" });
     this.none = made("p", { class: "note" }, "Every needed bigram is drawn.");
     place.append(
@@ -47,11 +48,8 @@ export class BigramMatrix {
         made("div", { class: "row matrix-head" }, this.legend, this.only),
         this.info,
         made("div", { class: "matrix-scroll" }, this.table),
-        made("aside", { "aria-label": "Next most wanted" }, made("h2", {}, "Next most wanted"), this.wanted, this.none),
+        made("aside", { "aria-label": "Next most wanted" }, made("h2", "Next most wanted"), this.wanted, this.none),
       ),
-    );
-    this.only.addEventListener("click", () =>
-      this.only.setAttribute("aria-pressed", String(this.table.classList.toggle("needed"))),
     );
     this.table.addEventListener("keydown", (event) => this.#key(event));
     this.table.addEventListener("click", (event) => this.#pick(event, (pair) => does.open(pair)));
@@ -113,15 +111,13 @@ export class BigramMatrix {
     this.cells = new Map(
       all.map((pair) => [pair, made("td", { "data-pair": pair, tabindex: "-1", role: "gridcell" })]),
     );
-    const head = made(
-      "tr",
-      {},
+    const head = made("tr",
       made("td", { class: "corner" }),
       ...phonemes.map((one) => made("th", { scope: "col" }, one)),
     );
-    const rows = phonemes.map((first) => made("tr", {}, made("th", { scope: "row" }, first),
+    const rows = phonemes.map((first) => made("tr", made("th", { scope: "row" }, first),
       ...phonemes.map((second) => /** @type {HTMLElement} */ (this.cells.get(`${first}-${second}`)))));
-    this.table.replaceChildren(made("thead", {}, head), made("tbody", {}, ...rows));
+    this.table.replaceChildren(made("thead", head), made("tbody", ...rows));
     if (!this.cells.has(this.at)) this.at = this.data.wanted[0]?.pair ?? all[0] ?? "";
     this.#stand(this.at);
   }
@@ -148,22 +144,15 @@ export class BigramMatrix {
     const { wanted } = this.data;
     this.none.hidden = wanted.length > 0;
     this.wanted.replaceChildren(...wanted.slice(0, MOST).map(({ pair, count, word }) => {
-      const one = made(
-        "button",
-        { type: "button" },
-        made("b", {}, pair),
-        made("span", { dir: "auto" }, word ?? ""),
-        made("span", {}, `${count}×`),
-      );
-      one.addEventListener("click", () => this.does.open(pair));
-      return made("li", {}, one);
+      const parts = [made("b", pair), made("span", { dir: "auto" }, word ?? ""), made("span", `${count}×`)];
+      return made("li", button(parts, "", () => this.does.open(pair)));
     }));
   }
 
   #count() {
     this.legend.replaceChildren(...Object.entries(STATUSES).flatMap(([status, [sign, words]]) => {
       const count = [...this.cells.keys()].filter((pair) => this.#cell(pair).status === status).length;
-      return count ? [made("li", {}, made("i", { class: status }, sign), `${words} ${count}`)] : [];
+      return count ? [made("li", made("i", { class: status }, sign), `${words} ${count}`)] : [];
     }));
   }
 

@@ -55,16 +55,14 @@ export class BigramView {
     this.matrixData = null;
     this.head = made("div", { class: "bigram-head" });
     this.title = made("h2");
-    this.target = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        class: "go",
-        placeholder: "Go to l-ow",
-        "aria-label": "Bigram to go to",
-        autocomplete: "off",
-        spellcheck: "false",
-      })
-    );
+    this.target = made("input", {
+      type: "text",
+      class: "go",
+      placeholder: "Go to l-ow",
+      "aria-label": "Bigram to go to",
+      autocomplete: "off",
+      spellcheck: "false",
+    });
     this.status = made("span", { class: "group status", role: "group", "aria-label": "Status" });
     this.word = this.#input("Word", "word");
     this.why = this.#input("Note", "why");
@@ -79,17 +77,15 @@ export class BigramView {
     );
     this.contact = this.#select("Contacts", [["hold", "Contacts held"], ["free", "Contacts free"]], "contact");
     /** Target of edits: the bank, or the character alone. */
-    this.into = /** @type {HTMLSelectElement} */ (
-      made(
-        "select",
-        { "aria-label": "Edits are for" },
-        made("option", { value: "bank" }, "For every face"),
-        made("option", { value: "character" }, "For this character"),
-      )
+    this.into = made(
+      "select",
+      { "aria-label": "Edits are for" },
+      made("option", { value: "bank" }, "For every face"),
+      made("option", { value: "character" }, "For this character"),
     );
     this.into.addEventListener("change", () => this.#base());
     /** The style whose bank is drawn; empty for neutral. */
-    this.manner = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Style of the bank" }));
+    this.manner = made("select", { "aria-label": "Style of the bank" });
     this.manner.addEventListener("change", () => {
       this.told = null;
       studio.attempt(() => this.#load());
@@ -122,9 +118,9 @@ export class BigramView {
 
   /** @param {string} label @param {"word" | "why"} field @returns {HTMLInputElement} */
   #input(label, field) {
-    const one = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", dir: "auto", "aria-label": label, maxlength: "300", autocomplete: "off" })
-    );
+    const one = made("input", {
+      type: "text", dir: "auto", "aria-label": label, maxlength: "300", autocomplete: "off",
+    });
     one.addEventListener("change", () => this.#set({ [field]: one.value.trim() }, `${label} of ${this.pair}`));
     return one;
   }
@@ -136,9 +132,8 @@ export class BigramView {
    * @returns {HTMLSelectElement}
    */
   #select(label, options, field) {
-    const one = /** @type {HTMLSelectElement} */ (
-      made("select", { "aria-label": label }, ...options.map(([value, text]) => made("option", { value }, text)))
-    );
+    const choices = options.map(([value, text]) => made("option", { value }, text));
+    const one = made("select", { "aria-label": label }, ...choices);
     one.addEventListener("change", () => this.#set({ [field]: one.value }, `${label} of ${this.pair}`));
     return one;
   }

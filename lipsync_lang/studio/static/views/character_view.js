@@ -79,7 +79,7 @@ export class CharacterView {
   }
 
   #buildMixer() {
-    this.keep = /** @type {HTMLInputElement} */ (made("input", { type: "checkbox", id: "within" }));
+    this.keep = made("input", { type: "checkbox", id: "within" });
     this.keep.addEventListener("change", () => {
       this.#setWithin(Boolean(this.keep?.checked));
       this.pose(this.mix);
@@ -178,21 +178,14 @@ export class CharacterView {
     const { told, studio } = this;
     this.banner.hidden = told.own;
     if (told.own) return;
-    const copy = /** @type {HTMLButtonElement} */ (
-      made("button", { type: "button", class: "main" }, "Make a copy in this project")
-    );
-    copy.addEventListener("click", () => studio.busy(async () => {
+    const copy = button("Make a copy in this project", { class: "main" }, () => studio.busy(async () => {
       const made_ = await studio.api.post("own");
       await studio.open(studio.state.language, studio.state.character);
       studio.tell(`${made_.wrote.length} files copied to posesets/${told.poseset}. You can edit them now.`);
     }));
     this.banner.replaceChildren(
-      made(
-        "span",
-        {},
-        `The pose set ${told.poseset} is installed. ` +
-          "To edit it, make a copy in this project. The copy performs the same, bit for bit.",
-      ),
+      made("span", `The pose set ${told.poseset} is installed. ` +
+        "To edit it, make a copy in this project. The copy performs the same, bit for bit."),
       copy,
     );
   }

@@ -35,31 +35,27 @@ export class CoverageView {
     this.all = false;
     /** @type {import("../payloads.js").NeededSentence[] | null} lines that show what is not drawn */
     this.sentences = null;
-    this.choice = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Script" }));
-    this.file = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "file",
-        hidden: "",
-        "aria-label": "Script to open",
-        accept: ".txt,.csv,.tsv,.xlsx,.json,.yaml,.yml,.po,.srt,.vtt,.rpy,.fountain,.md,.TextGrid",
-      })
-    );
-    this.column = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", placeholder: "automatic", autocomplete: "off", spellcheck: "false" })
-    );
-    this.minutes = /** @type {HTMLInputElement} */ (
-      made("input", { type: "number", min: "0.1", max: "600", step: "0.5", value: remembered("minutes") || MINUTES })
-    );
-    this.columnLabel = made("label", {}, "column", this.column);
+    this.choice = made("select", { "aria-label": "Script" });
+    this.file = made("input", {
+      type: "file",
+      hidden: "",
+      "aria-label": "Script to open",
+      accept: ".txt,.csv,.tsv,.xlsx,.json,.yaml,.yml,.po,.srt,.vtt,.rpy,.fountain,.md,.TextGrid",
+    });
+    this.column = made("input", { type: "text", placeholder: "automatic", autocomplete: "off", spellcheck: "false" });
+    this.minutes = made("input", {
+      type: "number", min: "0.1", max: "600", step: "0.5", value: remembered("minutes") || MINUTES,
+    });
+    this.columnLabel = made("label", "column", this.column);
     this.state = made("span", { role: "status", class: "row" });
     this.covered = made("section", { class: "covered", "aria-label": "Drawn share" });
     this.plan = made("section", { class: "plan", "aria-label": "What to draw next" });
     const quality = made("aside", { class: "quality", "aria-label": "Quality of the line" });
     this.quality = new QualityList(studio, quality);
-    const open = made(
-      "button",
-      { type: "button", title: "Text, CSV, XLSX, PO, SRT, Ren'Py…; or drop a file here" },
+    const open = button(
       "Open a script…",
+      "Text, CSV, XLSX, PO, SRT, Ren'Py…; or drop a file here",
+      () => this.file.click(),
     );
     place.append(
       made(
@@ -69,14 +65,13 @@ export class CoverageView {
         open,
         this.file,
         this.columnLabel,
-        made("label", {}, "minutes per bigram", this.minutes),
+        made("label", "minutes per bigram", this.minutes),
         this.state,
       ),
       this.covered,
       this.plan,
       quality,
     );
-    open.addEventListener("click", () => this.file.click());
     this.file.addEventListener("change", () => this.file.files?.[0] && this.#send(this.file.files[0]));
     this.choice.addEventListener("change", () => this.#choose(this.choice.value));
     this.column.addEventListener("change", () => this.told?.script.name && this.#again());
@@ -221,7 +216,7 @@ export class CoverageView {
       return bar;
     });
     const fact = (/** @type {string} */ number, /** @type {string} */ words) =>
-      made("li", {}, made("b", {}, number), words);
+      made("li", made("b", number), words);
     this.covered.replaceChildren(
       made(
         "ul",
@@ -267,17 +262,13 @@ export class CoverageView {
         made(
           "div",
           { class: "empty" },
-          made("h2", {}, state === "counting" ? "Counting the script…" : "What will the character say?"),
-          made(
-            "p",
-            {},
-            state === "counting"
-              ? "You can use the other views meanwhile. This view appears when the count is done."
-              : "Choose a script of this folder above, or drop one here: " +
-                  "a text, a table (CSV, XLSX), subtitles, or a PO file. " +
-                  "This view then lists the bigrams that the script needs, shows which are drawn, " +
-                  "and ranks the next to draw.",
-          ),
+          made("h2", state === "counting" ? "Counting the script…" : "What will the character say?"),
+          made("p", state === "counting"
+            ? "You can use the other views meanwhile. This view appears when the count is done."
+            : "Choose a script of this folder above, or drop one here: " +
+                "a text, a table (CSV, XLSX), subtitles, or a PO file. " +
+                "This view then lists the bigrams that the script needs, shows which are drawn, " +
+                "and ranks the next to draw."),
         ),
       );
       return;
@@ -285,13 +276,9 @@ export class CoverageView {
     const most = Math.max(1, ...report.plan.map((/** @type {Need} */ one) => one.count));
     const rows = report.plan.slice(0, this.all ? undefined : MOST), rest = report.plan.length - rows.length;
     const more = button(`Show ${rest} more`, "", () => { this.all = true; this.#list(); });
+    /** @type {HTMLElement[]} */
     const parts = [
-      made(
-        "h3",
-        {},
-        "Draw next",
-        made("small", {}, report.plan.length ? "the most frequent first; click one to open it" : ""),
-      ),
+      made("h3", "Draw next", made("small", report.plan.length ? "the most frequent first; click one to open it" : "")),
       made("ol", { class: "needs" }, ...rows.map((/** @type {Need} */ one) => this.#need(one, most))),
     ];
     if (!report.plan.length) parts.push(made("p", { class: "note" }, `Every bigram of ${script.name} is drawn.`));
@@ -304,16 +291,13 @@ export class CoverageView {
       ["Words that deserve an entry in the language's pack", report.entries],
     ])) {
       if (tallies.length)
-        parts.push(made("h3", {}, title), made("ul", {}, ...tallies.map((one) => this.#tally(title, one))));
+        parts.push(made("h3", title), made("ul", ...tallies.map((one) => this.#tally(title, one))));
     }
     if (report.silence.length)
       parts.push(
-        made("h3", {}, "Into and out of silence", made("small", {}, "not in the percentages")),
-        made(
-          "ol",
-          {},
-          ...report.silence.slice(0, MOST).map((/** @type {Need} */ one) => this.#need(one, report.silence[0].count)),
-        ),
+        made("h3", "Into and out of silence", made("small", "not in the percentages")),
+        made("ol", ...report.silence.slice(0, MOST).map((/** @type {Need} */ one) =>
+          this.#need(one, report.silence[0].count))),
       );
     const { scrollTop } = this.plan;
     this.plan.replaceChildren(...parts);
@@ -329,46 +313,29 @@ export class CoverageView {
     const word = need.example
       ? button(`▶ ${need.example}`, { dir: "auto", title: "Speak it" }, () => this.studio.speak(need.example))
       : made("span");
-    return made(
-      "li",
-      {},
+    return made("li",
       pair,
-      made("span", {}, `${need.count.toLocaleString()}×`),
+      made("span", `${need.count.toLocaleString()}×`),
       bar,
       word,
-      made("small", {}, [need.layer === "like" ? "borrowed" : need.status || "gap", ...need.places].join(" · ")),
+      made("small", [need.layer === "like" ? "borrowed" : need.status || "gap", ...need.places].join(" · ")),
     );
   }
 
   /** @param {string} title @param {import("../payloads.js").Tally} one @returns {HTMLElement} */
   #tally(title, one) {
-    const name = made(title.includes("mapping") ? "button" : "b", { dir: "auto" }, one.what);
-    if (name instanceof HTMLButtonElement) {
-      name.type = "button";
-      name.addEventListener("click", () => this.studio.go("language", one.what));
-    }
-    return made(
-      "li",
-      {},
-      name,
-      made("span", {}, `${one.count}×`),
-      made("i"),
-      made("span"),
-      made("small", {}, one.place),
-    );
+    const name = title.includes("mapping")
+      ? button(one.what, { dir: "auto" }, () => this.studio.go("language", one.what))
+      : made("b", { dir: "auto" }, one.what);
+    return made("li", name, made("span", `${one.count}×`), made("i"), made("span"), made("small", one.place));
   }
 
   #sentenceList() {
     const list = made("ol"),
-      box = made(
-        "details",
-        {},
-        made("summary", {}, "Lines of the script that together have all undrawn bigrams"),
-        list,
-      );
+      box = made("details", made("summary", "Lines of the script that together have all undrawn bigrams"), list);
     box.addEventListener("toggle", async () => {
-      if (!(/** @type {HTMLDetailsElement} */ (box)).open || list.childElementCount) return;
-      list.replaceChildren(made("li", {}, "Searching…"));
+      if (!box.open || list.childElementCount) return;
+      list.replaceChildren(made("li", "Searching…"));
       await this.studio.attempt(async () => {
         const { sentences } = await this.studio.api.get(`coverage/sentences?minutes=${this.minutes.value}`);
         list.replaceChildren(...sentences.map((/** @type {import("../payloads.js").NeededSentence} */ one) => {
@@ -377,7 +344,7 @@ export class CoverageView {
             "li",
             { class: "sentence" },
             speak,
-            made("p", { dir: "auto" }, one.text, made("small", {}, `${one.place} · ${one.bigrams.join(" ")}`)),
+            made("p", { dir: "auto" }, one.text, made("small", `${one.place} · ${one.bigrams.join(" ")}`)),
           );
         }));
       });

@@ -1,6 +1,6 @@
 /** How a line is delivered: sliders for the whole line, and for a chosen word. */
 
-import { made } from "../shell/elements.js";
+import { button, made } from "../shell/elements.js";
 import { levelAt } from "../timeline/level_points.js";
 
 const MOST_EMPHASIS = 2, MOST_INTENSITY = 2;
@@ -70,9 +70,9 @@ export class DeliveryPanel {
     this.shows.clear();
     const { does } = this;
     this.word.hidden = !word;
-    const close = made("small", {}, "Esc closes");
+    const close = made("small", "Esc closes");
     this.word.replaceChildren(
-      made("h2", {}, "Word ", made("bdi"), " ", close),
+      made("h2", "Word ", made("bdi"), " ", close),
       this.#slider("emphasis", "emphasis", MOST_EMPHASIS, (value, done) => does.emphasise(value, done)),
       ...tracks.map((one) =>
         this.#slider(`word ${one.kind} ${one.name}`, one.name, one.most, (value, done) =>
@@ -97,12 +97,11 @@ export class DeliveryPanel {
     }
     this.line.replaceChildren(
       ...tracks.map((one) => {
-        const open = made(
-          "button",
-          { type: "button", title: `Points of ${one.name} over time`, "aria-label": `Track of ${one.name}` },
+        const open = button(
           "∿",
+          { title: `Points of ${one.name} over time`, "aria-label": `Track of ${one.name}` },
+          () => does.open(one),
         );
-        open.addEventListener("click", () => does.open(one));
         return this.#slider(
           `line ${one.kind} ${one.name}`,
           one.name,
@@ -134,10 +133,8 @@ export class DeliveryPanel {
  */
 export function dial(name, most, set, ...more) {
   const traits = { min: "0", max: String(most), step: "0.05" };
-  const slider = /** @type {HTMLInputElement} */ (made("input", { type: "range", "aria-label": name, ...traits }));
-  const number = /** @type {HTMLInputElement} */ (
-    made("input", { type: "number", "aria-label": `${name}, as a number`, ...traits })
-  );
+  const slider = made("input", { type: "range", "aria-label": name, ...traits });
+  const number = made("input", { type: "number", "aria-label": `${name}, as a number`, ...traits });
   slider.addEventListener("input", () => { number.value = slider.value; set(Number(slider.value), false); });
   slider.addEventListener("change", () => set(Number(slider.value), true));
   number.addEventListener(

@@ -22,7 +22,7 @@ export class GesturePanel {
     this.scale = dial("scale", MOST_SCALE, (value, done) => this.own && does.scale(this.own, value, done));
     this.away = button("Delete", "", () => this.own && does.remove(this.own));
     place.append(
-      made("h2", {}, "Gesture ", this.name, " ", made("small", {}, "Esc closes")),
+      made("h2", "Gesture ", this.name, " ", made("small", "Esc closes")),
       this.why,
       this.scale.node,
       made("p", { class: "row" }, this.away),

@@ -56,46 +56,36 @@ export class LanguageView {
     /** Row that is edited, as `key` names it. */
     this.open = "";
     this.standing = "";
-    this.title = made("h2", {}, "Language");
-    this.search = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "search",
-        placeholder: "Sound, mouth, word…",
-        "aria-label": "Search the table",
-        autocomplete: "off",
-        spellcheck: "false",
-      })
+    this.title = made("h2", "Language");
+    this.search = made("input", {
+      type: "search",
+      placeholder: "Sound, mouth, word…",
+      "aria-label": "Search the table",
+      autocomplete: "off",
+      spellcheck: "false",
+    });
+    this.notation = made("select", { "aria-label": "Notation" });
+    this.filter = made(
+      "select",
+      { "aria-label": "Rows to show" },
+      ...FILTERS.map(([value, text]) => made("option", { value }, text)),
     );
-    this.notation = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Notation" }));
-    this.filter = /** @type {HTMLSelectElement} */ (
-      made(
-        "select",
-        { "aria-label": "Rows to show" },
-        ...FILTERS.map(([value, text]) => made("option", { value }, text)),
-      )
-    );
-    this.word = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        placeholder: "Try a word",
-        "aria-label": "Word to try",
-        dir: "auto",
-        autocomplete: "off",
-        spellcheck: "false",
-        maxlength: "300",
-      })
-    );
+    this.word = made("input", {
+      type: "text",
+      placeholder: "Try a word",
+      "aria-label": "Word to try",
+      dir: "auto",
+      autocomplete: "off",
+      spellcheck: "false",
+      maxlength: "300",
+    });
     this.tried = made("div", { class: "tried", role: "status", "aria-label": "Transcription" });
     this.caveats = made("details");
     this.list = made("div", { class: "sounds", role: "region", "aria-label": "Sounds" });
     this.tests = made("aside", { class: "tests", "aria-label": "Tests of the pack" });
     const speak = made("button", { type: "button" }, "Speak it"),
-      keep = made(
-        "button",
-        { type: "button", title: "Add the word with this transcription to the pack's tests" },
-        "Keep as a test",
-      );
-    place.append(made("header", {},
+      keep = button("Keep as a test", "Add the word with this transcription to the pack's tests", () => this.#keep());
+    place.append(made("header",
       made("div", { class: "row" }, this.title, this.search, this.notation, this.filter),
       made("div", { class: "row" }, this.word, speak, keep, this.tried),
       this.#beginner(), this.caveats), this.list, this.tests);
@@ -110,7 +100,6 @@ export class LanguageView {
       (event) => event.key === "Enter" && this.word.value.trim() && studio.speak(this.word.value.trim()),
     );
     speak.addEventListener("click", () => this.word.value.trim() && studio.speak(this.word.value.trim()));
-    keep.addEventListener("click", () => this.#keep());
     /** Phonemes of the word. @type {Transcript | null} */
     this.transcript = null;
     this.list.addEventListener("focusin", (event) => { this.standing = keyOf(event.target) ?? this.standing; });
@@ -151,14 +140,14 @@ export class LanguageView {
   /** @returns {HTMLElement} a form that begins a language of the project */
   #beginner() {
     const field = (/** @type {string} */ label, /** @type {Record<string, string>} */ traits) =>
-      /** @type {HTMLInputElement} */ (made("input", { type: "text", "aria-label": label, placeholder: label,
-        autocomplete: "off", spellcheck: "false", size: "12", ...traits }));
+      made("input", { type: "text", "aria-label": label, placeholder: label,
+        autocomplete: "off", spellcheck: "false", size: "12", ...traits });
     const name = field("Name", { required: "" });
     const tag = field("Code", { title: "Such as sw or pt-BR; if empty, that of the other language" });
-    const base = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Language to start from" }));
+    const base = made("select", { "aria-label": "Language to start from" });
     const form = made("form", { class: "row" }, name, " starts from ", base, tag,
       made("button", { type: "submit" }, "Begin"));
-    const opened = made("details", { class: "beginner" }, made("summary", {}, "New language…"), form);
+    const opened = made("details", { class: "beginner" }, made("summary", "New language…"), form);
     opened.addEventListener("toggle", () => fillNames(base, this.studio.project.languages, this.studio.state.language));
     form.addEventListener("submit", (event) => {
       event.preventDefault();
@@ -200,7 +189,7 @@ export class LanguageView {
   #first(told) {
     this.open = this.standing = "";
     this.word.value = "";
-    this.tried.replaceChildren(made("i", {}, "Type a word to see its sounds and mouths, with your unsaved edits."));
+    this.tried.replaceChildren(made("i", "Type a word to see its sounds and mouths, with your unsaved edits."));
     const names = [...told.notations, ...(told.automatic && !told.notations.includes("ipa") ? ["ipa"] : [])];
     this.notation.replaceChildren(
       made("option", { value: "" }, "All notations"),
@@ -219,11 +208,11 @@ export class LanguageView {
       look ? `${look} need review` : "",
       told.speaks ? "" : "no voice: times are estimated, without sound",
     ];
-    this.title.replaceChildren(told.title, made("small", {}, facts.filter(Boolean).join(" · ")));
+    this.title.replaceChildren(told.title, made("small", facts.filter(Boolean).join(" · ")));
     this.caveats.hidden = !told.caveats.length;
     this.caveats.replaceChildren(
-      made("summary", {}, `Known mistakes: ${told.caveats.length}`),
-      made("ul", {}, ...told.caveats.map((/** @type {string} */ one) => made("li", {}, one))),
+      made("summary", `Known mistakes: ${told.caveats.length}`),
+      made("ul", ...told.caveats.map((/** @type {string} */ one) => made("li", one))),
     );
   }
 
@@ -259,8 +248,8 @@ export class LanguageView {
       const some = shown.filter((one) => one.need === need);
       if (some.length)
         parts.push(
-          made("h3", {}, made("b", {}, String(rows.filter((one) => one.need === need).length)), ` ${title}`),
-          made("ul", {}, ...some.map((one) => this.#row(one))),
+          made("h3", made("b", String(rows.filter((one) => one.need === need).length)), ` ${title}`),
+          made("ul", ...some.map((one) => this.#row(one))),
         );
     }
     if (rows.length > shown.length)
@@ -290,16 +279,14 @@ export class LanguageView {
   /** @param {Sound} one @returns {HTMLElement} */
   #row(one) {
     const open = this.open === key(one), words = this.#describe(one);
-    const to = made(
-      "button",
-      { type: "button", class: "to", "data-part": "to", "aria-expanded": String(open), title: "Edit" },
+    const to = button(
       one.to.join(" ") || (one.need === "unmapped" ? "choose…" : "mute"),
+      { class: "to", "data-part": "to", "aria-expanded": String(open), title: "Edit" },
+      () => this.#edit(open ? "" : key(one)),
     );
-    to.addEventListener("click", () => this.#edit(open ? "" : key(one)));
-    const hear = made(
-      "button",
+    const hear = button(
+      one.words[0] ? `▶ ${one.words[0]}` : "▶ alone",
       {
-        type: "button",
         class: "hear",
         "data-part": "hear",
         dir: "auto",
@@ -307,15 +294,9 @@ export class LanguageView {
           ? `Hear it in: ${one.words.join(", ")} (V)`
           : "No word of the pack has this sound, so the mouth moves without a voice (V)",
       },
-      one.words[0] ? `▶ ${one.words[0]}` : "▶ alone",
+      () => this.hear(one),
     );
-    hear.addEventListener("click", () => this.hear(one));
-    const show = made(
-      "button",
-      { type: "button", "data-part": "show", title: "Show its mouth on the face (T)" },
-      "Show",
-    );
-    show.addEventListener("click", () => this.pose(one));
+    const show = button("Show", { "data-part": "show", title: "Show its mouth on the face (T)" }, () => this.pose(one));
     if (one.need === "unmapped") [hear, show].forEach((button) => button.setAttribute("disabled", ""));
     const label = made(
       "dfn",
@@ -327,7 +308,7 @@ export class LanguageView {
       { class: `sound ${one.need}` },
       label,
       to,
-      made("p", {}, ...words),
+      made("p", ...words),
       made("span", { class: "row" }, hear, show),
     );
     const item = made("li", { "data-row": key(one) }, row);
@@ -344,7 +325,7 @@ export class LanguageView {
     const why = [...new Set([one.says, one.reason || one.why])].filter(
       (text) => text && !(one.need === "loses" && text.startsWith("by its features")),
     );
-    return [made("b", {}, looks), looks && why.length ? " · " : "", why.join(" · ")];
+    return [made("b", looks), looks && why.length ? " · " : "", why.join(" · ")];
   }
 
   /** @param {string} row to edit, "" for none */
@@ -413,37 +394,28 @@ export class LanguageView {
           made("span", { class: "word" }, ...this.#word(word, told)),
         ),
       );
-      if (told.unread.length) this.tried.append(made("i", {}, `Not read: ${told.unread.join(" ")}`));
+      if (told.unread.length) this.tried.append(made("i", `Not read: ${told.unread.join(" ")}`));
     } catch (error) {
-      this.tried.replaceChildren(made("i", {}, error instanceof Error ? error.message : String(error)));
+      this.tried.replaceChildren(made("i", error instanceof Error ? error.message : String(error)));
     }
   }
 
   /** @param {TranscribedWord} word @param {Transcript} told @returns {HTMLElement[]} its labels with their mouths */
   #word(word, told) {
-    if (!word.labels.length) return [made("i", {}, word.text || "|")];
+    if (!word.labels.length) return [made("i", word.text || "|")];
     const labels = word.labels.map(({ label, common }) => {
-      const automatic = told.automatic[label];
-      const one = made(
-        "button",
+      const loses = told.automatic[label]?.loses ?? [], unmapped = told.unmapped.includes(label);
+      const mouths = word.pronounced ? "" : common.join(" ") || (unmapped ? "unmapped" : "mute");
+      return button(
+        [made("span", label), made("small", mouths)],
         {
-          type: "button",
-          class: told.unmapped.includes(label) ? "unmapped" : "",
-          title: automatic?.loses.length
-            ? `by its features; not shown: ${automatic.loses.join(", ")}`
-            : "Find it in the table",
+          class: unmapped ? "unmapped" : "",
+          title: loses.length ? `by its features; not shown: ${loses.join(", ")}` : "Find it in the table",
         },
-        made("span", {}, label),
-        made(
-          "small",
-          {},
-          word.pronounced ? "" : common.join(" ") || (told.unmapped.includes(label) ? "unmapped" : "mute"),
-        ),
+        () => this.find(label),
       );
-      one.addEventListener("click", () => this.find(label));
-      return one;
     });
-    return word.pronounced ? [...labels, made("i", {}, `pronounced ${word.pronounced.join(" ")}`)] : labels;
+    return word.pronounced ? [...labels, made("i", `pronounced ${word.pronounced.join(" ")}`)] : labels;
   }
 
   /** @param {string} label to look for in the table */
@@ -477,13 +449,13 @@ export class LanguageView {
     const { refusal } = this.told, tests = /** @type {import("../payloads.js").PackTest[]} */ (this.told.tests);
     const failed = tests.filter((/** @type {import("../payloads.js").PackTest} */ one) => !one.passed).length;
     const summary = refusal
-      ? made("span", {}, "not run")
+      ? made("span", "not run")
       : failed
         ? made("span", { class: "fails" }, `${failed} of ${tests.length} fail`)
         : made("span", { class: "passes" }, tests.length ? `all ${tests.length} pass` : "none");
     const rows = tests.toSorted((a, b) => Number(a.passed) - Number(b.passed));
     this.tests.replaceChildren(
-      made("div", { role: "status" }, made("h3", {}, "Tests: ", summary)),
+      made("div", { role: "status" }, made("h3", "Tests: ", summary)),
       ...(refusal ? [made("p", { class: "note" }, `${refusal}. Below, only the IPA of their sources is mapped.`)] : []),
       ...(tests.length
         ? []
@@ -495,24 +467,23 @@ export class LanguageView {
                 "If its mouths are right, keep it as a test, which then runs after each edit.",
             ),
           ]),
-      made("ol", {}, ...rows.map((one) => this.#test(one))),
+      made("ol", ...rows.map((one) => this.#test(one))),
     );
   }
 
   /** @param {import("../payloads.js").PackTest} test @returns {HTMLElement} */
   #test(test) {
-    const text = made(
-      "button",
-      { type: "button", class: "text", dir: "auto", title: `Speak it${test.source ? `. ${test.source}` : ""}` },
+    const text = button(
       test.text,
+      { class: "text", dir: "auto", title: `Speak it${test.source ? `. ${test.source}` : ""}` },
+      () => this.studio.speak(test.text),
     );
-    text.addEventListener("click", () => this.studio.speak(test.text));
     const said = test.right ? test.expected : test.said;
     const differs = (/** @type {string} */ one, /** @type {number} */ at) => !test.right && test.expected[at] !== one;
     const mouths = said.map((/** @type {string} */ one, /** @type {number} */ at) =>
       made(differs(one, at) ? "mark" : "span", {}, `${one} `),
     );
-    const box = made("div", {}, text, " ", ...mouths);
+    const box = made("div", text, " ", ...mouths);
     if (!test.passed) {
       const labels = test.labels.map((/** @type {string} */ label) =>
         button(label, { class: test.unmapped.includes(label) ? "unmapped" : "" }, () => this.find(label)));
@@ -521,7 +492,7 @@ export class LanguageView {
         test.claimed.length ? `its source's /${test.ipa}/ becomes ${test.claimed.join(" ")}` : "",
       ];
       box.append(
-        ...notes.filter(Boolean).map((one) => made("small", {}, one)),
+        ...notes.filter(Boolean).map((one) => made("small", one)),
         made("div", { class: "labels" }, ...labels),
       );
     }

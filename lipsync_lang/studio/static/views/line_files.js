@@ -16,14 +16,12 @@ function sounds(file) {
  * @returns {HTMLElement} a button that asks for a file
  */
 export function fileButton(text, accept, does) {
-  const input = /** @type {HTMLInputElement} */ (
-    made("input", { type: "file", accept, multiple: "", hidden: "", "aria-label": text })
-  );
+  const input = made("input", { type: "file", accept, multiple: "", hidden: "", "aria-label": text });
   input.addEventListener("change", () => {
     does([...(input.files ?? [])]);
     input.value = "";
   });
-  return made("span", {}, button(text, "", () => input.click()), input);
+  return made("span", button(text, "", () => input.click()), input);
 }
 
 /** Opens and saves the files of a line. */
@@ -68,16 +66,16 @@ export class LineFiles {
    *   the line hold for it
    */
   #asked(name) {
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", dir: "auto", "aria-label": "Words of the recording", maxlength: "2000" })
-    );
+    const input = made("input", {
+      type: "text", dir: "auto", "aria-label": "Words of the recording", maxlength: "2000",
+    });
     input.value = this.studio.state.text ?? "";
     const button = (/** @type {string} */ value, /** @type {string} */ text) =>
       made("button", { value, class: value === "find" ? "main" : "" }, text);
     const form = made(
       "form",
       { method: "dialog" },
-      made("h2", {}, `Words of ${name}`),
+      made("h2", `Words of ${name}`),
       input,
       made(
         "p",
@@ -88,9 +86,7 @@ export class LineFiles {
         button("", "Cancel"),
       ),
     );
-    const dialog = /** @type {HTMLDialogElement} */ (
-      made("dialog", { class: "recording", "aria-label": "Recording" }, form)
-    );
+    const dialog = made("dialog", { class: "recording", "aria-label": "Recording" }, form);
     document.body.append(dialog);
     dialog.showModal();
     return new Promise((done) => dialog.addEventListener("close", () => {

@@ -19,9 +19,7 @@ export class ModelPanel {
   /** @param {{model: string | null, rig: string | null, poseset: string}} character */
   show({ model, rig, poseset }) {
     const { studio } = this, { character } = studio.state;
-    const file = /** @type {HTMLInputElement} */ (
-      made("input", { type: "file", accept: ".glb,model/gltf-binary", "aria-label": "A model as GLB" })
-    );
+    const file = made("input", { type: "file", accept: ".glb,model/gltf-binary", "aria-label": "A model as GLB" });
     file.addEventListener("change", () => {
       this.file = file.files?.[0] ?? null;
       if (this.file) this.#try(this.file);
@@ -29,12 +27,9 @@ export class ModelPanel {
     const area = made(
       "label",
       { class: "drop" },
-      made("b", {}, "Choose a model, or drop it here"),
-      made(
-        "span",
-        {},
-        "GLB with the shapes of the poses, at most 64 MB. It is copied into the project, beside the character's pack.",
-      ),
+      made("b", "Choose a model, or drop it here"),
+      made("span", "GLB with the shapes of the poses, at most 64 MB. " +
+        "It is copied into the project, beside the character's pack."),
       file,
     );
     area.addEventListener("dragover", (event) => event.preventDefault());
@@ -49,14 +44,10 @@ export class ModelPanel {
       made(
         "section",
         { class: "rule-part" },
-        made("h3", {}, "Model"),
-        made(
-          "p",
-          {},
-          model
-            ? `${character} is shown on ${model}${rig ? `, by the rig ${rig}` : ""}.`
-            : `${character} has no model. A drawn mouth shows the poses of ${poseset}.`,
-        ),
+        made("h3", "Model"),
+        made("p", model
+          ? `${character} is shown on ${model}${rig ? `, by the rig ${rig}` : ""}.`
+          : `${character} has no model. A drawn mouth shows the poses of ${poseset}.`),
         area,
         this.told,
       ),
@@ -80,7 +71,7 @@ export class ModelPanel {
         ], `Model ${told.name}`);
         const words = `${told.shown} of ${told.channels} channels have a shape in ${told.name}.`;
         this.told.replaceChildren(
-          made("p", {}, words),
+          made("p", words),
           ...(told.missing.length
             ? [made("p", { class: "note" }, `Missing: ${told.missing.join(", ")}`), this.#offer(file)]
             : []),
@@ -97,24 +88,22 @@ export class ModelPanel {
     const use = actButton(`Use ${rig}`, `Use the rig ${rig}`, () => this.#try(file, rig));
     use.classList.add("main");
     this.told.replaceChildren(
-      made("p", {}, `The rig ${rig} shows ${shown} of ${poses} poses on ${file.name}; without it, fewer are seen.`),
+      made("p", `The rig ${rig} shows ${shown} of ${poses} poses on ${file.name}; without it, fewer are seen.`),
       made("p", { class: "row" }, use, actButton("Go on without it", "Use no other rig", () => this.#try(file, ""))),
     );
   }
 
   /** @param {File} file */
   #offer(file) {
-    const name = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        "aria-label": "Name of the character",
-        value: file.name.replace(/\.glb$/i, "").replace(/[^A-Za-z0-9_-]+/g, "-"),
-      })
-    );
+    const name = made("input", {
+      type: "text",
+      "aria-label": "Name of the character",
+      value: file.name.replace(/\.glb$/i, "").replace(/[^A-Za-z0-9_-]+/g, "-"),
+    });
     const go = actButton("Draft a character from it", "Find the pose set and the rig that fit this model", () =>
       this.#draft(file, name.value.trim()),
     );
-    return made("div", { class: "row" }, made("span", {}, "or, as"), name, go);
+    return made("div", { class: "row" }, made("span", "or, as"), name, go);
   }
 
   /** @param {File} file @param {string} name */

@@ -38,23 +38,21 @@ export class OwnForms {
    * @returns {HTMLElement}
    */
   #field(text, value, hint, does) {
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        value,
-        placeholder: hint,
-        "data-field": text,
-        autocomplete: "off",
-        spellcheck: "false",
-        maxlength: "400",
-      })
-    );
+    const input = made("input", {
+      type: "text",
+      value,
+      placeholder: hint,
+      "data-field": text,
+      autocomplete: "off",
+      spellcheck: "false",
+      maxlength: "400",
+    });
     input.addEventListener("change", () => {
       input.setCustomValidity("");
       does(input.value.trim(), input);
       if (input.validity.valid) input.defaultValue = input.value;
     });
-    return made("label", {}, made("span", {}, text), input);
+    return made("label", made("span", text), input);
   }
 
   /** @param {Told} told @param {Told["pronunciations"][number]} said @returns {HTMLElement[]} */
@@ -98,19 +96,14 @@ export class OwnForms {
   #line(line) {
     const { studio } = this, { styles = [], regions = {} } = studio.state;
     const now = studio.settings.line === line.name;
-    const use = made(
-      "button",
-      {
-        type: "button",
-        "aria-pressed": String(now),
-        title: "Perform the line below with these edits and this delivery",
-      },
+    const use = button(
       now ? "Applied to the line" : "Apply to the line",
+      { "aria-pressed": String(now), title: "Perform the line below with these edits and this delivery" },
+      async () => {
+        await studio.perform("take", { settings: { ...studio.settings, line: now ? null : line.name } });
+        await this.load();
+      },
     );
-    use.addEventListener("click", async () => {
-      await studio.perform("take", { settings: { ...studio.settings, line: now ? null : line.name } });
-      await this.load();
-    });
     const rows = (
       /** @type {"styles" | "dials"} */ kind,
       /** @type {string[]} */ names,
@@ -139,8 +132,8 @@ export class OwnForms {
     );
     return [
       made("p", { class: "row" }, use),
-      ...(shares.length ? [made("h3", {}, "Styles"), ...shares] : []),
-      made("h3", {}, "Dials"),
+      ...(shares.length ? [made("h3", "Styles"), ...shares] : []),
+      made("h3", "Dials"),
       ...rows("dials", Object.keys(regions), 2, "1 is normal, 0 still, 2 twice as far"),
       made(
         "p",

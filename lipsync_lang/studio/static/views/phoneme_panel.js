@@ -14,7 +14,7 @@ export class PhonemePanel {
     this.inserting = false;
     this.name = made("bdi");
     const traits = { type: "text", list: "phoneme-labels", autocomplete: "off", dir: "auto", size: "6" };
-    this.field = /** @type {HTMLInputElement} */ (made("input", { ...traits, "aria-label": "Label of the phoneme" }));
+    this.field = made("input", { ...traits, "aria-label": "Label of the phoneme" });
     this.list = made("datalist", { id: "phoneme-labels" });
     const label = () => this.field.value.trim();
     this.joiner = button("Join", "Join it with the next phoneme, and keep this label (J)", () => does.join());
@@ -28,7 +28,7 @@ export class PhonemePanel {
       this.field.blur();
     });
     this.field.addEventListener("blur", () => { this.inserting = false; });
-    place.append(made("h2", {}, "Phoneme ", this.name, " ", made("small", {}, "Esc closes")), form,
+    place.append(made("h2", "Phoneme ", this.name, " ", made("small", "Esc closes")), form,
       made("p", { class: "row" }, button("Split", "Split it at the playhead (S)", () => does.split()), this.joiner,
         button("Delete", "Delete it; a neighbour takes its time (Delete)", () => does.remove()),
         button("Align again", "Find the times of the chosen words again; Shift and a click choose more (G)",

@@ -13,9 +13,7 @@ export class PoseMixer {
   /** @param {HTMLElement} place @param {(pose: string, weight: number, done: boolean) => void} moved */
   constructor(place, moved) {
     this.moved = moved;
-    this.search = /** @type {HTMLInputElement} */ (
-      made("input", { type: "search", placeholder: "Find a pose", "aria-label": "Find a pose" })
-    );
+    this.search = made("input", { type: "search", placeholder: "Find a pose", "aria-label": "Find a pose" });
     this.groups = made("div", { class: "mixer-groups" });
     place.append(this.search, this.groups);
     /** @type {Map<string, {row: HTMLElement, slider: HTMLInputElement, number: HTMLInputElement, act: HTMLElement}>} */
@@ -42,8 +40,8 @@ export class PoseMixer {
         made(
           "section",
           { class: "mixer-group" },
-          made("h3", {}, region || "other"),
-          made("ul", {}, ...some.map((pose) => this.#row(pose))),
+          made("h3", region || "other"),
+          made("ul", ...some.map((pose) => this.#row(pose))),
         ),
       ),
     );
@@ -52,12 +50,10 @@ export class PoseMixer {
   /** @param {Pose} pose @returns {HTMLElement} */
   #row({ name, title }) {
     const label = title ? `${name}: ${title}` : name;
-    const slider = /** @type {HTMLInputElement} */ (
-      made("input", { type: "range", min: "0", max: "1", step: "0.01", value: "0", "aria-label": label })
-    );
-    const number = /** @type {HTMLInputElement} */ (
-      made("input", { type: "number", min: "0", max: "1", step: "0.05", value: "0", "aria-label": `Weight of ${name}` })
-    );
+    const slider = made("input", { type: "range", min: "0", max: "1", step: "0.01", value: "0", "aria-label": label });
+    const number = made("input", {
+      type: "number", min: "0", max: "1", step: "0.05", value: "0", "aria-label": `Weight of ${name}`,
+    });
     const act = made("small");
     const row = made(
       "li",

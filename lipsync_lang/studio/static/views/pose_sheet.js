@@ -1,7 +1,7 @@
 /** A sheet of small pictures: the face in each pose, drawn by the face beside it. */
 
 import { drawMouth, mouthOf } from "../face/drawn_mouth.js";
-import { made, middled } from "../shell/elements.js";
+import { button, made, middled } from "../shell/elements.js";
 
 /** Pixels of a picture. */
 const SIDE = 176;
@@ -29,18 +29,14 @@ export class PoseSheet {
   show(pictures) {
     this.items.clear();
     this.list.replaceChildren(...pictures.map(({ name, title }) => {
-      const canvas = /** @type {HTMLCanvasElement} */ (
-        made("canvas", { width: String(SIDE), height: String(SIDE), "aria-hidden": "true" })
+      const canvas = made("canvas", { width: String(SIDE), height: String(SIDE), "aria-hidden": "true" });
+      const one = button(
+        [canvas, middled(name)],
+        { title: title || name, "aria-pressed": "false" },
+        (event) => this.pick(name, event.shiftKey),
       );
-      const button = made(
-        "button",
-        { type: "button", title: title || name, "aria-pressed": "false" },
-        canvas,
-        middled(name),
-      );
-      button.addEventListener("click", (event) => this.pick(name, event.shiftKey));
-      this.items.set(name, { canvas, button });
-      return made("li", {}, button);
+      this.items.set(name, { canvas, button: one });
+      return made("li", one);
     }));
   }
 

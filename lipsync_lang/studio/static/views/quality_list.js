@@ -14,7 +14,7 @@ export class QualityList {
     this.studio = studio;
     this.list = made("ul");
     this.summary = made("small", { role: "status" });
-    place.append(made("h3", {}, "This line", this.summary), this.list);
+    place.append(made("h3", "This line", this.summary), this.list);
     this.visible = false;
     /** Take that was judged. @type {unknown} */
     this.judged = null;
@@ -40,7 +40,7 @@ export class QualityList {
     if (!take) {
       this.judged = null;
       this.summary.textContent = "";
-      this.list.replaceChildren(made("li", {}, "Speak a line below to judge its contacts, limits and stillness."));
+      this.list.replaceChildren(made("li", "Speak a line below to judge its contacts, limits and stillness."));
       return;
     }
     if (take === this.judged) return;
@@ -59,15 +59,13 @@ export class QualityList {
         one.verdict === "FAIL" ? 0 : one.findings.length ? 1 : one.verdict === "ok" ? 2 : 3;
       const sorted = figures.toSorted((a, b) => order(a) - order(b));
       const first = sorted.filter((one) => order(one) < 3), rest = sorted.slice(first.length);
-      const others = made(
-        "details",
-        {},
-        made("summary", {}, `${rest.length} more, without a limit or not judged`),
-        made("ul", {}, ...rest.map((one) => this.#figure(one))),
+      const others = made("details",
+        made("summary", `${rest.length} more, without a limit or not judged`),
+        made("ul", ...rest.map((one) => this.#figure(one))),
       );
       this.list.replaceChildren(
         ...first.map((one) => this.#figure(one)),
-        ...(rest.length ? [made("li", {}, others)] : []),
+        ...(rest.length ? [made("li", others)] : []),
       );
     });
   }
@@ -84,8 +82,8 @@ export class QualityList {
     return made(
       "li",
       { class: verdict, title: name },
-      made("b", {}, `${sign}${told}`),
-      made("div", {}, ...moments, ...(rest > 0 ? [`and ${rest} more`] : [])),
+      made("b", `${sign}${told}`),
+      made("div", ...moments, ...(rest > 0 ? [`and ${rest} more`] : [])),
     );
   }
 }

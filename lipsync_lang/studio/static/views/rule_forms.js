@@ -123,7 +123,7 @@ export class RuleForms {
         "li",
         { class: "rule", "data-pair": JSON.stringify([a, b]) },
         one("Pose", a, (name) => (capped ? { pose: name } : { between: [name, b] })),
-        made("span", {}, capped ? "never above" : "and"),
+        made("span", capped ? "never above" : "and"),
         one("Other pose", b, (name) => (capped ? { at_most: name } : { between: [a, name] })),
         ...(capped
           ? [made("span")]
@@ -256,9 +256,9 @@ export class RuleForms {
     /** @type {Record<string, any>} */
     const contacts = this.rules.stated.contacts ?? {};
     const cards = Object.entries(contacts).map(([name, rule]) => {
-      const phonemes = /** @type {HTMLInputElement} */ (
-        made("input", { type: "text", "aria-label": `Sounds of the contact ${name}`, value: rule.phonemes.join(" ") })
-      );
+      const phonemes = made("input", {
+        type: "text", "aria-label": `Sounds of the contact ${name}`, value: rule.phonemes.join(" "),
+      });
       phonemes.disabled = off;
       phonemes.addEventListener("change", () => {
         const now = phonemes.value.split(/[\s,]+/).filter(Boolean);
@@ -267,9 +267,7 @@ export class RuleForms {
       return made(
         "section",
         { class: "card" },
-        made(
-          "h4",
-          {},
+        made("h4",
           name,
           " ",
           actButton(
@@ -279,14 +277,14 @@ export class RuleForms {
             off,
           ),
         ),
-        made("label", { class: "number-field wide" }, made("span", {}, "sounds"), phonemes),
+        made("label", { class: "number-field wide" }, made("span", "sounds"), phonemes),
         this.#levels(name, rule, "floor", "at least"),
         this.#levels(name, rule, "ceiling", "at most"),
       );
     });
-    const name = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", placeholder: "Name of a new contact", "aria-label": "Name of a new contact" })
-    );
+    const name = made("input", {
+      type: "text", placeholder: "Name of a new contact", "aria-label": "Name of a new contact",
+    });
     name.disabled = off;
     const add = () => {
       const own = name.value.trim(), pose = this.#names[0];
@@ -311,7 +309,7 @@ export class RuleForms {
     return made(
       "div",
       { class: "levels" },
-      made("span", {}, words),
+      made("span", words),
       ...Object.entries(levels).map(([pose, value]) =>
         made(
           "div",
@@ -360,30 +358,20 @@ export class RuleForms {
       );
     const own = poses.map(({ name, region }) => {
       const pose = stated.poses?.[name] ?? {};
-      return made(
-        "tr",
-        {},
+      return made("tr",
         made("th", { scope: "row" }, name),
-        made(
-          "td",
-          {},
-          numberField(
-            `Softness of ${name}`,
-            pose.softness ?? null,
-            { ...span, unit: "", usual: String(regions[region] ?? softness) },
-            (value) => edit(["poses", name, "softness"], value ?? undefined, `Softness of ${name}`),
-          ),
-        ),
-        made(
-          "td",
-          {},
-          sliderField(
-            `Anticipation of ${name}`,
-            pose.anticipate ?? null,
-            { min: 0, max: 0.4, step: 0.01, usual: "0", disabled: off },
-            (value, done) => edit(["poses", name, "anticipate"], value ?? undefined, `Anticipation of ${name}`, done),
-          ),
-        ),
+        made("td", numberField(
+          `Softness of ${name}`,
+          pose.softness ?? null,
+          { ...span, unit: "", usual: String(regions[region] ?? softness) },
+          (value) => edit(["poses", name, "softness"], value ?? undefined, `Softness of ${name}`),
+        )),
+        made("td", sliderField(
+          `Anticipation of ${name}`,
+          pose.anticipate ?? null,
+          { min: 0, max: 0.4, step: 0.01, usual: "0", disabled: off },
+          (value, done) => edit(["poses", name, "anticipate"], value ?? undefined, `Anticipation of ${name}`, done),
+        )),
       );
     });
     return [
@@ -391,16 +379,12 @@ export class RuleForms {
       made(
         "details",
         { open: "" },
-        made("summary", {}, "Each pose"),
+        made("summary", "Each pose"),
         made(
           "table",
           { class: "times" },
-          made(
-            "thead",
-            {},
-            made("tr", {}, made("th", {}, "pose"), made("th", {}, "softness, s"), made("th", {}, "begins early, s")),
-          ),
-          made("tbody", {}, ...own),
+          made("thead", made("tr", made("th", "pose"), made("th", "softness, s"), made("th", "begins early, s"))),
+          made("tbody", ...own),
         ),
       ),
     ];
@@ -432,7 +416,7 @@ function part(title, words, content) {
   return made(
     "section",
     { class: "rule-part" },
-    made("h3", {}, title),
+    made("h3", title),
     made("p", { class: "note" }, words),
     ...content,
   );

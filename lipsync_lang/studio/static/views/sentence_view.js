@@ -37,27 +37,24 @@ export class SentenceView {
     this.studio = studio;
     this.place = place;
     place.classList.add("sentence");
-    const part = (/** @type {string} */ name, /** @type {Record<string, string>} */ traits = {}) => made(name, traits);
     const at = {
-      canvas: /** @type {HTMLCanvasElement} */ (part("canvas", { id: "timeline", role: "img", tabindex: "0" })),
-      overview: /** @type {HTMLCanvasElement} */ (
-        part("canvas", { id: "overview", "aria-hidden": "true", hidden: "" })
-      ),
-      lanes: part("div", { class: "lanes" }),
-      gestures: part("div", { class: "gestures", hidden: "" }),
-      legend: part("ul", { id: "legend", "aria-label": "Stages: press one to hide it" }),
-      moment: part("p", { id: "moment", "aria-live": "polite" }),
-      bigrams: part("ul", { id: "bigrams" }),
-      poses: part("ul", { id: "poses" }),
-      gesture: part("section", { class: "word", "aria-label": "Chosen gesture", hidden: "" }),
-      phoneme: part("section", { class: "word", "aria-label": "Chosen phoneme", hidden: "" }),
-      word: part("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
-      line: part("div"),
-      parts: part("span", { class: "row parts", hidden: "" }),
-      figures: part("section", { id: "figures", "aria-labelledby": "judged" }),
-      judged: part("h2", { id: "judged" }),
-      missed: part("ul", { id: "missed" }),
-      measured: part("ul", { id: "measured" }),
+      canvas: made("canvas", { id: "timeline", role: "img", tabindex: "0" }),
+      overview: made("canvas", { id: "overview", "aria-hidden": "true", hidden: "" }),
+      lanes: made("div", { class: "lanes" }),
+      gestures: made("div", { class: "gestures", hidden: "" }),
+      legend: made("ul", { id: "legend", "aria-label": "Stages: press one to hide it" }),
+      moment: made("p", { id: "moment", "aria-live": "polite" }),
+      bigrams: made("ul", { id: "bigrams" }),
+      poses: made("ul", { id: "poses" }),
+      gesture: made("section", { class: "word", "aria-label": "Chosen gesture", hidden: "" }),
+      phoneme: made("section", { class: "word", "aria-label": "Chosen phoneme", hidden: "" }),
+      word: made("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
+      line: made("div"),
+      parts: made("span", { class: "row parts", hidden: "" }),
+      figures: made("section", { id: "figures", "aria-labelledby": "judged" }),
+      judged: made("h2", { id: "judged" }),
+      missed: made("ul", { id: "missed" }),
+      measured: made("ul", { id: "measured" }),
     };
     this.at = at;
     this.whole = made("div", { class: "sentence-desk" });
@@ -173,7 +170,7 @@ export class SentenceView {
     figures.append(
       this.at.judged,
       this.at.missed,
-      made("details", {}, made("summary", {}, "Other figures"), this.at.measured),
+      made("details", made("summary", "Other figures"), this.at.measured),
     );
     const aside = made(
       "aside",
@@ -184,7 +181,7 @@ export class SentenceView {
       this.at.moment,
       this.at.bigrams,
       this.at.poses,
-      made("details", { class: "delivery", open: "" }, made("summary", {}, "Delivery of the line"), this.at.line),
+      made("details", { class: "delivery", open: "" }, made("summary", "Delivery of the line"), this.at.line),
       figures,
     );
     this.whole.append(
@@ -193,12 +190,9 @@ export class SentenceView {
       aside,
     );
     this.nothing.append(
-      made("h2", {}, "No line yet"),
-      made(
-        "p",
-        {},
-        "Type a line below and press Enter. Or drop timed phonemes (TextGrid, JSON, CSV …) and their recording here.",
-      ),
+      made("h2", "No line yet"),
+      made("p", "Type a line below and press Enter. " +
+        "Or drop timed phonemes (TextGrid, JSON, CSV …) and their recording here."),
       made("p", { class: "row" }, ...open()),
     );
     this.place.append(this.whole, this.nothing);
@@ -515,22 +509,17 @@ export class SentenceView {
     listStages(this.at.legend, take, other);
     usedStages(take).forEach((stage, n) => {
       const item = this.at.legend.children[n],
-        button = made(
-          "button",
-          {
-            type: "button",
-            "aria-pressed": String(!this.timeline.hidden.has(stage.name)),
-            title: stage.why || stage.label,
-          },
+        one = button(
           item.textContent ?? "",
+          { "aria-pressed": String(!this.timeline.hidden.has(stage.name)), title: stage.why || stage.label },
+          () => {
+            if (!this.timeline.hidden.delete(stage.name)) this.timeline.hidden.add(stage.name);
+            one.setAttribute("aria-pressed", String(!this.timeline.hidden.has(stage.name)));
+            this.timeline.stale = true;
+            this.studio.wake();
+          },
         );
-      button.addEventListener("click", () => {
-        if (!this.timeline.hidden.delete(stage.name)) this.timeline.hidden.add(stage.name);
-        button.setAttribute("aria-pressed", String(!this.timeline.hidden.has(stage.name)));
-        this.timeline.stale = true;
-        this.studio.wake();
-      });
-      item.replaceChildren(button);
+      item.replaceChildren(one);
     });
   }
 
@@ -543,7 +532,7 @@ export class SentenceView {
       actButton(text, name, () => this.studio.openLine(`part/${to}`, {}), to < 0 || to >= part.count);
     parts.replaceChildren(
       turn("◂", "Previous part", part.number - 1),
-      made("span", {}, `part ${part.number + 1} of ${part.count} (the line lasts ${clock(part.seconds, 0)})`),
+      made("span", `part ${part.number + 1} of ${part.count} (the line lasts ${clock(part.seconds, 0)})`),
       turn("▸", "Next part", part.number + 1),
     );
   }

@@ -35,13 +35,14 @@ export class SoundEditor {
     const row = made(
       "div",
       { class: "row" },
-      ...selects.flatMap((one, at) => (at ? [made("span", {}, "then"), one] : [one])),
+      ...selects.flatMap((one, at) => (at ? [made("span", "then"), one] : [one])),
     );
     if (sound.to.length) row.append(button("Mute", "This sound moves nothing", () => this.#map([])));
     if (sound.own && parent)
       row.append(button("As inherited", "Remove this mapping from the file, and use that of the extended pack", () =>
         this.#edit(undefined)));
     row.append(button("Done", "Close (Esc)", () => this.does.close()));
+    /** @type {HTMLElement[]} */
     const parts = [row];
     if (sound.to.length > 1) parts.push(this.#shares(sound));
     parts.push(this.#reason(sound), ...sound.to.map((name) => this.#about(name)));
@@ -62,13 +63,11 @@ export class SoundEditor {
     const none = this.sound?.to.length ? (name ? "— remove —" : "+ another…") : "Choose a mouth…";
     const options = this.common.map((one) => made("option", { value: one.name }, this.#words(one)));
     if (name && !this.common.some((one) => one.name === name)) options.push(made("option", { value: name }, name));
-    const select = /** @type {HTMLSelectElement} */ (
-      made(
-        "select",
-        { "aria-label": `Mouth ${at + 1} of ${this.sound?.label}`, "data-field": `to-${at}` },
-        made("option", { value: "" }, none),
-        ...options,
-      )
+    const select = made(
+      "select",
+      { "aria-label": `Mouth ${at + 1} of ${this.sound?.label}`, "data-field": `to-${at}` },
+      made("option", { value: "" }, none),
+      ...options,
     );
     select.value = name;
     select.addEventListener("change", () => {
@@ -88,26 +87,24 @@ export class SoundEditor {
   /** @param {string} name @returns {HTMLElement} */
   #about(name) {
     const one = this.common.find((common) => common.name === name);
-    if (!one) return made("small", {}, name);
+    if (!one) return made("small", name);
     const like = one.like ? `; a shade of ${one.like}: ${one.reason}` : "";
     const ipa = one.ipa.length ? `; as in IPA ${one.ipa.join(" ")}` : "";
     const example = one.example ? `, English ‘${one.example}’` : "";
-    return made("small", {}, made("b", {}, name), ` ${one.title}${ipa}${example}${like}`);
+    return made("small", made("b", name), ` ${one.title}${ipa}${example}${like}`);
   }
 
   /** @param {Sound} sound @returns {HTMLElement} */
   #shares(sound) {
     const even = sound.to.map(() => Math.round(100 / sound.to.length)),
       now = sound.shares.length ? sound.shares.map((one) => Math.round(100 * one)) : even;
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        value: now.join(" "),
-        inputmode: "numeric",
-        "data-field": "shares",
-        autocomplete: "off",
-      })
-    );
+    const input = made("input", {
+      type: "text",
+      value: now.join(" "),
+      inputmode: "numeric",
+      "data-field": "shares",
+      autocomplete: "off",
+    });
     input.addEventListener("change", () => {
       const parts = input.value.trim().split(/[\s,;/]+/).map(Number), whole = parts.reduce((sum, one) => sum + one, 0);
       const fit = parts.length === sound.to.length && parts.every((one) => one > 0) && Number.isFinite(whole);
@@ -116,22 +113,20 @@ export class SoundEditor {
       const even = parts.every((one) => one === parts[0]);
       this.#map(sound.to, even ? [] : exact(parts.map((one) => one / whole)));
     });
-    return made("label", {}, "Shares of its time, %", input);
+    return made("label", "Shares of its time, %", input);
   }
 
   /** @param {Sound} sound @returns {HTMLElement} */
   #reason(sound) {
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", {
-        type: "text",
-        value: sound.reason,
-        dir: "auto",
-        maxlength: "500",
-        placeholder: sound.why || "A reason, if the mapping is not obvious",
-        "data-field": "reason",
-        autocomplete: "off",
-      })
-    );
+    const input = made("input", {
+      type: "text",
+      value: sound.reason,
+      dir: "auto",
+      maxlength: "500",
+      placeholder: sound.why || "A reason, if the mapping is not obvious",
+      "data-field": "reason",
+      autocomplete: "off",
+    });
     input.addEventListener("change", () => {
       const value = input.value.trim(), at = ["reasons", sound.label];
       if (value !== sound.reason)
@@ -140,7 +135,7 @@ export class SoundEditor {
           `Reason of ${sound.label}`,
         );
     });
-    return made("label", {}, "Reason", input);
+    return made("label", "Reason", input);
   }
 
   /** @param {string[]} to @param {number[]} [shares] */

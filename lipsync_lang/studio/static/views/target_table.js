@@ -46,9 +46,7 @@ export class TargetTable {
     const cells = [...this.scroll.querySelectorAll("[data-cell]")],
       held = cells.indexOf(/** @type {Element} */ (document.activeElement));
     const key = held < 0 ? "" : cells[held].getAttribute("data-cell");
-    const head = made(
-      "tr",
-      {},
+    const head = made("tr",
       made("th", { scope: "col" }, "sound"),
       ...poses.map((pose) => made("th", { scope: "col", title: pose }, made("span", { dir: "auto" }, pose))),
     );
@@ -56,8 +54,8 @@ export class TargetTable {
       made(
         "table",
         { role: "grid", "aria-label": "Targets: type a weight, or press Delete to remove it" },
-        made("thead", {}, head),
-        made("tbody", {}, ...phonemes.flatMap((one) => this.#rows(one))),
+        made("thead", head),
+        made("tbody", ...phonemes.flatMap((one) => this.#rows(one))),
       ),
     );
     const first =
@@ -92,9 +90,9 @@ export class TargetTable {
         "th",
         { scope: "row", title: told.filter(Boolean).join(", ") },
         name,
-        ...(steps.length > 1 ? [made("sub", {}, String(number + 1))] : []),
-        ...(like ? [made("small", {}, own ? "" : ` as ${like}`)] : []),
-        ...(replaced ? [made("small", {}, " replaced")] : []),
+        ...(steps.length > 1 ? [made("sub", String(number + 1))] : []),
+        ...(like ? [made("small", own ? "" : ` as ${like}`)] : []),
+        ...(replaced ? [made("small", " replaced")] : []),
       );
       const cells = this.poses.map((pose) => {
         const weight = weights[pose], dominance = poses[pose] ?? overall;
@@ -111,7 +109,7 @@ export class TargetTable {
             "aria-label": `${name}${step}, ${pose}: ${value || factor ? `${value}${factor}` : "not named"}`,
           },
           value,
-          ...(factor ? [made("sup", {}, factor)] : []),
+          ...(factor ? [made("sup", factor)] : []),
         );
         if (weight !== undefined) cell.style.setProperty("--share", String(weight));
         return cell;
@@ -219,7 +217,7 @@ export class TargetTable {
       /** @type {() => void} */ does,
       /** @type {string} */ kind = "",
     ) => Object.assign(button(text, { title, class: kind }, does), { disabled: !this.own });
-    const live = /** @type {HTMLInputElement} */ (made("input", { type: "checkbox" }));
+    const live = made("input", { type: "checkbox" });
     [live.checked, live.disabled] = [this.live, !this.own];
     live.addEventListener("change", () => { this.live = live.checked; });
     const told = [
@@ -243,7 +241,7 @@ export class TargetTable {
       made(
         "p",
         { class: "target-name" },
-        made("b", {}, this.phoneme, ...(many ? [` step ${this.step + 1} of ${steps.length}`] : [])),
+        made("b", this.phoneme, ...(many ? [` step ${this.step + 1} of ${steps.length}`] : [])),
         ` ${told}`,
       ),
       made(
@@ -280,7 +278,7 @@ export class TargetTable {
       made(
         "div",
         { class: "dominances" },
-        made("span", {}, "Dominance over the neighbours:"),
+        made("span", "Dominance over the neighbours:"),
         dominance("all", null, overall, "1"),
         ...named.map((pose) => dominance(pose, pose, poses[pose] ?? null, overall === null ? "1" : String(overall))),
       ),
@@ -329,9 +327,9 @@ export class TargetTable {
     if (!this.own) return;
     const before = cell.firstChild?.nodeType === Node.TEXT_NODE ? cell.firstChild.textContent ?? "" : "";
     const content = [...cell.childNodes];
-    const input = /** @type {HTMLInputElement} */ (
-      made("input", { type: "text", inputmode: "decimal", "aria-label": cell.getAttribute("aria-label") ?? "" })
-    );
+    const input = made("input", {
+      type: "text", inputmode: "decimal", "aria-label": cell.getAttribute("aria-label") ?? "",
+    });
     input.value = start ?? before;
     cell.replaceChildren(input);
     input.focus();

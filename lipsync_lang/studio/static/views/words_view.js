@@ -106,7 +106,7 @@ export class WordsView {
       /** @type {string} */ title,
       /** @type {() => void} */ does,
     ) => {
-      return made("h3", {}, made("span", {}, text), button(adds, title, does));
+      return made("h3", made("span", text), button(adds, title, does));
     };
     const note = (/** @type {string} */ text) => made("p", { class: "note" }, text);
     this.list.replaceChildren(
@@ -115,32 +115,24 @@ export class WordsView {
       ),
       ...(told.words.length
         ? [
-            made(
-              "ul",
-              {},
-              ...told.words.map(({ word, curves }) =>
-                this.#item(["word", word], word, poses(curves), { at: ["words", word] }),
-              ),
-            ),
+            made("ul", ...told.words.map(({ word, curves }) =>
+              this.#item(["word", word], word, poses(curves), { at: ["words", word] }),
+            )),
           ]
         : [note("The character's own curves for a whole word, wherever the word is spoken.")]),
       head("Pronunciations", "+ at the playhead", "Pronunciation of the word at the playhead", () => this.#addSaid()),
       ...(told.pronunciations.length
         ? [
-            made(
-              "ul",
-              {},
-              ...told.pronunciations.map(({ language, word, phonemes }) =>
-                this.#item(["said", language, word], word, `${language}: ${phonemes.join(" ")}`, {
-                  at: ["pronunciations", language, word],
-                }),
-              ),
-            ),
+            made("ul", ...told.pronunciations.map(({ language, word, phonemes }) =>
+              this.#item(["said", language, word], word, `${language}: ${phonemes.join(" ")}`, {
+                at: ["pronunciations", language, word],
+              }),
+            )),
           ]
         : [note("Words that this character pronounces in its own way.")]),
       head("Lines", "+ new", "Edits and delivery of one line", () => this.#addLine()),
       ...(told.lines.length
-        ? [made("ul", {}, ...told.lines.flatMap((line) => this.#lineItems(line)))]
+        ? [made("ul", ...told.lines.flatMap((line) => this.#lineItems(line)))]
         : [
             note(
               "Edits of single words and sounds of one line, its styles and dials. " +
@@ -180,14 +172,14 @@ export class WordsView {
         "aria-current": String(String(open) === String(this.open)),
       },
       text,
-      made("small", {}, about),
+      made("small", about),
     );
     const remove = button("×", { "aria-label": `Delete ${text}`, title: "Delete" }, async () => {
       await this.studio.edit([{ file: "character", ...drop }], `Delete ${text}`);
       if (open[0] === "said") await this.#respoken();
       if (open[0] === this.open[0] || open[1] === this.open[1]) this.studio.go("words");
     });
-    return made("li", {}, link, remove);
+    return made("li", link, remove);
   }
 
   /** @param {LineEdit} edit @returns {string} what it is for, with the word that the line has there */
@@ -255,7 +247,7 @@ export class WordsView {
               "h2",
               { dir: "auto" },
               curves?.title ?? said?.word ?? name,
-              made("small", {}, `${about}${told.file ? ` · ${told.file}` : ""}`),
+              made("small", `${about}${told.file ? ` · ${told.file}` : ""}`),
             ),
             ...parts,
           ]
@@ -289,15 +281,11 @@ export class WordsView {
     const { take } = this.studio, told = /** @type {Told} */ (this.told);
     const nothing = !told.words.length && !told.pronunciations.length && !told.lines.length;
     this.empty.replaceChildren(
-      made("h2", {}, nothing ? `${told.character} has no own words or lines yet` : "Choose a word or a line"),
-      made(
-        "p",
-        {},
-        take
-          ? "Move the playhead to a word of the line below, and add the word. " +
-              "Its curves start as they are performed now."
-          : "Speak a line below. Then move the playhead to a word, and add the word.",
-      ),
+      made("h2", nothing ? `${told.character} has no own words or lines yet` : "Choose a word or a line"),
+      made("p", take
+        ? "Move the playhead to a word of the line below, and add the word. " +
+            "Its curves start as they are performed now."
+        : "Speak a line below. Then move the playhead to a word, and add the word."),
     );
   }
 

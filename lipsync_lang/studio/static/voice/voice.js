@@ -134,7 +134,7 @@ class VoicePage {
         .sort(([one], [other]) => other - one)
         .slice(0, SHOWN_PHONES);
       the("belief").replaceChildren(
-        ...likeliest.map(([share, phone]) => made("li", {}, `${phone} ${Math.round(100 * share)} %`)),
+        ...likeliest.map(([share, phone]) => made("li", `${phone} ${Math.round(100 * share)} %`)),
       );
     });
   }
