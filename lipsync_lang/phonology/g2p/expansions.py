@@ -24,9 +24,6 @@ MAX_ROMAN_CHARS = 12
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
 
-SEEN_NUMBER_CHARS = 40
-"""Number of characters examined for the sign behind a number."""
-
 _ROMAN = re.compile(
     "M{0,3}"
     + "".join(
@@ -63,6 +60,8 @@ _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
 
 _WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
+_NUMBER_RUN = re.compile(f"[{_MINUS}]?[\\d., \u00a0\u202f]{{1,40}}\\D?")
+"""A number with the sign behind it."""
 _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
 _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
@@ -172,7 +171,8 @@ class _Keys:
         """Return the match of the longest key at a place of a text, and its expansion."""
         first = str(int(text[at])) if text[at].isdecimal() else text[at]
         numeric = first.isdecimal() or first in _MINUS
-        behind = _SIGN_BEHIND.findall(text, at, at + SEEN_NUMBER_CHARS) if numeric else ()
+        run = _NUMBER_RUN.match(text, at) if numeric else None
+        behind = _SIGN_BEHIND.findall(run[0]) if run else ()
         fitting: list[tuple[int, str]] = []
         for second in {"", text[at + 1 : at + 2], *behind}:
             for (literal, numbered), keys in self._beginnings.get((first, second), {}).items():
