@@ -10,7 +10,7 @@ A `#` of the text is `№` here.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, cached_property
 from itertools import pairwise
 from typing import NamedTuple
@@ -23,9 +23,6 @@ MAX_ROMAN_CHARS = 12
 
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
-
-SEEN_NUMBER_CHARS = 40
-"""Number of characters examined for the sign behind a number."""
 
 _ROMAN = re.compile(
     "M{0,3}"
@@ -63,6 +60,8 @@ _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
 
 _WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
+_NUMBER_RUN = re.compile(f"[{_MINUS}]?[\\d., \u00a0\u202f]{{1,40}}\\D?")
+"""A number with the sign behind it."""
 _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
 _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
@@ -79,6 +78,15 @@ class Replacement(NamedTuple):
     start: int
     stop: int
     read: str
+
+
+def respelled(text: str, replacements: Iterable[Replacement]) -> str:
+    """Return a text with replacements, which are in order."""
+    read, at = "", 0
+    for one in replacements:
+        read += text[at : one.start] + one.read
+        at = one.stop
+    return read + text[at:]
 
 
 class _Keys:
@@ -153,26 +161,18 @@ class _Keys:
                     second, _ = self._match(text, found.start(2))
                     at = max(at, second.end() if second else at)
                     numbers = found[1], text[found.start(2) : at]
-                    words = between[1].join(map(self._alone, numbers))
+                    words = between[1].join(respelled(one, self.find(one)) for one in numbers)
                 yield Replacement(found.start(), at, words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
                 yield Replacement(*grouped.span(), _digits(grouped))
 
-    def _alone(self, text: str) -> str:
-        """Return a text with its keys expanded."""
-        out: list[str] = []
-        at = 0
-        for start, stop, read in self.find(text):
-            out += text[at:start], read
-            at = stop
-        return "".join([*out, text[at:]])
-
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
         first = str(int(text[at])) if text[at].isdecimal() else text[at]
         numeric = first.isdecimal() or first in _MINUS
-        behind = _SIGN_BEHIND.findall(text, at, at + SEEN_NUMBER_CHARS) if numeric else ()
+        run = _NUMBER_RUN.match(text, at) if numeric else None
+        behind = _SIGN_BEHIND.findall(run[0]) if run else ()
         fitting: list[tuple[int, str]] = []
         for second in {"", text[at + 1 : at + 2], *behind}:
             for (literal, numbered), keys in self._beginnings.get((first, second), {}).items():
@@ -302,7 +302,10 @@ class Expansions:
         found: dict[tuple[int, int], str] = {}
         for pattern, ordinals in self._numerals:
             bare = pattern is _AFTER_NAME
-            for one in pattern.finditer(text) if bare else _whole_words(pattern, text):
+            for one in pattern.finditer(text):
+                beside = text[max(one.start() - 1, 0) : one.start()], text[one.end("numeral") :][:1]
+                if not bare and any(map(is_spaced, beside)):
+                    continue
                 number = roman(one["numeral"])
                 read = ordinals[number - 1] if 0 < number <= len(ordinals) else str(number)
                 named = not bare or one[0][0].isupper()
@@ -323,18 +326,6 @@ class Expansions:
                 before = rf"(?<![A-Za-z])(?i:{listed})[ \u00a0]*"
                 found.append((re.compile(f"{before}{numeral}{_DOT}"), ordinals))
         return [*found, (_AFTER_NAME, ())] if found else []
-
-
-def _whole_words(pattern: re.Pattern[str], text: str) -> Iterator[re.Match[str]]:
-    """Yield the matches of a pattern before and after which no word goes on."""
-    at = 0
-    while found := pattern.search(text, at):
-        start, stop = found.start(), found.end("numeral")
-        beside = text[max(start - 1, 0) : start], text[stop : stop + 1]
-        whole = not any(map(is_spaced, beside))
-        at = found.end() if whole else start + 1
-        if whole:
-            yield found
 
 
 def roman(numeral: str) -> int:

@@ -11,10 +11,10 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
 
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.expansions import Replacement, is_spaced
+from lipsync_lang.phonology.g2p.expansions import Replacement, is_spaced, respelled
 from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.phonology.g2p.spoken_forms import OwnWord, SpokenForms
-from lipsync_lang.phonology.g2p.tokens import TextPiece, plain
+from lipsync_lang.phonology.g2p.tokens import TextPiece, pieces, plain
 from lipsync_lang.phonology.labels import STRESS, normalise
 
 _HYPHENATED = re.compile("[^-]+")
@@ -77,9 +77,7 @@ class OwnWords:
 
     def respelled(self, text: str) -> str:
         """Return a text with the spellings of its own words."""
-        for one in reversed(self.find(text).respelled):
-            text = text[: one.start] + one.read + text[one.stop :]
-        return text
+        return respelled(text, self.find(text, pieces(text)).respelled)
 
     def _find(self, written: str) -> OwnWord | None:
         word = plain(written)

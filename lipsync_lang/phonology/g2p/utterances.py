@@ -22,7 +22,7 @@ from lipsync_lang.phonology.g2p.drawn_out import (
     start_labels,
     starts_of,
 )
-from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement
+from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement, respelled
 from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord, merged
 from lipsync_lang.phonology.g2p.interjections import Interjections
 from lipsync_lang.phonology.g2p.own_words import OwnWords
@@ -251,11 +251,7 @@ def part_text(part: UtterancePart) -> str:
     """Return the text of a part for the engine; empty for interjections and for pauses alone."""
     if part.said is not None:
         return ""
-    read, at = "", 0
-    for one in part.replacements:
-        read += part.text[at : one.start] + one.read
-        at = one.stop
-    read += part.text[at:]
+    read = respelled(part.text, part.replacements)
     return read if any(piece.kind != "pause" for piece in pieces(read)) else ""
 
 
