@@ -1,5 +1,6 @@
 """Reading of YAML: with libyaml and without, and texts on which versions of YAML differ."""
 
+import re
 from pathlib import Path
 from random import Random
 
@@ -32,11 +33,21 @@ def marks(mark, data):
     return place, [marks(one, data[number]) for number, one in enumerate(mark.inner or ())]
 
 
+READ_BY_LIBYAML_ALONE = re.compile(rb"[\[{][^\n]*\w\?")
+"""A question mark within a word between brackets; PyYAML's own reader takes it for a key."""
+
+
 def assert_same(path, content):
     fast, other = scan(path, content), slow(path, content)
     assert bool(fast.faults) == bool(other.faults)
     assert repr(fast.data) == repr(other.data)  # repr tells 1 from 1.0 and True, and has one NaN
     assert marks(fast.root, fast.data) == marks(other.root, other.data)
+
+
+def assert_slips_same(path, content):
+    known = READ_BY_LIBYAML_ALONE.search(content) and not scan(path, content).faults
+    if not (known and slow(path, content).faults):
+        assert_same(path, content)
 
 
 @pytest.mark.parametrize(
@@ -56,13 +67,13 @@ def test_slips_in_a_piece_of_a_pack_are_read_the_same(first):
         text = text[start : start + PIECE]
         for _ in range(rng.choice((1, 2, 4))):
             text = rng.choice(SLIPS)(rng, text) or "xx"
-        assert_same(path, text.encode())
+        assert_slips_same(path, text.encode())
 
 
 @full
 def test_slips_in_whole_packs_are_read_the_same():
     for number in range(20):
-        assert_same(*edited(number))
+        assert_slips_same(*edited(number))
 
 
 # Texts on which versions of YAML differ
