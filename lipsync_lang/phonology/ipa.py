@@ -56,6 +56,16 @@ class LetterSound(NamedTuple):
     features: Numbers
     time: float = 1.0
 
+    @property
+    def kind(self) -> str:
+        """Its code in `_SOUND_KINDS`."""
+        return next((code for code, some in _SOUND_KINDS if self.words & some), "V")
+
+    @property
+    def is_vowel(self) -> bool:
+        """True for a vowel."""
+        return self.kind == "V"
+
 
 class LabelReading(NamedTuple):
     """A label as its sounds in order, its invisible properties, and its unknown characters."""
@@ -286,10 +296,8 @@ def is_one_sound(letters: Sequence[LetterSound]) -> bool:
     Most words and many codes can be read as IPA, letter by letter. The letters of one sound go
     together: a vowel or vowels in a row, a stop with its release, a glide at an edge.
     """
-    kinds = ""
-    for _, alike in groupby(letters, key=lambda sound: sound.letter):
-        words = next(alike).words
-        kinds += next((code for code, some in _SOUND_KINDS if words & some), "V")
+    alike = groupby(letters, key=lambda sound: sound.letter)
+    kinds = "".join(next(sounds).kind for _, sounds in alike)
     return _ONE_SOUND.fullmatch(kinds) is not None
 
 

@@ -125,6 +125,18 @@ class ModelPhones(NamedTuple):
     """Groups of phones that change the sound of those beside them alike."""
     looks: NearestPhonemes
     """The same phones, compared by what is seen of them."""
+    between: NearestPhonemes
+    """The search for the phones of a label between two vowels."""
+
+    @property
+    def vowels(self) -> frozenset[str]:
+        """The phones that are vowels throughout."""
+        read = self.nearest.read
+        return frozenset(
+            name
+            for name, labels in self.nearest.candidates.items()
+            if labels and all(sound.is_vowel for sound in read(labels[0]).sounds)
+        )
 
 
 SHOWN_PHONES = 10
@@ -145,7 +157,9 @@ def model_phones() -> ModelPhones | None:
     if hearing is None:
         return None
     neighbours = tuple(tuple(group.split()) for group in hearing["neighbours"])
-    return _searched(data, hearing["model"], hearing["phones"], neighbours)
+    return _searched(
+        data, hearing["model"], hearing["phones"], neighbours, hearing["between_vowels"]
+    )
 
 
 def phones_beside(folder: Path, names: Sequence[str]) -> ModelPhones | None:
@@ -168,7 +182,7 @@ def phones_beside(folder: Path, names: Sequence[str]) -> ModelPhones | None:
     letters = {
         name: [told] if isinstance(told, str) else list(told or ()) for name, told in stated.items()
     }
-    known = _searched(data, folder.name, letters, ())
+    known = _searched(data, folder.name, letters, (), {})
     wrong = {
         name: f"'{name}' is no phone of the model; {did_you_mean(name, names)}"
         for name in letters
@@ -195,12 +209,18 @@ def _searched(
     model: str,
     phones: Mapping[str, Sequence[str]],
     neighbours: tuple[tuple[str, ...], ...],
+    between_vowels: Mapping[str, Sequence[str]],
 ) -> ModelPhones:
-    heard, seen = (
-        NearestPhonemes.from_plain({"features": one, "candidates": phones})
-        for one in (by_ear(data), data)
+    moved = {label for labels in between_vowels.values() for label in labels}
+    between = {
+        name: [label for label in labels if label not in moved] + [*between_vowels.get(name, ())]
+        for name, labels in phones.items()
+    }
+    heard, seen, inside = (
+        NearestPhonemes.from_plain({"features": features, "candidates": some})
+        for features, some in ((by_ear(data), phones), (data, phones), (by_ear(data), between))
     )
-    return ModelPhones(model, heard, neighbours, seen)
+    return ModelPhones(model, heard, neighbours, seen, inside)
 
 
 def candidates(language: "models.Language", common: "models.Phonemes") -> dict[str, list[str]]:

@@ -677,6 +677,21 @@ def test_a_label_of_any_language_is_heard_as_the_phones_that_sound_most_like_it(
     assert names_of(reader_of(Speaker.of(language)), label) == phones
 
 
+@pytest.mark.parametrize(
+    ("text", "phone"),
+    [("pero", "T"), ("perro", "T"), ("tres", "R"), ("arte", "R"), ("rey", "R"), ("mar", "R")],
+)
+def test_an_r_is_heard_as_an_english_flap_between_vowels_alone(text, phone):
+    speaker = Speaker.of("spanish")
+    reader = reader_of(speaker)
+    (read,) = speaker.transcripts([text])
+    (saying,) = reader.sayings(read.words)
+    names = [reader.models.model.names[number] for number in saying.ways[0]]
+    labels = [label for label, count in saying.spelled for _ in range(count)]
+    (at,) = (n for n, label in enumerate(labels) if label[0] in "rɾ")
+    assert names[at] == phone
+
+
 def test_a_pack_says_better_how_a_label_is_heard(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "languages").mkdir()

@@ -129,6 +129,8 @@ class HearingFields(Strict):
     """Groups of phones, separated by spaces, that change the sound of those beside them alike."""
     phones: dict[Label, Annotated[tuple[Label, ...], OrOne]]
     """The letters that each phone of the model sounds like."""
+    between_vowels: dict[Label, Annotated[tuple[Label, ...], OrOne]] = Field(default={})
+    """The letters that a phone sounds like between two vowels, though another one elsewhere."""
 
 
 class Ipa(PackModel):

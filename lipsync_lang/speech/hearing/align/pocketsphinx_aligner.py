@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
-    from lipsync_lang.phonology.labels import Value
     from lipsync_lang.speech.speaking.speaker import Speaker
     from lipsync_lang.speech.speaking.transcripts import Transcript
 
@@ -208,6 +207,9 @@ class WordReader:
         counts.
         """
         numbers = [self.numbers(label) for label in said.labels]
+        for at, (before, after) in enumerate(zip(numbers, numbers[2:], strict=False), 1):
+            if before and after and {before[-1], after[0]} <= self.vowels:
+                numbers[at] = self.numbers(said.labels[at], between_vowels=True)
         read = tuple(number for some in numbers for number in some)
         if not read:
             return Saying(said.text, ())
@@ -218,7 +220,7 @@ class WordReader:
         )
         return Saying(said.text, (read,), spelled)
 
-    def numbers(self, label: str) -> list[int]:
+    def numbers(self, label: str, *, between_vowels: bool = False) -> list[int]:
         """Map a G2P label to phoneme numbers of the model.
 
         Without an entry in the pack: the phones that sound most like the label, or, where that is
@@ -230,23 +232,24 @@ class WordReader:
             if self.speaker.manner.notation != IPA:
                 common = self.labels.find(label) or ()
                 said = [self.typical.get(((name, 1.0),), "") for name, _ in common]
-            found = tuple(one for ipa in said for one in self.by_ear(ipa))
+            known = self.models.phones
+            if known is None:
+                raise SpeechError(
+                    f"{self.models.acoustic}: no phone of the model is known for '{label}': write "
+                    f"{self.models.acoustic / 'phones.yaml'} with a line `PHONE: LETTERS` for each "
+                    "phone, or `audio: {phones: ...}` in the language's pack"
+                )
+            # Signs that are no IPA are mute.
+            near = known.between if between_vowels else known.nearest
+            found = tuple(one for ipa in said for one in near.nearest(ipa).value)
         return [self.models.numbers[name] for name, _ in found if name in self.models.numbers]
 
     @cached_property
-    def by_ear(self) -> "Callable[[str], Value]":
-        """The model's phones for a label of the IPA; signs that are no IPA are mute."""
+    def vowels(self) -> frozenset[int]:
+        """The model's phones that are vowels."""
         known = self.models.phones
-        if known is None:
-            return self._unmapped
-        return lambda label: known.nearest.nearest(label).value
-
-    def _unmapped(self, label: str) -> "Value":
-        raise SpeechError(
-            f"{self.models.acoustic}: no phone of the model is known for '{label}': write "
-            f"{self.models.acoustic / 'phones.yaml'} with a line `PHONE: LETTERS` for each phone, "
-            "or `audio: {phones: ...}` in the language's pack"
-        )
+        names = known.vowels if known else ()
+        return frozenset(self.models.numbers[name] for name in names if name in self.models.numbers)
 
 
 def _is_joined(said: "SpokenWord") -> bool:
