@@ -30,7 +30,6 @@ HEAD = ("item", "was", "value", "seen", "error", "sure", "state")
 @command("bank accept")
 def _add_accept(action: Add) -> None:
     made = action(
-        "accept",
         accept,
         "accept what a fit to captures proposes for a character",
         "bank accept fit.json targets.ow softness.jaw -c anna",

@@ -29,7 +29,6 @@ SHOWN = 12
 @command("bank fit")
 def _add_fit(action: Add) -> None:
     made = action(
-        "fit",
         fit,
         "fit targets, motion and bigrams to captures of a face",
         "bank fit captures/ -l english -c facefx -o fit.json",

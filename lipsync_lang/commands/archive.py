@@ -6,26 +6,18 @@ from pathlib import Path
 
 from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND, as_json, count, tell_written
-from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import add_json
 
-
-@command("archive")
-def add_archive(add: Add) -> None:
-    """Add `archive`."""
-    made = add(
-        "archive",
-        merge,
-        "show archives of takes, put them together, or make patches of them",
-        "archive merge takes/game.takes takes/game.*-of-16.takes",
-    )
-    add_actions(made, "archive")
+family(
+    "archive", "show archives of takes, put them together, or make patches of them",
+    "archive merge takes/game.takes takes/game.*-of-16.takes",
+)  # fmt: skip
 
 
 @command("archive merge")
 def _add_merge(action: Add) -> None:
     made = action(
-        "merge",
         merge,
         "put the archives of shards together",
         "archive merge takes/game.takes takes/game.*-of-16.takes",
@@ -38,7 +30,6 @@ def _add_merge(action: Add) -> None:
 @command("archive diff")
 def _add_diff(action: Add) -> None:
     made = action(
-        "diff",
         diff,
         "write a patch: only the takes that differ",
         "archive diff old/game.takes new/game.takes game.patch",
@@ -51,10 +42,7 @@ def _add_diff(action: Add) -> None:
 @command("archive apply")
 def _add_apply(action: Add) -> None:
     made = action(
-        "apply",
-        apply,
-        "apply a patch to an archive",
-        "archive apply game.takes game.patch -o new.takes",
+        apply, "apply a patch to an archive", "archive apply game.takes game.patch -o new.takes"
     )
     made.add_argument("archive", metavar="ARCHIVE", type=Path, help="the archive to change")
     made.add_argument("patch", metavar="PATCH", type=Path, help="a file of `archive diff`")
@@ -63,7 +51,7 @@ def _add_apply(action: Add) -> None:
 
 @command("archive show")
 def _add_show(action: Add) -> None:
-    made = action("show", show, "check an archive, and list its takes", "archive show game.takes")
+    made = action(show, "check an archive, and list its takes", "archive show game.takes")
     made.add_argument("archive", metavar="ARCHIVE", type=Path, help="an archive or a patch")
     add_json(made)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import plot_kind
-from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import add_json, add_pair
 from lipsync_lang.files import STANDARD_STREAM, argument_path, atomic
 
@@ -15,21 +15,15 @@ SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""
 
 
-@command("bank")
-def _add_bank(add: Add) -> None:
-    made = add(
-        "bank",
-        draft,
-        "draft bigrams, import them, accept fitted ones, or see what a bank changes",
-        "bank draft -l english -c facefx",
-    )
-    add_actions(made, "bank")
+family(
+    "bank", "draft bigrams, import them, accept fitted ones, or see what a bank changes",
+    "bank draft -l english -c facefx",
+)  # fmt: skip
 
 
 @command("bank draft")
 def _add_draft(action: Add) -> None:
     made = action(
-        "draft",
         draft,
         "draft bigrams from a pose set's targets",
         "bank draft -l english -c facefx --write l-ow h-eh",
@@ -47,7 +41,6 @@ def _add_draft(action: Add) -> None:
 @command("bank diff")
 def _add_diff(action: Add) -> None:
     made = action(
-        "diff",
         diff,
         "show which bigrams a character's layers change, and by how much",
         "bank diff -l english -c facefx --plot changes.png",

@@ -40,10 +40,7 @@ LOG_SECONDS = 10.0
 @command("build")
 def _add_build(add: Add) -> None:
     made = add(
-        "build",
-        build,
-        "make all lines of a script, and then only the changed ones",
-        "build --dry-run",
+        build, "make all lines of a script, and then only the changed ones", "build --dry-run"
     )
     which = made.add_argument_group("which lines to make")
     repeated(

@@ -29,7 +29,6 @@ SUFFIXES = {".json": "json", ".xml": "junit", ".html": LINE_PAGE}
 @command("check")
 def _add_check(add: Add) -> None:
     check_ = add(
-        "check",
         check,
         "measure the quality of an animation, and compare it with limits",
         'check "Hello, world" -l english -c facefx --baseline',

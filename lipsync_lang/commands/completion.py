@@ -17,7 +17,6 @@ FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 @command("completion")
 def _add_completion(add: Add) -> None:
     made = add(
-        "completion",
         completion,
         "print a script that completes commands, options and names in a shell",
         "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",

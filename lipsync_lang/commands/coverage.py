@@ -42,7 +42,6 @@ MAX_NAMES = 8
 @command("coverage")
 def _add_coverage(add: Add) -> None:
     coverage_ = add(
-        "coverage",
         coverage,
         "show which bigrams a script needs, and what to author next",
         "coverage script.txt -l english -c facefx",

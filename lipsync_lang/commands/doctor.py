@@ -21,7 +21,7 @@ from lipsync_lang.commands.shared_options import add_json
 
 @command("doctor")
 def _add_doctor(add: Add) -> None:
-    made = add("doctor", doctor, "check the installation, and say how to mend it", "doctor")
+    made = add(doctor, "check the installation, and say how to mend it", "doctor")
     add_json(made)
 
 

@@ -12,7 +12,6 @@ from lipsync_lang.commands.shared_options import add_json, add_line
 @command("explain")
 def _add_explain(add: Add) -> None:
     explain_ = add(
-        "explain",
         explain,
         "explain the weight of each pose at a time",
         'explain "Hello, world" -l english -c facefx --at 0.42',

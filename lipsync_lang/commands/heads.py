@@ -7,24 +7,18 @@ from pathlib import Path
 
 from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import SOUND, tell_written, working
-from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import argument_path, write_all
 
-TITLE = "make a talking head from a face model"
 EXAMPLE = "heads ict ICT-FaceKit -o head.glb"
 
-
-@command("heads")
-def add_heads(add: Add) -> None:
-    """Add `heads`."""
-    add_actions(add("heads", heads, TITLE, EXAMPLE), "heads")
+family("heads", "make a talking head from a face model", EXAMPLE)
 
 
 @command("heads ict")
 def _add_ict(action: Add) -> None:
     made = action(
-        "ict",
         heads,
         "make a head of 52 ARKit shapes from your clone of ICT-FaceKit",
         EXAMPLE,

@@ -16,7 +16,7 @@ SHOWN = 4
 
 @command("voices")
 def _add_voices(add: Add) -> None:
-    made = add("voices", voices, "list the voices that speak text", "voices")
+    made = add(voices, "list the voices that speak text", "voices")
     made.add_argument(
         "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"
     )
@@ -25,7 +25,7 @@ def _add_voices(add: Add) -> None:
 
 @command("formats")
 def _add_formats(add: Add) -> None:
-    made = add("formats", formats, "list the formats that can be read and written", "formats")
+    made = add(formats, "list the formats that can be read and written", "formats")
     add_json(made)
 
 

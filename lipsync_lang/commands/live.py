@@ -37,7 +37,6 @@ MAX_LINE_BYTES = 64 * 1024
 @command("live")
 def _add_live(add: Add) -> None:
     live_ = add(
-        "live",
         live,
         "speak typed sentences or follow a voice, and send frames to an engine in real time",
         'live "Hello, world" -l english -c facefx --to vmc:127.0.0.1:39539\n'

@@ -6,28 +6,20 @@ from pathlib import Path
 
 from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, count, listening, tell_written
-from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import add_language, add_path
 
+ADAPT_EXAMPLE = "models adapt vo/anna -l english -o models/anna"
 
-@command("models")
-def _add_models(add: Add) -> None:
-    made = add(
-        "models",
-        adapt,
-        "adapt an acoustic model to the voices of a game",
-        "models adapt vo/anna -l english -o models/anna",
-    )
-    add_actions(made, "models")
+family("models", "adapt an acoustic model to the voices of a game", ADAPT_EXAMPLE)
 
 
 @command("models adapt")
 def _add_adapt(action: Add) -> None:
     made = action(
-        "adapt",
         adapt,
         "adapt an acoustic model to recordings and their texts",
-        "models adapt vo/anna -l english -o models/anna",
+        ADAPT_EXAMPLE,
         more=", without labels; it is written only if held-out lines become likelier",
     )
     made.add_argument(

@@ -17,7 +17,6 @@ from lipsync_lang.packs.project import FILE, load_project
 @command("new")
 def _add_new(add: Add) -> None:
     made = add(
-        "new",
         new,
         "make a project: a new folder, or the project file of your script and recordings",
         "new my-game -l finnish",

@@ -91,7 +91,7 @@ def _add_characters(add: Add) -> None:
 
 
 def _add_kind(add: Add, kind: str, title: str, actions: tuple[str, ...]) -> argparse.ArgumentParser:
-    made = add(kind, packs, title, f"{kind} list")
+    made = add(packs, title, f"{kind} list")
     made.set_defaults(kind=kind[:-1])
     made.add_argument("action", choices=actions, nargs="?", default="list")
     made.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to create")

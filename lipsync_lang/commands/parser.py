@@ -3,7 +3,7 @@
 import argparse
 
 from lipsync_lang.commands.completion import leaves
-from lipsync_lang.commands.registry import COMMANDS, adder
+from lipsync_lang.commands.registry import COMMANDS, add_command
 from lipsync_lang.commands.shared_options import add_words
 from lipsync_lang.commands.starting import welcome
 from lipsync_lang.pipeline import kernel
@@ -33,7 +33,7 @@ def parser(first: str | None = None) -> argparse.ArgumentParser:
     names = [first] if first in COMMANDS.modules else [*COMMANDS.modules, *sorted(COMMANDS)]
     for name in dict.fromkeys(names):
         if " " not in name:
-            COMMANDS[name](adder(known))
+            add_command(known, name)
     for _, made in leaves(top):
         add_words(made)
     return top

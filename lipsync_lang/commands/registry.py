@@ -21,7 +21,7 @@ class Add(Protocol):
     """Adds a command to a parser, with an example of its arguments."""
 
     def __call__(  # noqa: D102 the class says it
-        self, name: str, handler: Handler, title: str, example: str, *, more: str = ""
+        self, handler: Handler | None, title: str, example: str, *, more: str = ""
     ) -> argparse.ArgumentParser: ...
 
 
@@ -71,19 +71,19 @@ def command(name: str) -> Callable[[AddCommand], AddCommand]:
     >>> from lipsync_lang.commands.registry import Add, command
     >>> @command("greet")
     ... def add_greet(add: Add) -> None:
-    ...     add("greet", lambda options: print("Hello") or 0, "say hello", "greet")
+    ...     add(lambda options: print("Hello") or 0, "say hello", "greet")
     """
     return COMMANDS.register(name)
 
 
-def adder(known: "Subparsers[argparse.ArgumentParser]") -> Add:
-    """Return a function that adds commands to a parser."""
+def add_command(known: "Subparsers[argparse.ArgumentParser]", name: str) -> None:
+    """Add a command, or an action such as `bank fit`, to a parser."""
 
     def add(
-        name: str, handler: Handler, title: str, example: str, *, more: str = ""
+        handler: Handler | None, title: str, example: str, *, more: str = ""
     ) -> argparse.ArgumentParser:
         made = known.add_parser(
-            name,
+            name.rpartition(" ")[2],
             help=title,
             description=f"{title[0].upper()}{title[1:]}{more}.",
             epilog=f"example:\n  lipsync-lang {example}",
@@ -92,12 +92,16 @@ def adder(known: "Subparsers[argparse.ArgumentParser]") -> Add:
         made.set_defaults(command=handler)
         return made
 
-    return add
+    COMMANDS[name](add)
 
 
-def add_actions(made: argparse.ArgumentParser, family: str) -> None:
-    """Add the actions of a command: all commands whose names begin with its own."""
-    actions = made.add_subparsers(title="actions", metavar="ACTION", required=True)
-    for name in sorted(COMMANDS):
-        if name.startswith(f"{family} "):
-            COMMANDS[name](adder(actions))
+def family(name: str, title: str, example: str) -> None:
+    """Register a command of actions: all commands whose names begin with its own."""
+
+    @command(name)
+    def add_family(add: Add) -> None:
+        made = add(None, title, example)
+        actions = made.add_subparsers(title="actions", metavar="ACTION", required=True)
+        for other in sorted(COMMANDS):
+            if other.startswith(f"{name} "):
+                add_command(actions, other)

@@ -11,7 +11,6 @@ from lipsync_lang.commands.shared_options import add_json, add_pair
 @command("resolve")
 def _add_resolve(add: Add) -> None:
     made = add(
-        "resolve",
         resolve,
         "show the layer of each part of a language-character pair, and its gaps",
         "resolve -l english -c facefx",

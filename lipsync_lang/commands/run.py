@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 @command("run")
 def _add_run(add: Add) -> None:
     run_ = add(
-        "run",
         run,
         "animate text or timed phonemes",
         'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav -o hello.html',

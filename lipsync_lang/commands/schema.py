@@ -9,12 +9,7 @@ from lipsync_lang.commands.shared_options import add_json
 
 @command("schema")
 def _add_schema(add: Add) -> None:
-    made = add(
-        "schema",
-        schema,
-        "print the JSON Schema of a kind of pack",
-        "schema language > language.json",
-    )
+    made = add(schema, "print the JSON Schema of a kind of pack", "schema language > language.json")
     made.add_argument(
         "kind", metavar="KIND", nargs="?", help="the kind of pack; without it, list the kinds"
     )

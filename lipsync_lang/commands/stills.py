@@ -17,7 +17,6 @@ from lipsync_lang.files import argument_path, write_all
 @command("stills")
 def _add_stills(add: Add) -> None:
     stills_ = add(
-        "stills",
         stills,
         "draw the model at given times, always from the same camera",
         'stills "Hello, world" -l english -c facefx --at 0.12,0.42 --close -o hello.png',

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 @command("studio")
 def _add_studio(add: Add) -> None:
     studio_ = add(
-        "studio",
         studio,
         "open the studio in a browser: play, explain and edit a line",
         "studio -l english -c facefx",

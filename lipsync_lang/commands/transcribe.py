@@ -19,7 +19,6 @@ from lipsync_lang.files import argument_path
 @command("transcribe")
 def _add_transcribe(add: Add) -> None:
     transcribe_ = add(
-        "transcribe",
         transcribe,
         "show the phonemes and common phonemes of a text",
         'transcribe "Hello, world" -l english',

@@ -14,7 +14,6 @@ from lipsync_lang.packs.project import FILE, find_project
 @command("validate")
 def _add_validate(add: Add) -> None:
     made = add(
-        "validate",
         validate,
         "list every fault of every pack found, or of the files given",
         "validate languages/finnish.yaml",

@@ -130,10 +130,6 @@ def transformed(
     )
 
 
-def _shift(part: Part, target: str) -> Floats:
-    return part.targets.get(target, np.zeros_like(part.positions))
-
-
 def _normals(part: Part, target: str = "") -> Floats:
     """Return the normals of a part that has them, at rest or at a shape."""
     found = (part.target_normals or {}).get(target, part.normals)
@@ -264,7 +260,7 @@ def _target(buffer: _Buffer, part: Part, name: str) -> dict[str, int]:
 
 def moved_rows(part: Part, name: str) -> tuple[Floats, Floats, Ints, Ints]:
     """Return a shape's displacements and changes of normals, and the points that have either."""
-    shift = _shift(part, name)
+    shift = part.targets.get(name, np.zeros_like(part.positions))
     turn = _normals(part, name) - _normals(part)
     moved = np.flatnonzero(np.linalg.norm(shift, axis=1) > STILL)
     turned = np.flatnonzero((np.linalg.norm(turn, axis=1) > SAME_NORMAL) & bool(len(moved)))

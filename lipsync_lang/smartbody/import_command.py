@@ -18,7 +18,6 @@ SHOWN = 8
 @command("bank import")
 def _add_import(action: Add) -> None:
     made = action(
-        "import",
         import_,
         "import the phone-bigram banks of SmartBody",
         "bank import init-diphoneDefault.py -c facefx",

@@ -13,7 +13,7 @@ from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.commands.options import Options, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count
 from lipsync_lang.commands.performing import motion_settings
-from lipsync_lang.commands.registry import Add, add_actions, command
+from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import (
     add_json,
     add_language,
@@ -37,21 +37,15 @@ MAX_PAGE_BYTES = 60 * 10**6
 """Size of a page in bytes above which a phone may refuse it."""
 
 
-@command("study")
-def _add_study(add: Add) -> None:
-    study_ = add(
-        "study",
-        new,
-        "ask people which of two methods they prefer, and report their choices",
-        "study report study/",
-    )
-    add_actions(study_, "study")
+family(
+    "study", "ask people which of two methods they prefer, and report their choices",
+    "study report study/",
+)  # fmt: skip
 
 
 @command("study new")
 def _add_new(action: Add) -> None:
     new_ = action(
-        "new",
         new,
         "render pairs of clips, and write a page for raters to choose the better one",
         "study new script.csv -l english -c facefx --method ours --method keyframes --pairs 40 "
@@ -71,7 +65,6 @@ def _add_new(action: Add) -> None:
 @command("study serve")
 def _add_serve(action: Add) -> None:
     made = action(
-        "serve",
         serve,
         "serve the page of a study, and append answers to a file",
         "study serve study --port 8080",

@@ -25,7 +25,6 @@ FORMS = ("text", "json", "html")
 @command("study report")
 def _add_report(action: Add) -> None:
     made = action(
-        "report",
         report,
         "report which method people prefer, how strongly, and how certain the result is",
         "study report study/ -o report.html",
@@ -63,7 +62,6 @@ def _add_report(action: Add) -> None:
 @command("study power")
 def _add_power(action: Add) -> None:
     made = action(
-        "power",
         power,
         "compute the raters and pairs that a study needs, or the power of a design",
         "study power --share 0.6 --pairs 20",

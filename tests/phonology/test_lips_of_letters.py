@@ -20,11 +20,19 @@ WORDS = [
     ("galician", "avogado", "aa bw oc kg aa th oc"),
     ("galician", "nabo árbore", "n aa bw oc aa d bw oc d eh"),
     ("galician", "convite", "kg oc bmp bmp iy d eh"),
+    ("polish", "thriller", "d d iy l eh d"),  # loanwords
+    ("spanish", "Michael", "bmp aa iy kg eh l"),
+    ("dutch", "Shakespeare", "sh eh kg s bmp iy d"),
+    ("italian", "streaming", "s d d iy bmp iy ng"),
     ("polish", "w domu", "f d ao bmp w"),
     ("french", "menthe", "bmp aa d"),  # the voice reads th as English
     ("french", "les mythes", "l eh bmp iy d"),
     ("french", "le thé", "l yu d eh"),
+    ("english", "Niamh's", "n iy f s"),  # names
+    ("english-uk", "Margot", "bmp aa kg ow"),
     ("german", "verboten", "f eh ah bmp oc d ax n"),  # the r of ver-, er- and zer- ends a vowel
+    ("german", "Ingenieur", "ih n sh eh n iy oe ah"),  # loanwords
+    ("german", "Mikes Job", "bmp ay kg s ch ao bmp"),
     ("german", "Konzert", "kg ao n d s eh kg d"),
     ("german", "Gedankenspiel", "kg ax d aa ng kg ax n sh bmp iy l"),
     ("norwegian", "toleranse", "d w l ax d aa n s ax"),  # a weak e, and the d of -ndr-
@@ -34,6 +42,7 @@ WORDS = [
     ("russian", "челове́к", "xi iy l ah f eh kg"),
     ("persian", "اسکات", "eh s kg oa d"),  # foreign names begin with es
     ("swahili", "ng'arisha", "ng aa d iy sh aa"),
+    ("nepali", "समाजमा", "s ah bmp aa d s bmp aa"),  # no vowel before an ending
     ("telugu", "మాంసం", "bmp aa bmp s ah bmp"),  # the dot is an m before s, h and glides
     ("telugu", "పంది", "bmp ah n d iy"),
     ("hindi", "संवाद", "s ah bmp f aa d"),
@@ -64,6 +73,7 @@ HEBREW = [
     ("הָלְכָה", "h aa l kg aa"),  # the long a of verbs
     ("שׁוֹמֵעַ", "sh oc bmp eh aa"),
     ("לדבר", "l eh d aa bmp eh kg"),  # words of the pack
+    ("הַמְּדִינָה", "h aa bmp eh d iy n aa"),  # the weak vowel behind the article
     ("בבית", "bmp aa bmp aa iy iy d"),
 ]
 

@@ -11,7 +11,7 @@ from lipsync_lang.schedules import SILENCE, read_schedule
 @command("xsheet")
 def add_xsheet(add: Add) -> None:
     """Add `xsheet`."""
-    made = add("xsheet", xsheet, "print the phoneme on each frame", "xsheet line.track --fps 24")
+    made = add(xsheet, "print the phoneme on each frame", "xsheet line.track --fps 24")
     made.add_argument("file", metavar="FILE", help="timed phonemes; - is standard input")
     made.add_argument(
         "--fps", metavar="N", type=parse_rate, default=24.0, help="frames per second [24]"

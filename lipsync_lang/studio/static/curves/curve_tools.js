@@ -2,7 +2,7 @@
 
 import { chosenPoints } from "./curve_points.js";
 import { button, made } from "../shell/elements.js";
-import { actButton } from "../shell/form_fields.js";
+import { actButton, fillOptions, textInput } from "../shell/form_fields.js";
 
 const TYPED = "0.4 sets, +0.1 and -0.1 shift, *0.8 and 80% scale";
 
@@ -57,14 +57,8 @@ export class CurveTools {
 
   /** @param {string} name @param {0 | 1} axis @returns {HTMLInputElement} */
   #input(name, axis) {
-    const input = made("input", {
-      type: "text",
-      inputmode: "decimal",
-      size: "6",
-      autocomplete: "off",
-      "aria-label": `${name} of the chosen points`,
-      title: `${name}: ${TYPED}`,
-    });
+    const traits = { inputmode: "decimal", size: "6", title: `${name}: ${TYPED}` };
+    const input = textInput(`${name} of the chosen points`, traits);
     input.addEventListener("change", () => {
       const read = this.editor.type(axis, input.value);
       if (!read) this.editor.does.tell?.(`${name} cannot be '${input.value}': ${TYPED}`);
@@ -116,10 +110,7 @@ export class CurveTools {
       return one;
     }));
     this.start.hidden = !editor.ghosts.length;
-    this.start.replaceChildren(
-      made("option", { value: "" }, "Start from…"),
-      ...editor.ghosts.map(({ name }) => made("option", { value: name }, name)),
-    );
+    fillOptions(this.start, [["", "Start from…"], ...editor.ghosts.map(({ name }) => [name, name])]);
   }
 
   /** @param {boolean} on */

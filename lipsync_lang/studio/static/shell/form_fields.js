@@ -13,6 +13,26 @@ import { button, made, the } from "./elements.js";
  */
 
 /**
+ * A field for words that no browser completes or corrects.
+ * @param {string} label
+ * @param {Record<string, string>} [traits]
+ */
+export function textInput(label, traits = {}) {
+  return made("input", { type: "text", "aria-label": label, autocomplete: "off", spellcheck: "false", ...traits });
+}
+
+/**
+ * A choice.
+ * @param {string} label
+ * @param {string[][]} pairs value and text of each option
+ * @param {Record<string, string>} [traits]
+ */
+export function selectInput(label, pairs, traits = {}) {
+  const options = pairs.map(([value, text]) => made("option", { value }, text));
+  return made("select", { "aria-label": label, ...traits }, ...options);
+}
+
+/**
  * A number to type; empty for what is usual.
  * @param {string} label
  * @param {number | null} value
@@ -97,12 +117,7 @@ function read(input, { min, max }) {
  * @param {boolean} [disabled]
  */
 export function choiceField(label, names, value, changed, disabled = false) {
-  const select = made(
-    "select",
-    { "aria-label": label },
-    ...(value ? [] : [made("option", { value: "" }, label)]),
-    ...names.map((name) => made("option", { value: name }, name)),
-  );
+  const select = selectInput(label, [...(value ? [] : [["", label]]), ...names.map((name) => [name, name])]);
   select.value = value;
   select.disabled = disabled;
   select.addEventListener("change", () => select.value && changed(select.value));

@@ -5,6 +5,7 @@ import { beside, editsOf, occurrences, spoken } from "./bigram_state.js";
 import { CurveEditor } from "../curves/curve_editor.js";
 import { press } from "../curves/curve_hands.js";
 import { button, made } from "../shell/elements.js";
+import { selectInput, textInput } from "../shell/form_fields.js";
 import { tellKeys } from "../shell/studio_keys.js";
 
 /** Milliseconds after a change of the packs, before they are requested again. */
@@ -55,14 +56,7 @@ export class BigramView {
     this.matrixData = null;
     this.head = made("div", { class: "bigram-head" });
     this.title = made("h2");
-    this.target = made("input", {
-      type: "text",
-      class: "go",
-      placeholder: "Go to l-ow",
-      "aria-label": "Bigram to go to",
-      autocomplete: "off",
-      spellcheck: "false",
-    });
+    this.target = textInput("Bigram to go to", { class: "go", placeholder: "Go to l-ow" });
     this.status = made("span", { class: "group status", role: "group", "aria-label": "Status" });
     this.word = this.#input("Word", "word");
     this.why = this.#input("Note", "why");
@@ -77,12 +71,7 @@ export class BigramView {
     );
     this.contact = this.#select("Contacts", [["hold", "Contacts held"], ["free", "Contacts free"]], "contact");
     /** Target of edits: the bank, or the character alone. */
-    this.into = made(
-      "select",
-      { "aria-label": "Edits are for" },
-      made("option", { value: "bank" }, "For every face"),
-      made("option", { value: "character" }, "For this character"),
-    );
+    this.into = selectInput("Edits are for", [["bank", "For every face"], ["character", "For this character"]]);
     this.into.addEventListener("change", () => this.#base());
     /** The style whose bank is drawn; empty for neutral. */
     this.manner = made("select", { "aria-label": "Style of the bank" });
@@ -118,9 +107,7 @@ export class BigramView {
 
   /** @param {string} label @param {"word" | "why"} field @returns {HTMLInputElement} */
   #input(label, field) {
-    const one = made("input", {
-      type: "text", dir: "auto", "aria-label": label, maxlength: "300", autocomplete: "off",
-    });
+    const one = textInput(label, { dir: "auto", maxlength: "300", spellcheck: "true" });
     one.addEventListener("change", () => this.#set({ [field]: one.value.trim() }, `${label} of ${this.pair}`));
     return one;
   }
@@ -132,8 +119,7 @@ export class BigramView {
    * @returns {HTMLSelectElement}
    */
   #select(label, options, field) {
-    const choices = options.map(([value, text]) => made("option", { value }, text));
-    const one = made("select", { "aria-label": label }, ...choices);
+    const one = selectInput(label, options);
     one.addEventListener("change", () => this.#set({ [field]: one.value }, `${label} of ${this.pair}`));
     return one;
   }

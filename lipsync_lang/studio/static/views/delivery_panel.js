@@ -1,6 +1,7 @@
 /** How a line is delivered: sliders for the whole line, and for a chosen word. */
 
 import { button, made } from "../shell/elements.js";
+import { selectInput } from "../shell/form_fields.js";
 import { levelAt } from "../timeline/level_points.js";
 
 const MOST_EMPHASIS = 2, MOST_INTENSITY = 2;
@@ -80,14 +81,8 @@ export class DeliveryPanel {
         ),
       ),
     );
-    const rate = made(
-      "select",
-      { "aria-label": "Frames per second" },
-      ...RATES.map((one) => made("option", { value: String(one) }, String(one))),
-    );
-    rate.addEventListener("change", () =>
-      does.state("fps", Number(/** @type {HTMLSelectElement} */ (rate).value), true),
-    );
+    const rate = selectInput("Frames per second", RATES.map(String).map((one) => [one, one]));
+    rate.addEventListener("change", () => does.state("fps", Number(rate.value), true));
     const loud = this.#slider("intensity", "loudness", MOST_INTENSITY, (value, done) =>
       does.state("intensity", value, done),
     );

@@ -1,7 +1,7 @@
 /** The language view: a pack's table of sounds to mouths, a word to try, and the pack's tests. */
 
 import { button, made } from "../shell/elements.js";
-import { fillNames } from "../shell/form_fields.js";
+import { fillNames, selectInput, textInput } from "../shell/form_fields.js";
 import { SoundEditor } from "./sound_editor.js";
 import { tellKeys } from "../shell/studio_keys.js";
 
@@ -57,28 +57,10 @@ export class LanguageView {
     this.open = "";
     this.standing = "";
     this.title = made("h2", "Language");
-    this.search = made("input", {
-      type: "search",
-      placeholder: "Sound, mouth, word…",
-      "aria-label": "Search the table",
-      autocomplete: "off",
-      spellcheck: "false",
-    });
+    this.search = textInput("Search the table", { type: "search", placeholder: "Sound, mouth, word…" });
     this.notation = made("select", { "aria-label": "Notation" });
-    this.filter = made(
-      "select",
-      { "aria-label": "Rows to show" },
-      ...FILTERS.map(([value, text]) => made("option", { value }, text)),
-    );
-    this.word = made("input", {
-      type: "text",
-      placeholder: "Try a word",
-      "aria-label": "Word to try",
-      dir: "auto",
-      autocomplete: "off",
-      spellcheck: "false",
-      maxlength: "300",
-    });
+    this.filter = selectInput("Rows to show", FILTERS);
+    this.word = textInput("Word to try", { placeholder: "Try a word", dir: "auto", maxlength: "300" });
     this.tried = made("div", { class: "tried", role: "status", "aria-label": "Transcription" });
     this.caveats = made("details");
     this.list = made("div", { class: "sounds", role: "region", "aria-label": "Sounds" });
@@ -139,11 +121,9 @@ export class LanguageView {
 
   /** @returns {HTMLElement} a form that begins a language of the project */
   #beginner() {
-    const field = (/** @type {string} */ label, /** @type {Record<string, string>} */ traits) =>
-      made("input", { type: "text", "aria-label": label, placeholder: label,
-        autocomplete: "off", spellcheck: "false", size: "12", ...traits });
-    const name = field("Name", { required: "" });
-    const tag = field("Code", { title: "Such as sw or pt-BR; if empty, that of the other language" });
+    const name = textInput("Name", { placeholder: "Name", size: "12", required: "" });
+    const title = "Such as sw or pt-BR; if empty, that of the other language";
+    const tag = textInput("Code", { placeholder: "Code", size: "12", title });
     const base = made("select", { "aria-label": "Language to start from" });
     const form = made("form", { class: "row" }, name, " starts from ", base, tag,
       made("button", { type: "submit" }, "Begin"));

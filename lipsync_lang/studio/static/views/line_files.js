@@ -1,6 +1,7 @@
 /** Files of a line: timings and recordings that are opened or dropped, and timings that are saved. */
 
 import { button, made } from "../shell/elements.js";
+import { textInput } from "../shell/form_fields.js";
 
 const SOUNDS = /\.(wav|flac|ogg|oga|opus|mp3|m4a|aac|aif|aiff)$/i;
 
@@ -66,9 +67,7 @@ export class LineFiles {
    *   the line hold for it
    */
   #asked(name) {
-    const input = made("input", {
-      type: "text", dir: "auto", "aria-label": "Words of the recording", maxlength: "2000",
-    });
+    const input = textInput("Words of the recording", { dir: "auto", maxlength: "2000", spellcheck: "true" });
     input.value = this.studio.state.text ?? "";
     const button = (/** @type {string} */ value, /** @type {string} */ text) =>
       made("button", { value, class: value === "find" ? "main" : "" }, text);

@@ -2,7 +2,7 @@
 
 import { Refusal } from "../shell/api.js";
 import { made } from "../shell/elements.js";
-import { actButton } from "../shell/form_fields.js";
+import { actButton, textInput } from "../shell/form_fields.js";
 
 /** The panel of the model. */
 export class ModelPanel {
@@ -95,11 +95,8 @@ export class ModelPanel {
 
   /** @param {File} file */
   #offer(file) {
-    const name = made("input", {
-      type: "text",
-      "aria-label": "Name of the character",
-      value: file.name.replace(/\.glb$/i, "").replace(/[^A-Za-z0-9_-]+/g, "-"),
-    });
+    const value = file.name.replace(/\.glb$/i, "").replace(/[^A-Za-z0-9_-]+/g, "-");
+    const name = textInput("Name of the character", { value });
     const go = actButton("Draft a character from it", "Find the pose set and the rig that fit this model", () =>
       this.#draft(file, name.value.trim()),
     );

@@ -1,6 +1,7 @@
 /** Forms of a character's pronunciations and of the deliveries of its lines. */
 
 import { button, made } from "../shell/elements.js";
+import { textInput } from "../shell/form_fields.js";
 
 /** @typedef {import("./words_view.js").Told} Told @typedef {import("./words_view.js").Line} Line */
 
@@ -38,15 +39,7 @@ export class OwnForms {
    * @returns {HTMLElement}
    */
   #field(text, value, hint, does) {
-    const input = made("input", {
-      type: "text",
-      value,
-      placeholder: hint,
-      "data-field": text,
-      autocomplete: "off",
-      spellcheck: "false",
-      maxlength: "400",
-    });
+    const input = textInput(text, { value, placeholder: hint, "data-field": text, maxlength: "400" });
     input.addEventListener("change", () => {
       input.setCustomValidity("");
       does(input.value.trim(), input);

@@ -1,7 +1,7 @@
 /** Forms of a pose set's rules: constraints, priorities, contacts, softness, anticipation and speed. */
 
 import { made } from "../shell/elements.js";
-import { actButton, choiceField, numberField, sliderField } from "../shell/form_fields.js";
+import { actButton, choiceField, numberField, sliderField, textInput } from "../shell/form_fields.js";
 
 /**
  * @typedef {object} Rules what a pose set states
@@ -256,9 +256,7 @@ export class RuleForms {
     /** @type {Record<string, any>} */
     const contacts = this.rules.stated.contacts ?? {};
     const cards = Object.entries(contacts).map(([name, rule]) => {
-      const phonemes = made("input", {
-        type: "text", "aria-label": `Sounds of the contact ${name}`, value: rule.phonemes.join(" "),
-      });
+      const phonemes = textInput(`Sounds of the contact ${name}`, { value: rule.phonemes.join(" ") });
       phonemes.disabled = off;
       phonemes.addEventListener("change", () => {
         const now = phonemes.value.split(/[\s,]+/).filter(Boolean);
@@ -282,9 +280,7 @@ export class RuleForms {
         this.#levels(name, rule, "ceiling", "at most"),
       );
     });
-    const name = made("input", {
-      type: "text", placeholder: "Name of a new contact", "aria-label": "Name of a new contact",
-    });
+    const name = textInput("Name of a new contact", { placeholder: "Name of a new contact" });
     name.disabled = off;
     const add = () => {
       const own = name.value.trim(), pose = this.#names[0];

@@ -1,6 +1,7 @@
 /** The editor of one row of a language's table of sounds: its mouths, their shares, the reason. */
 
 import { button, made } from "../shell/elements.js";
+import { selectInput, textInput } from "../shell/form_fields.js";
 
 /** @typedef {import("./language_view.js").Sound} Sound */
 /** @typedef {import("./language_view.js").CommonPhoneme} CommonPhoneme */
@@ -61,14 +62,9 @@ export class SoundEditor {
   /** @param {string} name @param {number} at @returns {HTMLElement} */
   #select(name, at) {
     const none = this.sound?.to.length ? (name ? "— remove —" : "+ another…") : "Choose a mouth…";
-    const options = this.common.map((one) => made("option", { value: one.name }, this.#words(one)));
-    if (name && !this.common.some((one) => one.name === name)) options.push(made("option", { value: name }, name));
-    const select = made(
-      "select",
-      { "aria-label": `Mouth ${at + 1} of ${this.sound?.label}`, "data-field": `to-${at}` },
-      made("option", { value: "" }, none),
-      ...options,
-    );
+    const mouths = [["", none], ...this.common.map((one) => [one.name, this.#words(one)])];
+    if (!mouths.some(([value]) => value === name)) mouths.push([name, name]);
+    const select = selectInput(`Mouth ${at + 1} of ${this.sound?.label}`, mouths, { "data-field": `to-${at}` });
     select.value = name;
     select.addEventListener("change", () => {
       const to = [...(this.sound?.to ?? [])];
@@ -98,13 +94,8 @@ export class SoundEditor {
   #shares(sound) {
     const even = sound.to.map(() => Math.round(100 / sound.to.length)),
       now = sound.shares.length ? sound.shares.map((one) => Math.round(100 * one)) : even;
-    const input = made("input", {
-      type: "text",
-      value: now.join(" "),
-      inputmode: "numeric",
-      "data-field": "shares",
-      autocomplete: "off",
-    });
+    const label = "Shares of its time, %";
+    const input = textInput(label, { value: now.join(" "), inputmode: "numeric", "data-field": "shares" });
     input.addEventListener("change", () => {
       const parts = input.value.trim().split(/[\s,;/]+/).map(Number), whole = parts.reduce((sum, one) => sum + one, 0);
       const fit = parts.length === sound.to.length && parts.every((one) => one > 0) && Number.isFinite(whole);
@@ -113,20 +104,14 @@ export class SoundEditor {
       const even = parts.every((one) => one === parts[0]);
       this.#map(sound.to, even ? [] : exact(parts.map((one) => one / whole)));
     });
-    return made("label", "Shares of its time, %", input);
+    return made("label", label, input);
   }
 
   /** @param {Sound} sound @returns {HTMLElement} */
   #reason(sound) {
-    const input = made("input", {
-      type: "text",
-      value: sound.reason,
-      dir: "auto",
-      maxlength: "500",
-      placeholder: sound.why || "A reason, if the mapping is not obvious",
-      "data-field": "reason",
-      autocomplete: "off",
-    });
+    const placeholder = sound.why || "A reason, if the mapping is not obvious";
+    const traits = { value: sound.reason, dir: "auto", maxlength: "500", placeholder, "data-field": "reason" };
+    const input = textInput("Reason", { ...traits, spellcheck: "true" });
     input.addEventListener("change", () => {
       const value = input.value.trim(), at = ["reasons", sound.label];
       if (value !== sound.reason)

@@ -1,7 +1,7 @@
 /** Targets of phonemes as a table of phonemes and poses, with one of them in detail. */
 
 import { button, made } from "../shell/elements.js";
-import { numberField } from "../shell/form_fields.js";
+import { numberField, textInput } from "../shell/form_fields.js";
 import { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } from "./target_forms.js";
 
 /**
@@ -327,9 +327,7 @@ export class TargetTable {
     if (!this.own) return;
     const before = cell.firstChild?.nodeType === Node.TEXT_NODE ? cell.firstChild.textContent ?? "" : "";
     const content = [...cell.childNodes];
-    const input = made("input", {
-      type: "text", inputmode: "decimal", "aria-label": cell.getAttribute("aria-label") ?? "",
-    });
+    const input = textInput(cell.getAttribute("aria-label") ?? "", { inputmode: "decimal" });
     input.value = start ?? before;
     cell.replaceChildren(input);
     input.focus();
