@@ -166,6 +166,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         counted=numerals.counted if numerals else (),
         named=numerals.named if numerals else (),
         ordinals=numerals.ordinals if numerals else (),
+        numeral_words=numerals.words if numerals else (),
         doubled=stated.doubled,
         hyphenated=stated.hyphenated,
         vowels=vowels,

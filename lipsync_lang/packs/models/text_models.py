@@ -82,6 +82,8 @@ class Numerals(Strict):
     """Words before an ordinal number: names of rulers."""
     ordinals: tuple[Text, ...] = ()
     """Ordinal numbers from 1; later ones are read as cardinal numbers."""
+    words: tuple[Text, ...] = ()
+    """Numerals that are words too, such as the English `I`: no numeral before a small letter."""
 
 
 class LanguageText(Strict):

@@ -39,8 +39,8 @@ _AFTER_NAME = re.compile(
     r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])" + _DOT
 )
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
-_PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+(?!of\b)[a-z]")
-"""An `I` after a name that may be the English word."""
+_IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
+"""The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
 
 _CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
 
@@ -309,7 +309,9 @@ class Expansions:
                 number = roman(one["numeral"])
                 read = ordinals[number - 1] if 0 < number <= len(ordinals) else str(number)
                 named = not bare or one[0][0].isupper()
-                word = ordinals and _PRONOUN.match(text, one.start("numeral") - 2)
+                word = one["numeral"] in self._forms.numeral_words and _IN_SENTENCE.match(
+                    text, one.end("numeral")
+                )
                 if number and named and not word:
                     found.setdefault((one.start("numeral"), one.end()), read)
         yield from (Replacement(*span, read) for span, read in found.items())

@@ -42,6 +42,7 @@ class SpokenForms:
     counted: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
     ordinals: tuple[str, ...] = ()
+    numeral_words: tuple[str, ...] = ()
     doubled: tuple[str, ...] = ()
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
@@ -57,5 +58,5 @@ class SpokenForms:
         }
         words = {w: OwnWord(tuple(labels), say) for w, (labels, say) in data["words"].items()}
         tables = {"interjections": known, "words": words}
-        lists = ("counted", "named", "ordinals", "doubled", "hyphenated")
+        lists = ("counted", "named", "ordinals", "numeral_words", "doubled", "hyphenated")
         return cls(**{**data, **tables} | {name: tuple(data[name]) for name in lists})
