@@ -316,6 +316,6 @@ def test_what_is_mapped_automatically_says_what_it_loses(ruled):
 
 def test_what_a_hebrew_voice_says_before_ayin_has_a_mouth():
     pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
-    schedule = speak("בעולם", "hebrew")
+    schedule = speak("בעולמות", "hebrew")
     assert any("ʿ" in label for label in schedule.labels), "the voice has a label of its own"
     assert resolve("hebrew", "facefx").perform(schedule).weights.any()
