@@ -96,7 +96,8 @@ class Utterances:
 
     def has_entry(self, word: str) -> bool:
         """Return True for a word that the pack reads its own way."""
-        return any(self._own.find(word, pieces(word)))
+        own = self._own.find(word, pieces(word))
+        return bool(own.said or own.respelled)
 
     def ordinary(self, text: str) -> bool:
         """Return True for a text that the engine reads without changes."""
