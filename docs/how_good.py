@@ -367,9 +367,9 @@ class Page:
             )  # fmt: skip
         head = ["sound and text", "boundaries", "median, ms", "mean", "90 %", "late", "within 20 ms", "30 ms"]  # fmt: skip
         told = self.figures("hearing")["texts"]
-        doubts = ", ".join(
-            f"{percent(one['remarked_on'])} of {one['texts']} {kind}" for kind, one in told.items()
-        )
+        doubts = [
+            [kind, f"{one['texts']}", percent(one["remarked_on"])] for kind, one in told.items()
+        ]
         words = "; ".join(
             f"{row[0]}: half within {row[2]} ms, 90 % within {row[4]}" for row in rows
         )
@@ -383,7 +383,7 @@ class Page:
             + " "
             + measured_by(self.measured["warping"])
             + " The labels of CMU ARCTIC were made by another aligner.",
-            f"A remark calls a text doubtful, for right texts and wrong ones of several lengths: {doubts}.",
+            table(["text", "number", "called doubtful by a remark"], doubts),
         )
 
     def aligned(self) -> list[tuple[str, Figures]]:
