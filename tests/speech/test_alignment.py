@@ -31,15 +31,17 @@ from lipsync_lang.speech.hearing.sphinx import line_search
 from lipsync_lang.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.hearing.sphinx.features import HOP_SAMPLES, features
 from lipsync_lang.speech.hearing.sphinx.folder import find_models
-from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
+from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme, lay
 from lipsync_lang.speech.hearing.sphinx.scheduling import (
     Saying,
     line_confidence,
+    prepared,
     timed_labels,
     word_confidence,
 )
 from lipsync_lang.speech.hearing.sphinx.trellis import (
     ACOUSTIC_SCALE,
+    NEAR_FRAMES,
     SOUND_START,
     likeliest_way,
     median_starts,
@@ -124,13 +126,26 @@ def test_most_boundaries_are_where_the_voice_says_they_are(english, spoken, text
 def test_a_frame_is_heard_in_the_middle_of_its_window(english):
     models = find_models(english.manner.audio.model)
     hello = models.ways(["hello"])[0][0]
-    heard = [HeardPhoneme(0, phone, 10 * at, 10 * at + 10, 0.0) for at, phone in enumerate(hello)]
+    heard = [
+        HeardPhoneme(0, phone, 10 * at, 10 * at + 10, 0.0, late=0.25 * at)
+        for at, phone in enumerate(hello)
+    ]
     labels, times, words = timed_labels(models, heard, [Saying("hello", (hello,))], 0.5)
     assert labels == tuple(models.model.names[phone] for phone in hello)
     assert (times[0], times[-1]) == (0, 0.5)
-    middles = 0.1 * np.arange(1, len(hello)) + (410 / 16_000 - 0.01) / 2
+    middles = 0.1025 * np.arange(1, len(hello)) + (410 / 16_000 - 0.01) / 2
     np.testing.assert_allclose(times[1:-1], middles)
     assert [(w.text, w.first, w.stop) for w in words] == [("hello", 0, len(hello))]
+
+
+def test_boundaries_lie_between_frames_beside_those_of_the_likeliest_path(english, spoken):
+    known = spoken[TEXTS[0]]
+    models = find_models(english.manner.audio.model)
+    words = [models.ways([word])[0] for word in TEXTS[0].lower().replace(".", "").split()]
+    heard = lay(models.model, models.model.front_end(prepared(known.audio)), words)
+    late = np.array([one.late for one in heard])
+    assert (np.abs(late) <= NEAR_FRAMES).all()
+    assert np.mean(np.abs(late) > 0.01) > 0.5
 
 
 @pytest.mark.parametrize(("frames", "kept"), [(5, False), (6, True)])
