@@ -1,5 +1,7 @@
 """A line with music before or after it is searched without that sound, too."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,6 +11,7 @@ import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech.hearing.alignment import aligned
 from lipsync_lang.speech.hearing.sphinx import line_search
+from lipsync_lang.speech.hearing.sphinx.text_errors import UnwrittenSpeech
 from lipsync_lang.speech.sound import SPEECH_RATE, resampled
 from lipsync_lang.speech.speaking.speaker import Speaker
 
@@ -70,6 +73,20 @@ def test_a_wrong_text_beside_music_is_doubted_still(english, line, first):
     except ll.SpeechError:
         return
     assert found.confidence < DOUBTFUL
+
+
+@pytest.mark.parametrize(("of_part", "kept"), [(0.9, "part"), (0.7, "whole")])
+def test_parts_are_searched_where_speech_is_unwritten(of_part, kept, monkeypatch):
+    whole = line_search.FoundLine([], 0.8, None, (UnwrittenSpeech(1, 0, 50),))
+    part = line_search.FoundLine([], of_part)
+    monkeypatch.setattr(line_search, "_found", lambda *_: whole)
+    monkeypatch.setattr(line_search, "_alone", lambda *_: part)
+    models = SimpleNamespace(model=SimpleNamespace(front_end=lambda _: np.zeros((800, 3, 13))))
+    found = line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)])
+    assert found is {"part": part, "whole": whole}[kept]
+    surely = whole._replace(unwritten=())
+    monkeypatch.setattr(line_search, "_found", lambda *_: surely)
+    assert line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)]) is surely
 
 
 @given(

@@ -78,9 +78,13 @@ class FoundLine(NamedTuple):
 
 
 def found_line(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
-    """Search for words in a sound; if they hardly fit, in its parts between changes, too."""
+    """Search for words in a sound; if they hardly fit, in its parts between changes, too.
+
+    Speech that is not written may be music that holds a word back, as well.
+    """
     whole = _found(models, sound, words)
-    if whole.sure >= DOUBTFUL or len(sound) > MAX_PARTED_FRAMES * HOP_SAMPLES:
+    sure = whole.sure >= DOUBTFUL and not whole.unwritten
+    if sure or len(sound) > MAX_PARTED_FRAMES * HOP_SAMPLES:
         return whole
     shortest = MIN_PART_PACE * sum(len(ways[0]) for ways in words)
     features = models.model.front_end(sound)
