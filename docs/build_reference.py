@@ -1,4 +1,3 @@
-# ruff: noqa: INP001 - a script, not a package
 """Write the pages of `docs/reference` that repeat what the code and the built-in languages say.
 
     python docs/build_reference.py

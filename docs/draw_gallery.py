@@ -8,7 +8,7 @@ weights move the FaceFX head: a fit over the targets of both sets finds the Face
 of its poses is worth. The bars always show the weights of the pose set itself. With `--head`, a
 head that `lipsync-lang heads ict` made is drawn instead, as `human-head`. Needs the extras `speech`
 and `video`, and scipy. The pictures and films go into docs/images, or into another folder.
-"""  # noqa: INP001 a script, not a package
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,3 @@
-# ruff: noqa: INP001 - a script, not a package
 """Print which rooms of `lipsync_lang` import from which, for `docs/explanation/house.md`.
 
     python docs/draw_house.py [REVISION]

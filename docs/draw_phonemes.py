@@ -5,7 +5,7 @@
 Each phoneme of CMUdict is said by itself and drawn in its middle, a diphthong at both ends. The
 character is a pose set or a model, such as a head of `lipsync-lang heads`; without one, it is that
 of docs/images/phonemes-facefx.png. Needs the extra `video`.
-"""  # noqa: INP001 a script, not a package
+"""
 
 from __future__ import annotations
 

@@ -21,8 +21,6 @@ spoken by eSpeak NG; the pictures need the extras `plot` and `speech`. The recor
 folder that LIPSYNC_LANG_TEST_DATA names, and need the extra `audio` as well.
 """
 
-# ruff: noqa: INP001 - a script, not in a package
-
 from __future__ import annotations
 
 import argparse

@@ -4,7 +4,7 @@
 
 A headless browser uses them by scripts of tests/browser, so it needs what the tests need: Chromium,
 and LIPSYNC_LANG_NODE_MODULES with playwright-core. Pillow writes the pictures.
-"""  # noqa: INP001 a script, not a package
+"""
 
 import argparse
 import os

@@ -5,7 +5,7 @@
 The recording is a sentence of LibriSpeech (CC BY 4.0) in the folder that LIPSYNC_LANG_TEST_DATA
 names. Its text is aligned as `lipsync-lang run --audio` does it. Needs the extras `audio`, `speech`
 and `video`. The picture, and a film with the sound, go into docs/images, or into another folder.
-"""  # noqa: INP001 a script, not a package
+"""
 
 from __future__ import annotations
 

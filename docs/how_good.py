@@ -1,4 +1,4 @@
-# ruff: noqa: INP001, E501 - a script, not a package; its lines are those of a page
+# ruff: noqa: E501 - lines of the page
 """Write the tables and pictures of `docs/explanation/how-good-is-it.md` from kept figures.
 
     python docs/how_good.py [--no-pictures]

@@ -1,4 +1,3 @@
-# ruff: noqa: INP001 - part of docs/how_good.py
 """Draw the pictures of `docs/explanation/how-good-is-it.md` from the figures that its page has.
 
 Each is readable at the width of a phone: few words, large letters, one column.

@@ -1,4 +1,3 @@
-# ruff: noqa: INP001 - beside a script, not in a package
 """Comparison of languages: the mappings of each IPA symbol, and the reasons for differences.
 
 The usual mapping of a symbol is that of most packs. A pack with another mapping gives a reason: in

@@ -1,4 +1,3 @@
-# ruff: noqa: INP001 - a script, not a package
 """Measure what `docs/explanation/how-good-is-it.md` states, and keep the figures.
 
     python docs/measure.py DATA [--dictionaries FOLDER] [--only PART ...]

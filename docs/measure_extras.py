@@ -1,4 +1,4 @@
-# ruff: noqa: INP001, S603, T201 - a script, not a package, that runs pip and prints its progress
+# ruff: noqa: S603, T201 - a script, not a package, that runs pip and prints its progress
 """Measure the size of every extra, and write the table of `docs/how-to/install.md`.
 
     python docs/measure_extras.py [EXTRA ...]    measure all extras, or some of them

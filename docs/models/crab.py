@@ -11,8 +11,6 @@ two loops there, the lips' outer edge and the line where they meet. A pose is th
 Built with the body 2.4 wide, and scaled to a crab of 25 centimetres.
 """
 
-# ruff: noqa: INP001 - a script, not in a package
-
 from __future__ import annotations
 
 import sys

@@ -1,4 +1,3 @@
-# ruff: noqa: INP001 - a script, not a package
 r"""Build the head that shows the FaceFX speech poses: one morph target for each pose.
 
 A few more are for lids, brows and eyes, which gestures move, and for the lips of styles.

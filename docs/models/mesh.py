@@ -3,8 +3,6 @@
 A character is a list of `Part`s, which `merged` joins and `write_head` writes.
 """
 
-# ruff: noqa: INP001 - beside a script, not in a package
-
 from __future__ import annotations
 
 from dataclasses import replace

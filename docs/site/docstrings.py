@@ -1,4 +1,3 @@
-# ruff: noqa: INP001 - loaded by mkdocstrings
 """Read the docstrings of this project: they describe a value, and the code has its type."""
 
 import re

@@ -1,4 +1,4 @@
-# ruff: noqa: INP001, D103 - hooks that MkDocs calls by their names
+# ruff: noqa: D103 - hooks that MkDocs calls by their names
 """Build the site from pages that read well on GitHub too.
 
 - The navigation is the index, `docs/README.md`: its headings are sections, and the links of its

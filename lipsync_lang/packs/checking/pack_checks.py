@@ -392,7 +392,7 @@ def _file(pack: Pack[Any], loc: Loc, file: str | None) -> Iterator[Fault]:
 
 
 def _regions(
-    pack: Pack[Any], loc: "Loc", named: Iterable[str], poseset: PoseSet, *, key: bool = True
+    pack: Pack[Any], loc: Loc, named: Iterable[str], poseset: PoseSet, *, key: bool = True
 ) -> Iterator[Fault]:
     """Check that regions, which are the keys at a place, are those of poses."""
     known = sorted({pose.region for pose in poseset.poses.values() if pose.region})
