@@ -678,7 +678,7 @@ def names_of(reader, label):
     ("language", "label", "phones"),
     [
         ("german", "pf", ["P", "F"]),
-        ("german", "yː", ["IY"]),
+        ("german", "yː", ["UW"]),
         ("german", "ɔʏ", ["OY"]),
         ("french", "ɑ̃", ["AA"]),
         ("italian", "ts", ["T", "S"]),
