@@ -225,7 +225,7 @@ def faulty(tmp_path):
     pytest.importorskip("espeakng_loader")
     worker = tmp_path / "faulty.py"
     worker.write_text(FAULTY, "utf-8")
-    return Espeak(worker=worker, patience=5)
+    return Espeak(worker=worker)
 
 
 @full
@@ -253,14 +253,14 @@ def test_voices_say_the_same_of_many(voice, how):
 @full
 @needs_fork
 def test_a_text_that_crashes_or_hangs_is_told_and_the_others_are_spoken(faulty):
-    faulty.patience = 2
+    faulty.patience = 10  # a busy machine starts a worker in time
     texts = ["one", "abort", "two", "hang", "three", "chatter", "four"]
     found = dict(zip(texts, faulty.speak_many(texts, "en-us"), strict=True))
     told = {text: str(one) for text, one in found.items() if isinstance(one, SpeechError)}
     assert set(told) == {"abort", "hang"}
     assert "crashed (SIGABRT)" in told["abort"]
     assert "'abort' (out of order)" in told["abort"]
-    assert "did not finish within 2 s with 'hang'" in told["hang"]
+    assert "did not finish within 10 s with 'hang'" in told["hang"]
     assert plain(found["two"]) == plain(faulty.speak("two", "en-us"))
 
 
