@@ -6,7 +6,7 @@ first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a ke
 the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
 with a capital and a full stop are titles, which stand before a name; the words after `|` serve
 without one. A key after `…` is the end of a word; one between two of them stands within words, too.
-A `#` of the text is `№` here.
+A `#` of the text is `№` here, and the `~` of `~30` is `≈`.
 """
 
 import re
@@ -59,6 +59,7 @@ _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
 _WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
+_ABOUT = re.compile("[~∼～](?= ?[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _NUMBER_RUN = re.compile(f"[{_MINUS}]?[\\d., \u00a0\u202f]{{1,40}}\\D?")
 """A number with the sign behind it."""
@@ -138,7 +139,7 @@ class _Keys:
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
-        at, text = 0, _WAVE.sub("〜", text).replace("#", "№")
+        at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).replace("#", "№")
         while start := self._starts.search(text, at):
             at = start.end()
             if start[0] in self._ends:
@@ -150,10 +151,7 @@ class _Keys:
             ):
                 continue
             found, read = self._match(text, start.start())
-            read, _, alone = read.partition("|")
-            if found and not _fits(found, read, choosy=bool(alone)):
-                read = alone
-            if found and read:
+            if found:
                 at, words = found.end(), self._expanded(found, read)
                 between = found.re.pattern in _RANGE_PATTERNS and _BETWEEN.fullmatch(read)
                 if between:
@@ -168,7 +166,10 @@ class _Keys:
                 yield Replacement(*grouped.span(), _digits(grouped))
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
-        """Return the match of the longest key at a place of a text, and its expansion."""
+        """Return the longest match of a key at a place of a text, and its expansion.
+
+        The longer key precedes of two that match alike.
+        """
         first = str(int(text[at])) if text[at].isdecimal() else text[at]
         numeric = first.isdecimal() or first in _MINUS
         run = _NUMBER_RUN.match(text, at) if numeric else None
@@ -181,17 +182,22 @@ class _Keys:
                     not numbered or text[end : end + 2].strip()[:1].isdecimal()
                 ):
                     fitting += keys
+        best, read = None, ""
         for _, key in sorted(fitting):
             found = _expression(key).match(text, at)
-            if found and key[0] == "~" and not roman(found[1]):
+            if not found or (best and found.end() <= best.end()):
+                continue
+            if key[0] == "~" and not roman(found[1]):
                 continue
             in_word = key[-1].isalnum() or key[-1] == "."
-            after = text[found.end() : found.end() + 2] if found else ""
+            after = text[found.end() : found.end() + 2]
             # `les 2 m'ont vu`
             after = after.lstrip("'’") if key[-2:-1] == " " else after
-            if found and not (in_word and is_spaced(after[:1])):
-                return found, self._expansions[key]
-        return None, ""
+            titled, _, alone = self._expansions[key].partition("|")
+            words = titled if _fits(found, titled, choosy=bool(alone)) else alone
+            if words and not (in_word and is_spaced(after[:1])):
+                best, read = found, words
+        return best, read
 
     def _expanded(self, found: re.Match[str], read: str) -> str:
         """Return the expansion of a key with its numbers, and spaces before and after words."""
