@@ -15,7 +15,7 @@ from functools import cache, cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
-from lipsync_lang.phonology.g2p.number_words import number_words
+from lipsync_lang.phonology.g2p.number_words import DIGITS, number_words
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 
 MAX_ROMAN_CHARS = 12
@@ -97,7 +97,9 @@ class _Keys:
     """
 
     def __init__(self, forms: SpokenForms) -> None:
-        self._expansions, self._numbers = forms.abbreviations, forms.numbers
+        # an engine names the sign where a pack has no word for it
+        self._expansions = {"≈": " ", **forms.abbreviations}
+        self._numbers = forms.numbers
         self._rules = {
             name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
         }
@@ -152,18 +154,25 @@ class _Keys:
                 continue
             found, read = self._match(text, start.start())
             if found:
-                at, words = found.end(), self._expanded(found, read)
-                between = found.re.pattern in _RANGE_PATTERNS and _BETWEEN.fullmatch(read)
-                if between:
-                    # a unit after a range is one of its second number
-                    second, _ = self._match(text, found.start(2))
-                    at = max(at, second.end() if second else at)
-                    numbers = found[1], text[found.start(2) : at]
-                    words = between[1].join(respelled(one, self.find(one)) for one in numbers)
+                at, words = self._read(text, found, read)
                 yield Replacement(found.start(), at, words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
                 yield Replacement(*grouped.span(), _digits(grouped))
+
+    def _read(self, text: str, found: re.Match[str], read: str) -> tuple[int, str]:
+        """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
+        words = ""
+        while between := found.re.pattern in _RANGE_PATTERNS and _BETWEEN.fullmatch(read):
+            words += self._respelled(found[1]) + between[1]
+            match, read = self._match(text, found.start(2))
+            if match is None:
+                return found.end(), words + self._respelled(found[2])
+            found = match
+        return found.end(), words + self._expanded(found, read)
+
+    def _respelled(self, text: str) -> str:
+        return respelled(text, self.find(text))
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the longest match of a key at a place of a text, and its expansion.
@@ -204,6 +213,8 @@ class _Keys:
 
         def number(place: re.Match[str]) -> str:
             written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
+            if _RANGE.fullmatch(written) and {*words} != DIGITS:
+                return self._respelled(written)
             written = self._grouped.sub(_digits, written).replace("\u2212", "-")
             if isinstance(words, Mapping):
                 written = written.lstrip("-")
@@ -373,11 +384,14 @@ def _expression(key: str) -> re.Pattern[str]:
     elif key[:1] == "#" != key[1:2]:
         parts[0] = f"([{_MINUS}]?" + parts[0][1:]
     if key[0].isalpha() and key[-1] == "#":
-        # `February 2nd`
+        # `pages 12–15`, and `February 2nd`
+        parts[-1] = parts[-1][:-1] + r"(?:[-–]\d+)?)"
         parts.append("(?![a-z])")
     if key[-1] == "#" or key[-1].isdigit():
         parts.append(r"(?!\d|[.,/:-]\d|\.?[ºª])")
     return re.compile("".join(parts))
 
 
-_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in ("#-#", "#–#", "#〜#"))
+_RANGE = re.compile(r"\d+[-–]\d+")
+_RANGES = ("#-#", "#–#", "#〜#", "# x #", "# × #")
+_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGES)
