@@ -67,7 +67,7 @@ _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
 _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
-_BETWEEN = re.compile(r"\{1[^{}]*\}(.*)\{2[^{}]*\}")
+_BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?(.*)\{[12][^{}]*\}")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
 """A number; its thousands may have spaces between them."""
 _SPACES = " \u00a0\u202f"
@@ -163,11 +163,12 @@ class _Keys:
     def _read(self, text: str, found: re.Match[str], read: str) -> tuple[int, str]:
         """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
         words = ""
-        while between := found.re.pattern in _RANGE_PATTERNS and _BETWEEN.fullmatch(read):
-            words += self._respelled(found[1]) + between[1]
-            match, read = self._match(text, found.start(2))
+        while found.re.pattern in _OPEN_PATTERNS and (before := _BEFORE_LAST.fullmatch(read)):
+            first, last = found[1] if before[1] else "", found.lastindex or 0
+            words += self._respelled(first) + before[2]
+            match, read = self._match(text, found.start(last))
             if match is None:
-                return found.end(), words + self._respelled(found[2])
+                return found.end(), words + self._respelled(found[last])
             found = match
         return found.end(), words + self._expanded(found, read)
 
@@ -393,5 +394,6 @@ def _expression(key: str) -> re.Pattern[str]:
 
 
 _RANGE = re.compile(r"\d+[-–]\d+")
-_RANGES = ("#-#", "#–#", "#〜#", "# x #", "# × #")
-_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGES)
+_OPEN_KEYS = ("#-#", "#–#", "#〜#", "# x #", "# × #", "≈ #", "± #", "= #", "-#")
+_OPEN_PATTERNS = frozenset(_expression(key).pattern for key in _OPEN_KEYS)
+"""Keys whose last number may have a unit behind it."""
