@@ -97,8 +97,8 @@ class _Keys:
     """
 
     def __init__(self, forms: SpokenForms) -> None:
-        # an engine names the sign where a pack has no word for it
-        self._expansions = {"≈": " ", **forms.abbreviations}
+        # engines name these signs where a pack has no words for them
+        self._expansions = {"≈": " ", "/": " ", **forms.abbreviations}
         self._numbers = forms.numbers
         self._rules = {
             name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
