@@ -68,6 +68,8 @@ _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
 _FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?(.*)\{[12][^{}]*\}")
+_BEFORE_ALONE = re.compile(r"([^{}]+)\{1\}")
+"""Words before the only number, as in `max. 5 kg`."""
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
 """A number; its thousands may have spaces between them."""
 _SPACES = " \u00a0\u202f"
@@ -170,6 +172,10 @@ class _Keys:
             if match is None:
                 return found.end(), words + self._respelled(found[last])
             found = match
+        if before := _BEFORE_ALONE.fullmatch(read):
+            unit, after = self._match(text, found.start(1))
+            if unit and unit.end() > found.end() and unit.span(1) == found.span(1):
+                return unit.end(), words + before[1] + self._expanded(unit, after)
         return found.end(), words + self._expanded(found, read)
 
     def _respelled(self, text: str) -> str:
