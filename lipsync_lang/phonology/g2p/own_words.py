@@ -61,16 +61,14 @@ class OwnWords:
             word = plain(piece.text)
             if self._starts.isdisjoint((word[:3], word[:2], word[:1])) and "-" not in word:
                 continue
-            own = self._find(piece.text)
-            if own is not None and own.labels:
-                found.said[piece.start] = SpokenWord(piece.text, *own)
-                continue
-            parts = (piece.text,) if own is not None else _HYPHENATED.findall(piece.text)
+            whole = self._find(piece.text) is not None
             at = piece.start
-            for part in parts:
+            for part in (piece.text,) if whole else _HYPHENATED.findall(piece.text):
                 at = text.index(part, at)
                 one = self._find(part)
-                if one is not None and not one.labels:
+                if one is not None and one.labels:
+                    found.said[at] = SpokenWord(part, *one)
+                elif one is not None:
                     found.respelled.append(Replacement(at, at + len(part), one.say))
                 at += len(part)
         return found
