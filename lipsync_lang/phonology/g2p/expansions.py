@@ -22,6 +22,9 @@ from lipsync_lang.phonology.g2p.tokens import counts
 MAX_ROMAN_CHARS = 12
 """Maximum number of letters of a Roman numeral."""
 
+MAX_SCORE = 999
+"""Maximum number of points in a score."""
+
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
 
@@ -164,13 +167,8 @@ class _Keys:
                 read = alone
             if found and read:
                 at, words = found.end(), self._expanded(found, read)
-                between = found.re.pattern in _RANGE_PATTERNS and _BETWEEN.fullmatch(read)
-                if between:
-                    # a unit after a range is one of its second number
-                    second, _ = self._match(text, found.start(2))
-                    at = max(at, second.end() if second else at)
-                    numbers = found[1], text[found.start(2) : at]
-                    words = between[1].join(respelled(one, self.find(one)) for one in numbers)
+                if found.re.pattern in _RANGE_PATTERNS:
+                    at, words = self._range(found, read) or (at, words)
                 yield Replacement(found.start(), at, words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
@@ -179,6 +177,21 @@ class _Keys:
                 at = number.end()
                 if number[0] != written[number.start() : at]:
                     yield Replacement(*number.span(), number[0])
+
+    def _range(self, found: re.Match[str], read: str) -> tuple[int, str] | None:
+        """Return where a range ends, with its unit, and its words; None if it has its own."""
+        first, second = found.groups()
+        # a range rises, but for `1914-18`, and a score such as `3-1` may fall
+        if first.isdigit() and second.isdigit() and int(second) < int(first) <= MAX_SCORE:
+            read = self._expansions.get("#:#", read)
+        between = _BETWEEN.fullmatch(read)
+        if not between:
+            return None
+        # a unit after a range is one of its second number
+        unit, _ = self._match(found.string, found.start(2))
+        at = max(found.end(), unit.end() if unit else 0)
+        numbers = first, found.string[found.start(2) : at]
+        return at, between[1].join(respelled(one, self.find(one)) for one in numbers)
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
@@ -388,4 +401,4 @@ def _expression(key: str) -> re.Pattern[str]:
     return re.compile("".join(parts))
 
 
-_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in ("#-#", "#–#", "#〜#"))
+_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in ("#-#", "# - #", "#–#", "#〜#"))
