@@ -160,6 +160,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         interjections=known,
         abbreviations=_listed(stated.abbreviations, stated.lists) | phrases,
         words=words,
+        beginnings=stated.beginnings,
         endings={last: dict(others) for last, others in stated.endings.items()},
         letters=stated.letters,
         numbers={**stated.numbers, **stated.number_rules},
