@@ -1,9 +1,10 @@
 """Words that a pack reads its own way, with the endings of its language.
 
 An entry serves the word and its inflected forms: `Shepardowi` is `Shepard` and `owi`, and a
-language may have prefixes, too. A hyphen or an apostrophe may part the two. An ending that replaces another, as `ę` does the `a` of `Anna`,
-replaces as many sounds as it has letters. An entry with a capital serves inflected forms with a
-capital alone: names are short, and other words begin like them.
+language may have prefixes, too. A hyphen or an apostrophe may part the two. An ending that replaces
+another, as `ę` does the `a` of `Anna`, replaces as many sounds as it has letters. An entry with a
+capital serves inflected forms with a capital alone: names are short, and other words begin like
+them.
 """
 
 import re
