@@ -123,6 +123,9 @@ class LanguageText(Strict):
     """The word of the decimal sign in the numbers of `abbreviations`."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
+    beginnings: dict[Text, Text] = Field(default={})
+    """Prefixes that respelled words of `words` with three letters or more take, each with its
+    spelling, as `ה: הַ` for the article of Hebrew."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})
     """Endings that words of `words` take, each with its labels: by the end of the word that they
     replace, one sound for each letter, or by an empty text."""

@@ -6,7 +6,7 @@ first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a ke
 the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
 with a capital and a full stop are titles, which stand before a name; the words after `|` serve
 without one. A key after `…` is the end of a word; one between two of them stands within words, too.
-A `#` of the text is `№` here, and the `~` of `~30` is `≈`.
+In the text, `#` is `№` here, the `~` of `~30` is `≈`, and digits of other scripts are 0 to 9.
 """
 
 import re
@@ -17,9 +17,13 @@ from typing import NamedTuple
 
 from lipsync_lang.phonology.g2p.number_words import DIGITS, number_words
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
+from lipsync_lang.phonology.g2p.tokens import counts
 
 MAX_ROMAN_CHARS = 12
 """Maximum number of letters of a Roman numeral."""
+
+MAX_SCORE = 999
+"""Maximum number of points in a score."""
 
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
@@ -53,24 +57,30 @@ _RUBY_TEXT = re.compile(
 _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
 """First and last character of scripts that put no spaces between words, or are treated so."""
 
-_MINUS = "-\u2212"
-_SPACED_LETTER = rf"[^\W{''.join(f'{low}-{high}' for low, high in _UNSPACED_SCRIPTS)}]"
-_SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
+_SIGNS = str.maketrans("#\u2212٪٫٬״׳", "№-%.,\"'")
+"""Signs of a text, and those of the keys that serve them."""
+
+_UNSPACED = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
+_SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。（「{_UNSPACED}])-(?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
 _WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
 _ABOUT = re.compile("[~∼～](?= ?[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
-_NUMBER_RUN = re.compile(f"[{_MINUS}]?[\\d., \u00a0\u202f]{{1,40}}\\D?")
+_NUMBER_RUN = re.compile("-?[\\d., \u00a0\u202f]{1,40}\\D?")
 """A number with the sign behind it."""
 _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
 _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
-_FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
+_FIRST_CHARS = {"#": "0123456789-", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?(.*)\{[12][^{}]*\}")
+_OTHER_DIGIT = re.compile(r"(?![0-9])\d")
+_NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
 """A number; its thousands may have spaces between them."""
 _SPACES = " \u00a0\u202f"
+_LETTERS = r"([^\W\d_][^\s\d!-/:-@\[-`{-~]+)"
+"""A letter and more, some of which may be marks on letters."""
 
 
 class Replacement(NamedTuple):
@@ -126,7 +136,7 @@ class _Keys:
         signs = "".join(
             re.escape(first)
             for first in firsts
-            if not (first.isalpha() or first.isdecimal() or first in _MINUS)
+            if not (first.isalpha() or first.isdecimal() or first == "-")
         )
         starts = [
             rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}" + r"(?!\w)" * (key[-1] != "…")
@@ -141,7 +151,9 @@ class _Keys:
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
-        at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).replace("#", "№")
+        written = text
+        at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).translate(_SIGNS)
+        text = _OTHER_DIGIT.sub(lambda digit: str(int(digit[0])), text)
         while start := self._starts.search(text, at):
             at = start.end()
             if start[0] in self._ends:
@@ -159,9 +171,18 @@ class _Keys:
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
                 yield Replacement(*grouped.span(), _digits(grouped))
+            elif number := _NUMBER.match(text, start.start()):
+                at = number.end()
+                if number[0] != written[number.start() : at]:
+                    yield Replacement(*number.span(), number[0])
 
     def _read(self, text: str, found: re.Match[str], read: str) -> tuple[int, str]:
         """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
+        if found.re.pattern in _RANGE_PATTERNS:
+            start, end = found.groups()
+            # a range rises, but for `1914-18`, and a score such as `3-1` may fall
+            if start.isdigit() and end.isdigit() and int(end) < int(start) <= MAX_SCORE:
+                read = self._expansions.get("#:#", read)
         words = ""
         while found.re.pattern in _OPEN_PATTERNS and (before := _BEFORE_LAST.fullmatch(read)):
             first, last = found[1] if before[1] else "", found.lastindex or 0
@@ -180,8 +201,8 @@ class _Keys:
 
         The longer key precedes of two that match alike.
         """
-        first = str(int(text[at])) if text[at].isdecimal() else text[at]
-        numeric = first.isdecimal() or first in _MINUS
+        first = text[at]
+        numeric = first.isdecimal() or first == "-"
         run = _NUMBER_RUN.match(text, at) if numeric else None
         behind = _SIGN_BEHIND.findall(run[0]) if run else ()
         fitting: list[tuple[int, str]] = []
@@ -199,7 +220,7 @@ class _Keys:
                 continue
             if key[0] == "~" and not roman(found[1]):
                 continue
-            in_word = key[-1].isalnum() or key[-1] == "."
+            in_word = counts(key[-1]) or key[-1] in ".'"
             after = text[found.end() : found.end() + 2]
             # `les 2 m'ont vu`
             after = after.lstrip("'’") if key[-2:-1] == " " else after
@@ -216,7 +237,7 @@ class _Keys:
             written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
             if _RANGE.fullmatch(written) and {*words} != DIGITS:
                 return self._respelled(written)
-            written = self._grouped.sub(_digits, written).replace("\u2212", "-")
+            written = self._grouped.sub(_digits, written)
             if isinstance(words, Mapping):
                 written = written.lstrip("-")
                 written = str(roman(written) or written)
@@ -234,8 +255,8 @@ class _Keys:
         if read.endswith(".") and after and not after[:1].isupper():
             read = read[:-1]
         before = found.string[max(found.start() - 1, 0) : found.start()]
-        left = " " if before.isalnum() and read[:1].isalnum() else ""
-        right = " " if is_spaced(rest[:1]) and read[-1:].isalnum() else ""
+        left = " " if any(map(counts, before)) and read[:1].isalnum() else ""
+        right = " " if is_spaced(rest[:1]) and counts(read[-1:] or " ") else ""
         return left + read + right
 
 
@@ -249,8 +270,9 @@ def _longest_first(key: str) -> tuple[int, int, str]:
 
 
 def is_spaced(char: str) -> bool:
-    """Return True for a letter or digit of a script that puts spaces between words."""
-    return char.isalnum() and not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
+    """Return True for a letter, mark or digit of a script that puts spaces between words."""
+    spaced = not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
+    return spaced and any(map(counts, char))
 
 
 def _either(first: str) -> str:
@@ -326,7 +348,7 @@ class Expansions:
                     continue
                 number = roman(one["numeral"])
                 read = ordinals[number - 1] if 0 < number <= len(ordinals) else str(number)
-                named = not bare or one[0][0].isupper()
+                named = not bare or not one[0][0].islower()
                 word = one["numeral"] in self._forms.numeral_words and _IN_SENTENCE.match(
                     text, one.end("numeral")
                 )
@@ -372,7 +394,7 @@ def _expression(key: str) -> re.Pattern[str]:
         if part.startswith("#")
         else _OPTIONAL_SPACE
         if part == " "
-        else r"([^\W\d_]{2,})"
+        else _LETTERS
         if part == "*"
         # "Le" and "Ce" are words, and no numerals with an ending
         else ("([IVX]{1,6})" if after.isalpha() else "([IVXLC]{1,7})(?![A-Za-z])")
@@ -383,17 +405,19 @@ def _expression(key: str) -> re.Pattern[str]:
     if key[0].isalpha():
         parts[0] = f"[{_either(key[0])}]"
     elif key[:1] == "#" != key[1:2]:
-        parts[0] = f"([{_MINUS}]?" + parts[0][1:]
+        parts[0] = "(-?" + parts[0][1:]
     if key[0].isalpha() and key[-1] == "#":
         # `pages 12–15`, and `February 2nd`
         parts[-1] = parts[-1][:-1] + r"(?:[-–]\d+)?)"
         parts.append("(?![a-z])")
     if key[-1] == "#" or key[-1].isdigit():
-        parts.append(r"(?!\d|[.,/:-]\d|\.?[ºª])")
+        parts.append(r"(?!\d|[.,/:–-]\d|\.?[ºª])")
     return re.compile("".join(parts))
 
 
 _RANGE = re.compile(r"\d+[-–]\d+")
-_OPEN_KEYS = ("#-#", "#–#", "#〜#", "# x #", "# × #", "≈ #", "± #", "= #", "-#")
+_RANGE_KEYS = ("#-#", "# - #", "#–#", "#〜#")
+_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGE_KEYS)
+_OPEN_KEYS = (*_RANGE_KEYS, "# x #", "# × #", "≈ #", "± #", "= #", "-#")
 _OPEN_PATTERNS = frozenset(_expression(key).pattern for key in _OPEN_KEYS)
 """Keys whose last number may have a unit behind it."""
