@@ -100,7 +100,8 @@ class LanguageText(Strict):
     sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
     stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
     of a word, and `…th…` stands within words, too. `{month}` in both is each word of the list
-    `month`. `№ #` also serves `#1`."""
+    `month`. `№ #` also serves `#1`. If `#` itself is a spelling, all numbers in words are read as
+    it says, and `-#` names the minus of each."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word."""

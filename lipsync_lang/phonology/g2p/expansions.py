@@ -6,7 +6,7 @@ first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a ke
 the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
 with a capital and a full stop are titles, which stand before a name; the words after `|` serve
 without one. A key after `…` is the end of a word; one between two of them stands within words, too.
-A `#` of the text is `№` here.
+In the text, `#` is `№` here, and a minus is a hyphen.
 """
 
 import re
@@ -53,18 +53,18 @@ _RUBY_TEXT = re.compile(
 _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
 """First and last character of scripts that put no spaces between words, or are treated so."""
 
-_MINUS = "-\u2212"
 _SPACED_LETTER = rf"[^\W{''.join(f'{low}-{high}' for low, high in _UNSPACED_SCRIPTS)}]"
-_SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
+_SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:-])-(?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
 _WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
+_SAME_SIGNS = str.maketrans("#\u2212", "№-")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
-_NUMBER_RUN = re.compile(f"[{_MINUS}]?[\\d., \u00a0\u202f]{{1,40}}\\D?")
+_NUMBER_RUN = re.compile("-?[\\d., \u00a0\u202f]{1,40}\\D?")
 """A number with the sign behind it."""
 _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
 _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
-_FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
+_FIRST_CHARS = {"#": "0123456789-", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _BETWEEN = re.compile(r"\{1[^{}]*\}(.*)\{2[^{}]*\}")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -100,6 +100,10 @@ class _Keys:
         self._rules = {
             name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
         }
+        # how the keys of a bare number and of a negative one read it
+        bare = _NUMBER_PLACE.fullmatch(self._expansions.get("#", ""))
+        self._bare = bare[2] if bare else ""
+        self._minus = self._expansions.get("-#", "").partition("{")[0]
         self._decimal = forms.decimal
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
@@ -123,7 +127,7 @@ class _Keys:
         signs = "".join(
             re.escape(first)
             for first in firsts
-            if not (first.isalpha() or first.isdecimal() or first in _MINUS)
+            if not (first.isalpha() or first.isdecimal() or first == "-")
         )
         starts = [
             rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}" + r"(?!\w)" * (key[-1] != "…")
@@ -138,7 +142,7 @@ class _Keys:
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
-        at, text = 0, _WAVE.sub("〜", text).replace("#", "№")
+        at, text = 0, _WAVE.sub("〜", text).translate(_SAME_SIGNS)
         while start := self._starts.search(text, at):
             at = start.end()
             if start[0] in self._ends:
@@ -170,7 +174,7 @@ class _Keys:
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
         """Return the match of the longest key at a place of a text, and its expansion."""
         first = str(int(text[at])) if text[at].isdecimal() else text[at]
-        numeric = first.isdecimal() or first in _MINUS
+        numeric = first.isdecimal() or first == "-"
         run = _NUMBER_RUN.match(text, at) if numeric else None
         behind = _SIGN_BEHIND.findall(run[0]) if run else ()
         fitting: list[tuple[int, str]] = []
@@ -197,12 +201,13 @@ class _Keys:
         """Return the expansion of a key with its numbers, and spaces before and after words."""
 
         def number(place: re.Match[str]) -> str:
-            written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
-            written = self._grouped.sub(_digits, written).replace("\u2212", "-")
+            written, words = found[int(place[1])], self._numbers.get(place[2] or self._bare, ())
+            written = self._grouped.sub(_digits, written)
             if isinstance(words, Mapping):
+                sign = self._minus if written[0] == "-" else ""
                 written = written.lstrip("-")
                 written = str(roman(written) or written)
-                return number_words(words, written, self._rules, self._decimal)
+                return sign + number_words(words, written, self._rules, self._decimal)
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
                 return words[value - 1]
@@ -211,6 +216,9 @@ class _Keys:
             return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
 
         read = _NUMBER_PLACE.sub(number, read)
+        if bare := self._rules.get(self._bare):
+            # `{few} km` of a list of digits
+            read = number_words(bare, read, self._rules, self._decimal)
         rest = _seen_after(found)
         after = rest.lstrip()
         if read.endswith(".") and after and not after[:1].isupper():
@@ -365,7 +373,7 @@ def _expression(key: str) -> re.Pattern[str]:
     if key[0].isalpha():
         parts[0] = f"[{_either(key[0])}]"
     elif key[:1] == "#" != key[1:2]:
-        parts[0] = f"([{_MINUS}]?" + parts[0][1:]
+        parts[0] = "(-?" + parts[0][1:]
     if key[0].isalpha() and key[-1] == "#":
         # `February 2nd`
         parts.append("(?![a-z])")
@@ -374,4 +382,6 @@ def _expression(key: str) -> re.Pattern[str]:
     return re.compile("".join(parts))
 
 
-_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in ("#-#", "#–#", "#〜#"))
+_RANGE_PATTERNS = frozenset(
+    _expression(key).pattern for key in ("#-#", "#–#", "#—#", "#〜#", "# x #", "# × #")
+)
