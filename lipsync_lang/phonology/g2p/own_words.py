@@ -72,6 +72,8 @@ class OwnWords:
                 one = self._find(part)
                 if one is not None and not one.labels:
                     found.respelled.append(Replacement(at, at + len(part), one.say))
+                elif one is not None and at == piece.start:
+                    found.said[at] = SpokenWord(part, *one)
                 at += len(part)
         return found
 

@@ -137,8 +137,8 @@ class Utterances:
         done = 0
         for number, token in enumerate(tokens):
             if (said := own.get(token.start)) is not None:
-                done = token.start + len(token.text)
-                yield _PartStart(token.start, done, UtterancePart(token.text, said=said))
+                done = token.start + len(said.text)
+                yield _PartStart(token.start, done, UtterancePart(said.text, said=said))
                 continue
             if not (odd or self._interjections.possible(token.text)):
                 continue
