@@ -373,7 +373,7 @@ def _expression(key: str) -> re.Pattern[str]:
     if key[0].isalpha():
         parts[0] = f"[{_either(key[0])}]"
     elif key[:1] == "#" != key[1:2]:
-        parts[0] = "(-?" + parts[0][1:]
+        parts[0] = f"(-?(?:{parts[0][1:]})"
     if key[0].isalpha() and key[-1] == "#":
         # `February 2nd`
         parts.append("(?![a-z])")
