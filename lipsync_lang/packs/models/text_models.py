@@ -101,7 +101,8 @@ class LanguageText(Strict):
     stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
     of a word, and `…th…` stands within words, too. `{month}` in both is each word of the list
     `month`. `№ #` also serves `#1`, and `≈ #` serves `~30`. A spelling that holds more of the text
-    precedes others."""
+    precedes others. If `#` itself is a spelling, all numbers in words are read as it says, and `-#`
+    names the minus of each."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word."""

@@ -113,6 +113,10 @@ class _Keys:
         self._rules = {
             name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
         }
+        # how the keys of a bare number and of a negative one read it
+        bare = _NUMBER_PLACE.fullmatch(self._expansions.get("#", ""))
+        self._bare = bare[2] if bare else ""
+        self._minus = self._expansions.get("-#", "").partition("{")[0]
         self._decimal = forms.decimal
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
@@ -234,14 +238,16 @@ class _Keys:
         """Return the expansion of a key with its numbers, and spaces before and after words."""
 
         def number(place: re.Match[str]) -> str:
-            written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
+            written = found[int(place[1])]
+            words = self._numbers.get(place[2] or self._bare, ())
             if _RANGE.fullmatch(written) and {*words} != DIGITS:
                 return self._respelled(written)
             written = self._grouped.sub(_digits, written)
             if isinstance(words, Mapping):
+                sign = self._minus if written[0] == "-" else ""
                 written = written.lstrip("-")
                 written = str(roman(written) or written)
-                return number_words(words, written, self._rules, self._decimal)
+                return sign + number_words(words, written, self._rules, self._decimal)
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
                 return words[value - 1]
@@ -250,6 +256,9 @@ class _Keys:
             return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
 
         read = _NUMBER_PLACE.sub(number, read)
+        if bare := self._rules.get(self._bare):
+            # `{few} km` of a list of digits
+            read = number_words(bare, read, self._rules, self._decimal)
         rest = _seen_after(found)
         after = rest.lstrip()
         if read.endswith(".") and after and not after[:1].isupper():
@@ -405,7 +414,7 @@ def _expression(key: str) -> re.Pattern[str]:
     if key[0].isalpha():
         parts[0] = f"[{_either(key[0])}]"
     elif key[:1] == "#" != key[1:2]:
-        parts[0] = "(-?" + parts[0][1:]
+        parts[0] = f"(-?(?:{parts[0][1:]})"
     if key[0].isalpha() and key[-1] == "#":
         # `pages 12–15`, and `February 2nd`
         parts[-1] = parts[-1][:-1] + r"(?:[-–]\d+)?)"
@@ -416,7 +425,7 @@ def _expression(key: str) -> re.Pattern[str]:
 
 
 _RANGE = re.compile(r"\d+[-–]\d+")
-_RANGE_KEYS = ("#-#", "# - #", "#–#", "#〜#")
+_RANGE_KEYS = ("#-#", "# - #", "#–#", "#—#", "#〜#")
 _RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGE_KEYS)
 _OPEN_KEYS = (*_RANGE_KEYS, "# x #", "# × #", "≈ #", "± #", "= #", "-#")
 _OPEN_PATTERNS = frozenset(_expression(key).pattern for key in _OPEN_KEYS)
