@@ -243,17 +243,19 @@ class _Keys:
             if _RANGE.fullmatch(written) and {*words} != DIGITS:
                 return self._respelled(written)
             written = self._grouped.sub(_digits, written)
-            if isinstance(words, Mapping):
-                sign = self._minus if written[0] == "-" else ""
+            sign = self._minus if written[0] == "-" else ""
+            if sign or isinstance(words, Mapping):
                 written = written.lstrip("-")
+            if isinstance(words, Mapping):
                 written = str(roman(written) or written)
                 return sign + number_words(words, written, self._rules, self._decimal)
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
-                return words[value - 1]
+                return sign + words[value - 1]
             if written.isalpha():
                 return str(value) if value else written
-            return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
+            decimal = f" {self._decimal} " if self._decimal else r"\g<0>"
+            return sign + re.sub("[.,]", decimal, written)
 
         read = _NUMBER_PLACE.sub(number, read)
         if bare := self._rules.get(self._bare):

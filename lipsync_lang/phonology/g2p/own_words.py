@@ -81,8 +81,6 @@ class OwnWords:
                     found.said[at] = SpokenWord(part, *one)
                 elif one is not None:
                     found.respelled.append(Replacement(at, at + len(part), one.say))
-                elif one is not None and at == piece.start:
-                    found.said[at] = SpokenWord(part, *one)
                 at += len(part)
         return found
 
