@@ -58,7 +58,12 @@ _SPACED_LETTER = rf"[^\W{''.join(f'{low}-{high}' for low, high in _UNSPACED_SCRI
 _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
-_WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
+_RANGE = re.compile(
+    r"(?<=[\w%℃])[~～〜](?=\d)|(?<=\d)[—－](?=\d)"
+    r"|(?:(?<=:\d\d)|(?<=\d[%€])|(?<=\d\s%))[-–—－](?=\d)|(?<=\d)[-–](?=[$€£¥₩₹]\d)"
+)
+"""A sign between two numbers that is neither a minus nor a hyphen, whatever else it is."""
+_RANGE_KEY = "#〜#"
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _NUMBER_RUN = re.compile(f"[{_MINUS}]?[\\d., \u00a0\u202f]{{1,40}}\\D?")
 """A number with the sign behind it."""
@@ -134,13 +139,19 @@ class _Keys:
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
+        read = _BETWEEN.fullmatch(self._expansions.get(_RANGE_KEY, ""))
+        self._between = read[1] if read else ""
+        starts += [r"(?<=[\w%€℃])〜(?=[^\w\s]?\d)"] if read else []
         self._starts = re.compile("|".join(starts))
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
-        at, text = 0, _WAVE.sub("〜", text).replace("#", "№")
+        at, text = 0, _RANGE.sub("〜", text).replace("#", "№")
         while start := self._starts.search(text, at):
             at = start.end()
+            if start[0] == "〜":
+                yield Replacement(*start.span(), self._between)
+                continue
             if start[0] in self._ends:
                 yield Replacement(*start.span(), self._ends[start[0]])
                 continue
@@ -185,7 +196,7 @@ class _Keys:
             found = _expression(key).match(text, at)
             if found and key[0] == "~" and not roman(found[1]):
                 continue
-            in_word = key[-1].isalnum() or key[-1] == "."
+            in_word = is_spaced(key[-1]) or key[-1] == "."
             after = text[found.end() : found.end() + 2] if found else ""
             # `les 2 m'ont vu`
             after = after.lstrip("'’") if key[-2:-1] == " " else after
@@ -292,7 +303,7 @@ class Expansions:
         """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none."""
         names = self._forms.letters
         for one in _CAPITALS.finditer(text) if names else ():
-            known = one[0].lower() in self._forms.interjections
+            known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
             if not known and names.keys() >= set(one[0]):
                 yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 
