@@ -42,7 +42,8 @@ _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
 """The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
 
-_CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
+_LATIN = "A-Za-zÀ-ɏḀ-ỿ"
+_CAPITALS = re.compile(rf"(?<![{_LATIN}])(?![A-Z]*([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN}'’])")
 
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
@@ -53,6 +54,9 @@ _RUBY_TEXT = re.compile(
 _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
 """First and last character of scripts that put no spaces between words, or are treated so."""
 
+_UNSPACED_LETTER = re.compile("[\u0e00-\u0eff]")
+"""A letter of a script that puts spaces between clauses, and none after an abbreviation."""
+
 _MINUS = "-\u2212"
 _SPACED_LETTER = rf"[^\W{''.join(f'{low}-{high}' for low, high in _UNSPACED_SCRIPTS)}]"
 _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
@@ -61,6 +65,7 @@ _SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
 _RANGE = re.compile(
     r"(?<=[\w%℃])[~～〜](?=\d)|(?<=\d)[—－](?=\d)"
     r"|(?:(?<=:\d\d)|(?<=\d[%€])|(?<=\d\s%))[-–—－](?=\d)|(?<=\d)[-–](?=[$€£¥₩₹]\d)"
+    r"|(?<=:\d\d )[-–—－](?= \d\d?:\d\d)"
 )
 """A sign between two numbers that is neither a minus nor a hyphen, whatever else it is."""
 _RANGE_KEY = "#〜#"
@@ -141,7 +146,7 @@ class _Keys:
         starts += [f"[{signs}]"] if signs else []
         read = _BETWEEN.fullmatch(self._expansions.get(_RANGE_KEY, ""))
         self._between = read[1] if read else ""
-        starts += [r"(?<=[\w%€℃])〜(?=[^\w\s]?\d)"] if read else []
+        starts += [r"(?:(?<=[\w%€℃])|(?<=\d ))〜(?= ?[^\w\s]?\d)"] if read else []
         self._starts = re.compile("|".join(starts))
 
     def find(self, text: str) -> Iterator[Replacement]:
@@ -200,7 +205,8 @@ class _Keys:
             after = text[found.end() : found.end() + 2] if found else ""
             # `les 2 m'ont vu`
             after = after.lstrip("'’") if key[-2:-1] == " " else after
-            if found and not (in_word and is_spaced(after[:1])):
+            glued = key[-1] == "." and _UNSPACED_LETTER.match(after)
+            if found and (glued or not (in_word and is_spaced(after[:1]))):
                 return found, self._expansions[key]
         return None, ""
 

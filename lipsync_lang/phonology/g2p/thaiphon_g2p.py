@@ -20,6 +20,7 @@ from lipsync_lang.phonology.labels import normalise
 REPETITION_SIGN = "\u0e46"
 """The sign that repeats a word."""
 
+_ALPHANUMERIC = re.compile(r"\w|[\u0e00-\u0e7f]")
 _SCRIPT_LETTER = re.compile("[\u0e01-\u0e4e]")
 
 MAX_READ_DIGITS = 15
@@ -59,7 +60,7 @@ def engine(settings: Settings) -> G2PEngine:
 
     def words(run: str) -> Iterator[SpokenWord]:
         last: tuple[str, ...] = ()
-        for word in word_tokenize(run, keep_whitespace=False):
+        for word in filter(_ALPHANUMERIC.search, word_tokenize(run, keep_whitespace=False)):
             again = word == REPETITION_SIGN
             reader = labels_of if _SCRIPT_LETTER.search(word) else foreign
             last = last if again else reader(word)
