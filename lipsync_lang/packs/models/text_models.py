@@ -146,6 +146,9 @@ class SharedText(Strict):
     nearby: dict[Label, tuple[Label, ...]] = Field(default={})
     """For a label that a language does not have, others in order; a sound without any is left
     out."""
+    foreign_voice: str = ""
+    """The voice of eSpeak NG for words in Latin letters, in languages in which `letters` names each
+    of these, and whose engine is no voice itself. Its sounds go to the nearest labels."""
     names: dict[Text, dict[Text, str]] = Field(default={})
     """Names of other languages in IPA, such as `dʒ o n`, by the tag of the language that they come
     from. Every language whose `g2p` writes IPA reads them so, except those of that tag and packs

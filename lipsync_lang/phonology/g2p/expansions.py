@@ -46,7 +46,10 @@ _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
 """The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
 
-_CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
+_LATIN_LETTERS = "A-Za-zÀ-ɏḀ-ỿ"
+_CAPITALS = re.compile(
+    rf"(?<![{_LATIN_LETTERS}])(?![A-Z]*([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
+)
 
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
@@ -57,6 +60,9 @@ _RUBY_TEXT = re.compile(
 _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
 """First and last character of scripts that put no spaces between words, or are treated so."""
 
+_UNSPACED_LETTER = re.compile("[\u0e00-\u0eff]")
+"""A letter of a script that puts spaces between clauses, and none after an abbreviation."""
+
 _SIGNS = str.maketrans("#\u2212٪٫٬״׳", "№-%.,\"'")
 """Signs of a text, and those of the keys that serve them."""
 
@@ -64,7 +70,13 @@ _UNSPACED = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
 _SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。（「{_UNSPACED}])-(?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
-_WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
+_RANGE_SIGN = re.compile(
+    r"(?<=[\w%℃])[~～〜](?=\d)|(?<=\d)[—－](?=\d)"
+    r"|(?:(?<=:\d\d)|(?<=\d[%€])|(?<=\d\s%))[-–—－](?=\d)|(?<=\d)[-–](?=[$€£¥₩₹]\d)"
+    r"|(?<=:\d\d )[-–—－](?= \d\d?:\d\d)"
+)
+"""A sign between two numbers that is neither a minus nor a hyphen, whatever else it is."""
+_RANGE_KEY = "#〜#"
 _ABOUT = re.compile("[~∼～](?= ?[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _NUMBER_RUN = re.compile("-?[\\d., \u00a0\u202f]{1,40}\\D?")
@@ -73,7 +85,7 @@ _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
 _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
 _FIRST_CHARS = {"#": "0123456789-", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
-_BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?(.*)\{[12][^{}]*\}")
+_BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?([^{}]*)\{[12][^{}]*\}")
 _OTHER_DIGIT = re.compile(r"(?![0-9])\d")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -151,15 +163,21 @@ class _Keys:
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
+        read = _BEFORE_LAST.fullmatch(self._expansions.get(_RANGE_KEY, ""))
+        self._between = read[2] if read else ""
+        starts += [r"(?:(?<=[\w%€℃])|(?<=\d ))〜(?= ?[^\w\s]?\d)"] if read else []
         self._starts = re.compile("|".join(starts))
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
         written = text
-        at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).translate(_SIGNS)
+        at, text = 0, _ABOUT.sub("≈", _RANGE_SIGN.sub("〜", text)).translate(_SIGNS)
         text = _OTHER_DIGIT.sub(lambda digit: str(int(digit[0])), text)
         while start := self._starts.search(text, at):
             at = start.end()
+            if start[0] == "〜":
+                yield Replacement(*start.span(), self._between)
+                continue
             if start[0] in self._ends:
                 yield Replacement(*start.span(), self._ends[start[0]])
                 continue
@@ -224,13 +242,14 @@ class _Keys:
                 continue
             if key[0] == "~" and not roman(found[1]):
                 continue
-            in_word = counts(key[-1]) or key[-1] in ".'"
+            in_word = is_spaced(key[-1]) or key[-1] in ".'"
             after = text[found.end() : found.end() + 2]
             # `les 2 m'ont vu`
             after = after.lstrip("'’") if key[-2:-1] == " " else after
+            glued = key[-1] == "." and _UNSPACED_LETTER.match(after)
             titled, _, alone = self._expansions[key].partition("|")
             words = titled if _fits(found, titled, choosy=bool(alone)) else alone
-            if words and not (in_word and is_spaced(after[:1])):
+            if words and (glued or not (in_word and is_spaced(after[:1]))):
                 best, read = found, words
         return best, read
 
@@ -240,7 +259,7 @@ class _Keys:
         def number(place: re.Match[str]) -> str:
             written = found[int(place[1])]
             words = self._numbers.get(place[2] or self._bare, ())
-            if _RANGE.fullmatch(written) and {*words} != DIGITS:
+            if _NUMBER_RANGE.fullmatch(written) and {*words} != DIGITS:
                 return self._respelled(written)
             written = self._grouped.sub(_digits, written)
             sign = self._minus if written[0] == "-" else ""
@@ -343,7 +362,7 @@ class Expansions:
         """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none."""
         names = self._forms.letters
         for one in _CAPITALS.finditer(text) if names else ():
-            known = one[0].lower() in self._forms.interjections
+            known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
             if not known and names.keys() >= set(one[0]):
                 yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 
@@ -426,7 +445,7 @@ def _expression(key: str) -> re.Pattern[str]:
     return re.compile("".join(parts))
 
 
-_RANGE = re.compile(r"\d+[-–]\d+")
+_NUMBER_RANGE = re.compile(r"\d+[-–]\d+")
 _RANGE_KEYS = ("#-#", "# - #", "#–#", "#—#", "#〜#")
 _RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGE_KEYS)
 _OPEN_KEYS = (*_RANGE_KEYS, "# x #", "# × #", "≈ #", "± #", "= #", "-#")
