@@ -70,12 +70,15 @@ _UNSPACED = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
 _SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。（「{_UNSPACED}])-(?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
+_WAVE = re.compile(r"(?<=[\w%℃])[~～](?=\d)")
 _RANGE_SIGN = re.compile(
-    r"(?<=[\w%℃])[~～〜](?=\d)|(?<=\d)[—－](?=\d)"
-    r"|(?:(?<=:\d\d)|(?<=\d[%€])|(?<=\d\s%))[-–—－](?=\d)|(?<=\d)[-–](?=[$€£¥₩₹]\d)"
+    r"(?<=\d)[—－](?=\d)|(?:(?<=:\d\d)|(?<=\d[%€])|(?<=\d\s%))[-–—－](?=\d)"
+    r"|(?<=\d)[-–](?=[$€£¥₩₹]\d)"
     r"|(?<=:\d\d )[-–—－](?= \d\d?:\d\d)"
 )
-"""A sign between two numbers that is neither a minus nor a hyphen, whatever else it is."""
+"""A sign between two numbers that is neither a minus nor a hyphen, whatever else it is.
+
+Keys with the sign itself precede those with `〜`."""
 _RANGE_KEY = "#〜#"
 _ABOUT = re.compile("[~∼～](?= ?[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
@@ -171,9 +174,10 @@ class _Keys:
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
         written = text
-        at, text = 0, _ABOUT.sub("≈", _RANGE_SIGN.sub("〜", text)).translate(_SIGNS)
+        at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).translate(_SIGNS)
         text = _OTHER_DIGIT.sub(lambda digit: str(int(digit[0])), text)
-        while start := self._starts.search(text, at):
+        plain = _RANGE_SIGN.sub("〜", text)
+        while start := self._starts.search(plain, at):
             at = start.end()
             if start[0] == "〜":
                 yield Replacement(*start.span(), self._between)
@@ -187,8 +191,12 @@ class _Keys:
             ):
                 continue
             found, read = self._match(text, start.start())
+            if plain != text:
+                ranged = self._match(plain, start.start())
+                if ranged[0] and (not found or found.end() < ranged[0].end()):
+                    found, read = ranged
             if found:
-                at, words = self._read(text, found, read)
+                at, words = self._read(found, read)
                 yield Replacement(found.start(), at, words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
@@ -198,7 +206,7 @@ class _Keys:
                 if number[0] != written[number.start() : at]:
                     yield Replacement(*number.span(), number[0])
 
-    def _read(self, text: str, found: re.Match[str], read: str) -> tuple[int, str]:
+    def _read(self, found: re.Match[str], read: str) -> tuple[int, str]:
         """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
         if found.re.pattern in _RANGE_PATTERNS:
             start, end = found.groups()
@@ -209,7 +217,7 @@ class _Keys:
         while found.re.pattern in _OPEN_PATTERNS and (before := _BEFORE_LAST.fullmatch(read)):
             first, last = found[1] if before[1] else "", found.lastindex or 0
             words += self._respelled(first) + before[2]
-            match, read = self._match(text, found.start(last))
+            match, read = self._match(found.string, found.start(last))
             if match is None:
                 return found.end(), words + self._respelled(found[last])
             found = match
