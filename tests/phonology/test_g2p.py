@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import full
+from voices import speak
 
 from lipsync_lang import SpeechError
 from lipsync_lang.packs.checking.language_checks import check_labels
@@ -35,7 +36,6 @@ from lipsync_lang.phonology.g2p.rules import (
     stated_syllables,
 )
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
-from lipsync_lang.speech import speak
 
 
 def words(text):
