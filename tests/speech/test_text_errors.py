@@ -41,6 +41,7 @@ def without(words, word):
     [
         ("The hogs fed were chopped corn and garbage", "were", "hogs"),
         ("hogs The were fed chopped corn and garbage", "The", None),
+        ("garbage The hogs were fed chopped corn and", "garbage", "and"),
     ],
 )
 def test_a_word_out_of_place_is_named_with_its_place(english, spoken, text, word, before):
