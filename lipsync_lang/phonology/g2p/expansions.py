@@ -190,11 +190,10 @@ class _Keys:
                 or is_spaced(text[max(at - 2, 0) : at - 1])
             ):
                 continue
-            found, read = self._match(text, start.start())
-            if plain != text:
-                ranged = self._match(plain, start.start())
-                if ranged[0] and (not found or found.end() < ranged[0].end()):
-                    found, read = ranged
+            found, read = max(
+                (self._match(one, start.start()) for one in dict.fromkeys((text, plain))),
+                key=lambda match: match[0].end() if match[0] else -1,
+            )
             if found:
                 at, words = self._read(found, read)
                 yield Replacement(found.start(), at, words)
