@@ -177,6 +177,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         words=words,
         endings={last: dict(others) for last, others in stated.endings.items()},
         letters=stated.letters,
+        repeated=stated.repeated,
         numbers={**stated.numbers, **stated.number_rules},
         counted=numerals.counted if numerals else (),
         named=numerals.named if numerals else (),

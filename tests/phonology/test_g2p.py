@@ -14,6 +14,7 @@ from lipsync_lang import SpeechError
 from lipsync_lang.packs.checking.language_checks import check_labels
 from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.models.text_models import LanguageText
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 from lipsync_lang.phonology.g2p import (
@@ -457,3 +458,9 @@ def test_a_language_without_latin_letters_hears_words_in_them_from_a_voice(langu
     assert not read.unread
     (letters,) = Speaker.of(language).transcribe(["CD"])
     assert not letters.unread
+
+
+def test_a_sign_of_repetition_needs_an_expression_that_is_quick():
+    assert LanguageText(repeated={"ໆ": "[ກ-ຮ][ະ-ຽ]?"}).repeated
+    with pytest.raises(ValueError, match="`repeated` could take too long"):
+        LanguageText(repeated={"ໆ": "[ກ-ຮ]*[ກ-ຽ]*[ກ-ໝ]*[ກ-ໝ]*[ກ-ໝ]*"})

@@ -15,6 +15,7 @@ from functools import cache, cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
+from lipsync_lang.phonology.g2p.contexts import SEEN_LETTERS, compile_context
 from lipsync_lang.phonology.g2p.number_words import number_words
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 
@@ -297,7 +298,8 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        replaced = (*ruby, *self._keys.find(text), *self._roman(text), *self._spelled(text))
+        keys = self._keys.find(text)
+        replaced = (*ruby, *self._again(text), *keys, *self._roman(text), *self._spelled(text))
         for one in sorted(replaced, key=lambda one: (one.start, -one.stop)):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
@@ -314,6 +316,15 @@ class Expansions:
             known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
             if not known and names.keys() >= set(one[0]):
                 yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
+
+    def _again(self, text: str) -> Iterator[Replacement]:
+        """Yield signs of repetition as what they repeat."""
+        for sign, repeated in self._forms.repeated.items():
+            before = compile_context(repeated, precedes=True).pattern
+            for one in re.finditer(rf"{re.escape(sign)}(?!\d)", text):
+                said = before.search(text, max(0, one.start() - SEEN_LETTERS), one.start())
+                if said:
+                    yield Replacement(*one.span(), f" {said[0]} ")
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
