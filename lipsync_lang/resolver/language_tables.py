@@ -98,6 +98,7 @@ def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> S
         otherwise=g2p.otherwise,
         foreign_voice=common.text.foreign_voice if common.text else "",
         foreign=tuple(_foreign(model, common)),
+        native=g2p.native,
     )
 
 

@@ -464,3 +464,12 @@ def test_a_sign_of_repetition_needs_an_expression_that_is_quick():
     assert LanguageText(repeated={"ໆ": "[ກ-ຮ][ະ-ຽ]?"}).repeated
     with pytest.raises(ValueError, match="`repeated` could take too long"):
         LanguageText(repeated={"ໆ": "[ກ-ຮ]*[ກ-ຽ]*[ກ-ໝ]*[ກ-ໝ]*[ກ-ໝ]*"})
+
+
+def test_a_word_unlike_those_of_the_language_is_heard_from_the_voice():
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    read = Speaker.of("vietnamese").transcribe(["Harry Photoshop", "xã-hội nghiêng"])
+    (harry, program), (society, tilted) = ([word.labels for word in one.words] for one in read)
+    assert harry == ("h", "a", "r", "i")
+    assert (program[0], program[-1]) == ("f", "p")
+    assert (society[0], tilted[0]) == ("x", "ngh")

@@ -240,9 +240,17 @@ class G2P(Strict):
     foreign: tuple[Rewrite, ...] = ()
     """Rewrites of the sounds of words in Latin letters that the engine does not read, as the shared
     `foreign_voice` says them: to labels, or to the letters of `readings`."""
+    native: str = ""
+    """A regular expression, in small letters, of the words of a language in Latin letters; with
+    `foreign`, other words are said by the voice."""
     corrections: tuple[LabelCorrection, ...] = ()
     """Corrections of the engine's labels, tried in order at each label; the first that fits
     wins."""
+
+    @model_validator(mode="after")
+    def _native_is_usable(self) -> Self:
+        check_contexts({"native": self.native})
+        return self
 
 
 class TTS(Strict):

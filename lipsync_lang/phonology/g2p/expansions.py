@@ -128,7 +128,7 @@ class _Keys:
             # a number begins hundreds of keys, and the sign behind it few of them
             sign = _SIGN_OF_KEY.match(key)
             second = sign[1] if sign else literal[:1]
-            for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
+            for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key)):
                 keys = self._beginnings.setdefault((first, second), {})
                 keys.setdefault((literal, numbered), []).append((rank, key))
         firsts = dict.fromkeys(first for first, _ in self._beginnings)
@@ -255,8 +255,11 @@ def is_spaced(char: str) -> bool:
     return char.isalnum() and not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
 
 
-def _either(first: str) -> str:
-    """Return the pattern of a letter; a small one may be a capital at the start of a sentence."""
+def _either(key: str) -> str:
+    """Return the first letter of a key; that of a word may be a capital, as in a sentence."""
+    first = key[0]
+    if key[1:2] == "#":
+        return first  # `x3` is no `BMW X3`
     return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
 
 
@@ -393,7 +396,7 @@ def _expression(key: str) -> re.Pattern[str]:
         for part, after in pairwise([*re.findall("#+|[^#]", key), ""])
     ]
     if key[0].isalpha():
-        parts[0] = f"[{_either(key[0])}]"
+        parts[0] = f"[{_either(key)}]"
     elif key[:1] == "#" != key[1:2]:
         parts[0] = f"([{_MINUS}]?" + parts[0][1:]
     if key[0].isalpha() and key[-1] == "#":
