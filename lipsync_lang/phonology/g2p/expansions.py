@@ -36,14 +36,14 @@ _VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
 _DOT = r"(?P<dot>\.(?= +[^\W\d_A-ZÀ-Þ]))?"
 """The full stop of an ordinal number, as in `Karl V. war`."""
 
+_LATIN_LETTERS = "A-Za-zÀ-ɏḀ-ỿ"
 _AFTER_NAME = re.compile(
-    r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])" + _DOT
+    rf"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{{2,7}})(?![{_LATIN_LETTERS}\d])" + _DOT
 )
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
 """The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
 
-_LATIN_LETTERS = "A-Za-zÀ-ɏḀ-ỿ"
 _CAPITALS = re.compile(
     rf"(?<![{_LATIN_LETTERS}])(?![A-Z]*([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
 )
