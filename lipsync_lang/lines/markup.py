@@ -141,7 +141,7 @@ FORMS = {
         "♪ 👍🏽": rf"{SYMBOL}(?:\u200d?{SYMBOL})*",
         "<3 --> <= >> <<": r"<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}",
     },
-    "wave": {"~": r"(?<![\w%℃])[~〜～]+|[~〜～]+(?!\d)"},
+    "wave": {"~": r"(?<=[^\w\s%℃(])[~〜～]+|[~〜～]+(?!\d)"},
 }
 """Kinds of markup: examples, and the pattern that finds them; the first that fits counts."""
 UNSURE_FORMS = {

@@ -1,7 +1,7 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from string import ascii_uppercase
 from typing import TYPE_CHECKING
@@ -176,6 +176,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         interjections=known,
         abbreviations=_listed(stated.abbreviations, stated.lists) | phrases,
         words=words,
+        beginnings=stated.beginnings,
         endings={last: dict(others) for last, others in stated.endings.items()},
         letters=stated.letters,
         repeated=stated.repeated,
@@ -195,14 +196,15 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
 def _nearest(
     sounds: Sequence[str], labels: frozenset[str], nearby: Mapping[str, Sequence[str]]
 ) -> tuple[str, ...]:
-    """Return the nearest labels of sounds; a language without labels takes any."""
+    """Return the nearest labels of sounds, exact ones first; any in a language without labels."""
     if not labels:
         return tuple(sounds)
     found: list[str] = []
     for sound in sounds:
         choice = (sound, *nearby.get(sound, ()))
+        exact = (one for one in choice if normalise(one) in labels)
         alike = (one for one in choice if not labels.isdisjoint(looser(normalise(one))))
-        found += islice(alike, 1)
+        found += islice(chain(exact, alike), 1)
     return tuple(found)
 
 

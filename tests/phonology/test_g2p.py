@@ -392,6 +392,10 @@ def test_models_of_g2p2_read_words_and_leave_points_to_the_rules():
     assert [(word.text, "".join(word.labels)) for word in found] == [
         ("מלך", "meleχ"), (",", ""), ("שָׁלוֹם", "ʃlom"),
     ]  # fmt: skip
+    spoken = Settings("x", voice="he", code="he", rules=points, otherwise="espeak")
+    (found,) = engine("g2p2", spoken)(["מלך ב-Cocoa"])
+    assert [word.text for word in found] == ["מלך", "ב", "Cocoa"]
+    assert "".join(found[-1].labels).startswith("kəʊ")
     with pytest.raises(SpeechError, match="no installed package has a g2p2 model of 'xx'"):
         engine("g2p2", Settings("x", code="xx"))
 

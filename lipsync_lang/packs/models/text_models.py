@@ -116,7 +116,9 @@ class LanguageText(Strict):
     sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
     stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
     of a word, and `…th…` stands within words, too. `{month}` in both is each word of the list
-    `month`. `№ #` also serves `#1`."""
+    `month`. `№ #` also serves `#1`, and `≈ #` serves `~30`. A spelling that holds more of the text
+    precedes others. If `#` itself is a spelling, all numbers in words are read as it says, and `-#`
+    names the minus of each."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word."""
@@ -140,6 +142,9 @@ class LanguageText(Strict):
     """The word of the decimal sign in the numbers of `abbreviations`."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
+    beginnings: dict[Text, Text] = Field(default={})
+    """Prefixes that respelled words of `words` with three letters or more take, each with its
+    spelling, as `ה: הַ` for the article of Hebrew."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})
     """Endings that words of `words` take, each with its labels: by the end of the word that they
     replace, one sound for each letter, or by an empty text."""

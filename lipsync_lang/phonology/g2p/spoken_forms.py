@@ -36,6 +36,7 @@ class SpokenForms:
     interjections: Mapping[str, Interjection] = field(default_factory=dict)
     abbreviations: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, OwnWord] = field(default_factory=dict)
+    beginnings: Mapping[str, str] = field(default_factory=dict)
     endings: Mapping[str, Mapping[str, Sequence[str]]] = field(default_factory=dict)
     letters: Mapping[str, str] = field(default_factory=dict)
     repeated: Mapping[str, str] = field(default_factory=dict)
