@@ -38,12 +38,16 @@ UNUSUAL = re.compile(
     "℃℉"
     "\uff66-\uffdc"  # half-width kana and hangul
     "\u2460-\u2473\u3380-\u33df\u203c\u2047-\u2049"  # numbers in circles, units, double marks
+    "\u2160-\u216b"  # Roman numerals in one sign
     "\u01c4-\u01cc\u01f1-\u01f3\u0132\u0133\ufb00-\ufb4f"  # ligatures
     "\ufb50-\ufd3d\ufd50-\ufdfb\ufe70-\ufefc"  # shapes of Arabic letters
     "\U0001d400-\U0001d7ff"  # letters of formulas
     "]|(?<=[0-9０-９])[．：／](?=[0-9０-９])|(?<=[０-９])，(?=[０-９]))+"
 )
 """Compatibility characters that are ordinary letters, digits and signs in another shape."""
+
+NUMERAL_SIGNS = {0x2160 + number: str(number + 1) for number in range(12)}
+"""Signs of whole Roman numerals, such as `Ⅷ`, as digits."""
 
 UNSEEN = re.compile("[\u00ad\u034f\u061c\u200e\u200f\u202a-\u202e\u2060-\u2069\ufeff]+")
 """Soft hyphens, directions of writing, and spaces without width."""
@@ -390,5 +394,7 @@ def ordinary(text: str) -> str:
     """
     if text.isascii():
         return APOSTROPHE.sub("'", text) if "`" in text else text
-    text = UNUSUAL.sub(lambda found: normalize("NFKC", found[0]), UNSEEN.sub("", text))
+    text = UNUSUAL.sub(
+        lambda found: normalize("NFKC", found[0].translate(NUMERAL_SIGNS)), UNSEEN.sub("", text)
+    )
     return APOSTROPHE.sub("'", normalize("NFC", text))

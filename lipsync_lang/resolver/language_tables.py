@@ -98,6 +98,7 @@ def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> S
         otherwise=g2p.otherwise,
         foreign_voice=common.text.foreign_voice if common.text else "",
         foreign=tuple(_foreign(model, common)),
+        native=g2p.native,
     )
 
 
@@ -178,6 +179,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         beginnings=stated.beginnings,
         endings={last: dict(others) for last, others in stated.endings.items()},
         letters=stated.letters,
+        repeated=stated.repeated,
         numbers={**stated.numbers, **stated.number_rules},
         counted=numerals.counted if numerals else (),
         named=numerals.named if numerals else (),

@@ -14,6 +14,7 @@ from lipsync_lang import SpeechError
 from lipsync_lang.packs.checking.language_checks import check_labels
 from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.models.text_models import LanguageText
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 from lipsync_lang.phonology.g2p import (
@@ -461,3 +462,18 @@ def test_a_language_without_latin_letters_hears_words_in_them_from_a_voice(langu
     assert not read.unread
     (letters,) = Speaker.of(language).transcribe(["CD"])
     assert not letters.unread
+
+
+def test_a_sign_of_repetition_needs_an_expression_that_is_quick():
+    assert LanguageText(repeated={"ໆ": "[ກ-ຮ][ະ-ຽ]?"}).repeated
+    with pytest.raises(ValueError, match="`repeated` could take too long"):
+        LanguageText(repeated={"ໆ": "[ກ-ຮ]*[ກ-ຽ]*[ກ-ໝ]*[ກ-ໝ]*[ກ-ໝ]*"})
+
+
+def test_a_word_unlike_those_of_the_language_is_heard_from_the_voice():
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    read = Speaker.of("vietnamese").transcribe(["Harry Photoshop", "xã-hội nghiêng"])
+    (harry, program), (society, tilted) = ([word.labels for word in one.words] for one in read)
+    assert harry == ("h", "a", "r", "i")
+    assert (program[0], program[-1]) == ("f", "p")
+    assert (society[0], tilted[0]) == ("x", "ngh")

@@ -1,5 +1,6 @@
 """Models of written forms that packs read themselves: interjections, abbreviations, numerals."""
 
+from collections.abc import Mapping
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
@@ -16,6 +17,21 @@ from lipsync_lang.packs.models.fields import (
     sound_forms,
 )
 from lipsync_lang.packs.yaml.source import Data
+from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
+
+
+def check_contexts(contexts: Mapping[str, str]) -> None:
+    """Refuse a context that is not a regular expression, or too slow."""
+    for field, text in contexts.items():
+        try:
+            if text:
+                compile_context(text, precedes=field in {"after", "repeated"})
+        except ContextError as error:
+            raise PydanticCustomError(
+                "P118" if error.slow else "P117",
+                "`{field}` {what}",
+                {"what": error.what, "hint": error.cure, "field": field},
+            ) from None
 
 
 class InterjectionSounds(Strict):
@@ -118,6 +134,8 @@ class LanguageText(Strict):
     `>{joined}` and `<{joined}` go by the rules `joined`; `<<` and `>>` count in the number of the
     rule itself, such as 100000. From an empty rule on, numbers are read as the engine does. Rules
     for 0 to 9 alone name each digit, as in telephone numbers."""
+    repeated: dict[Text, str] = Field(default={})
+    """Signs that say the word before them again, as the Lao `ໆ`, each with an expression for it."""
     thousands: str = Field(default="", max_length=1)
     """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
     decimal: str = ""
@@ -134,6 +152,12 @@ class LanguageText(Strict):
     """Words whose double letter stays if the word is drawn out: `goood` is `good`."""
     hyphenated: tuple[Text, ...] = ()
     """Words with a hyphen that look like stutters, such as `D-Day`."""
+
+    @model_validator(mode="after")
+    def _repeated_is_usable(self) -> Self:
+        for expression in self.repeated.values():
+            check_contexts({"repeated": expression})
+        return self
 
 
 class SharedText(Strict):

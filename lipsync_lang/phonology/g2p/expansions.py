@@ -15,6 +15,7 @@ from functools import cache, cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
+from lipsync_lang.phonology.g2p.contexts import SEEN_LETTERS, compile_context
 from lipsync_lang.phonology.g2p.number_words import DIGITS, number_words
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.phonology.g2p.tokens import counts
@@ -39,14 +40,14 @@ _VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
 _DOT = r"(?P<dot>\.(?= +[^\W\d_A-ZÀ-Þ]))?"
 """The full stop of an ordinal number, as in `Karl V. war`."""
 
+_LATIN_LETTERS = "A-Za-zÀ-ɏḀ-ỿ"
 _AFTER_NAME = re.compile(
-    r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])" + _DOT
+    rf"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{{2,7}})(?![{_LATIN_LETTERS}\d])" + _DOT
 )
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
 """The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
 
-_LATIN_LETTERS = "A-Za-zÀ-ɏḀ-ỿ"
 _CAPITALS = re.compile(
     rf"(?<![{_LATIN_LETTERS}])(?![A-Z]*([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
 )
@@ -149,7 +150,7 @@ class _Keys:
             # a number begins hundreds of keys, and the sign behind it few of them
             sign = _SIGN_OF_KEY.match(key)
             second = sign[1] if sign else literal[:1]
-            for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
+            for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key)):
                 keys = self._beginnings.setdefault((first, second), {})
                 keys.setdefault((literal, numbered), []).append((rank, key))
         firsts = dict.fromkeys(first for first, _ in self._beginnings)
@@ -318,8 +319,11 @@ def is_spaced(char: str) -> bool:
     return spaced and any(map(counts, char))
 
 
-def _either(first: str) -> str:
-    """Return the pattern of a letter; a small one may be a capital at the start of a sentence."""
+def _either(key: str) -> str:
+    """Return the first letter of a key; that of a word may be a capital, as in a sentence."""
+    first = key[0]
+    if key[1:2] == "#":
+        return first  # `x3` is no `BMW X3`
     return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
 
 
@@ -361,7 +365,8 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        replaced = (*ruby, *self._keys.find(text), *self._roman(text), *self._spelled(text))
+        keys = self._keys.find(text)
+        replaced = (*ruby, *self._again(text), *keys, *self._roman(text), *self._spelled(text))
         for one in sorted(replaced, key=lambda one: (one.start, -one.stop)):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
@@ -378,6 +383,15 @@ class Expansions:
             known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
             if not known and names.keys() >= set(one[0]):
                 yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
+
+    def _again(self, text: str) -> Iterator[Replacement]:
+        """Yield signs of repetition as what they repeat."""
+        for sign, repeated in self._forms.repeated.items():
+            before = compile_context(repeated, precedes=True).pattern
+            for one in re.finditer(rf"{re.escape(sign)}(?!\d)", text):
+                said = before.search(text, max(0, one.start() - SEEN_LETTERS), one.start())
+                if said:
+                    yield Replacement(*one.span(), f" {said[0]} ")
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
@@ -446,7 +460,7 @@ def _expression(key: str) -> re.Pattern[str]:
         for part, after in pairwise([*re.findall("#+|[^#]", key), ""])
     ]
     if key[0].isalpha():
-        parts[0] = f"[{_either(key[0])}]"
+        parts[0] = f"[{_either(key)}]"
     elif key[:1] == "#" != key[1:2]:
         parts[0] = f"(-?(?:{parts[0][1:]})"
     if key[0].isalpha() and key[-1] == "#":

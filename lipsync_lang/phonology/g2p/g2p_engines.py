@@ -70,7 +70,7 @@ class Settings:
     `language` is the pack's name, for messages; `labels` are those of the notation that comes out.
     `respell` names one of `RESPELLERS`, and `otherwise` the engine that reads where the library of
     the first is not installed. `foreign_voice` says words in Latin letters that the engine does not
-    read, and `foreign` turns its sounds into labels.
+    read, and `foreign` turns its sounds into labels. Words like the expression `native` are read.
     """
 
     language: str
@@ -85,6 +85,7 @@ class Settings:
     otherwise: str | None = None
     foreign_voice: str = ""
     foreign: tuple[Rule, ...] = ()
+    native: str = ""
 
 
 G2PEngine = Callable[[Sequence[str]], Iterable[Sequence[SpokenWord]]]

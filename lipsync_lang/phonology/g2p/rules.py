@@ -38,7 +38,7 @@ QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
 ForeignReader = Callable[[str], tuple[str, ...]]
 
-_LATIN_WORD = re.compile("(?=.*[a-zß-ɏ])[A-Za-zÀ-ɏ][A-Za-zÀ-ɏ'-]+")
+_LATIN_WORD = re.compile("(?=.*[a-zß-ɏ])[A-Za-zÀ-ɏḀ-ỿ][A-Za-zÀ-ɏḀ-ỿ'-]+")
 """A word with a small letter; capitals alone are an abbreviation."""
 
 CACHED_WORDS = 20_000
@@ -149,10 +149,15 @@ def foreign_reader(settings: Settings) -> ForeignReader:
     They are none if there is no such voice, or if it cannot say the word.
     """
     rewriter = Rewriter(settings.foreign, settings.labels)
+    around = Surroundings.compiled(f"(?:{settings.native})$", "", "`native`")
+
+    def native(word: str) -> bool:
+        parts = re.split("[-']", plain(word)) if settings.native else [""]
+        return any(parts) and all(around.fit(part, 0, 0) for part in parts)
 
     @lru_cache(CACHED_WORDS)
     def read(word: str) -> tuple[str, ...]:
-        if not settings.foreign or not _LATIN_WORD.fullmatch(word):
+        if not settings.foreign or not _LATIN_WORD.fullmatch(word) or native(word):
             return ()
         voice = Settings(settings.language, settings.foreign_voice)
         try:

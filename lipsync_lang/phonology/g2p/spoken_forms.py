@@ -39,6 +39,7 @@ class SpokenForms:
     beginnings: Mapping[str, str] = field(default_factory=dict)
     endings: Mapping[str, Mapping[str, Sequence[str]]] = field(default_factory=dict)
     letters: Mapping[str, str] = field(default_factory=dict)
+    repeated: Mapping[str, str] = field(default_factory=dict)
     numbers: NumberTables = field(default_factory=dict)
     counted: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
