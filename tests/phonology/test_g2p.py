@@ -36,6 +36,7 @@ from lipsync_lang.phonology.g2p.rules import (
     stated_syllables,
 )
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 
 def words(text):
@@ -450,3 +451,13 @@ def test_stated_readings_count_for_whole_words_between_their_contexts():
     }  # fmt: skip
     with pytest.raises(SpeechError, match=r"reading 1 \('大夫'\) has 1 syllables for 2"):
         compiled_readings([Rule("大夫", ("dai4",))])
+
+
+@pytest.mark.parametrize("language", ["thai", "lao", "khmer", "burmese", "mongolian"])
+def test_a_language_without_latin_letters_hears_words_in_them_from_a_voice(language):
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    (read,) = Speaker.of(language).transcribe(["Photoshop"])
+    assert [one for one in read.phonemes if one in {"f", "bmp"}] == ["f", "bmp"]
+    assert not read.unread
+    (letters,) = Speaker.of(language).transcribe(["CD"])
+    assert not letters.unread

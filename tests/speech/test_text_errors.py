@@ -8,6 +8,8 @@ from lanes import full
 import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech.hearing.alignment import aligned
+from lipsync_lang.speech.hearing.sphinx import text_errors
+from lipsync_lang.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.speech.hearing.sphinx.text_errors import TextErrors
 from lipsync_lang.speech.speaking.speaker import Speaker
 
@@ -41,6 +43,7 @@ def without(words, word):
     [
         ("The hogs fed were chopped corn and garbage", "were", "hogs"),
         ("hogs The were fed chopped corn and garbage", "The", None),
+        ("garbage The hogs were fed chopped corn and", "garbage", "and"),
     ],
 )
 def test_a_word_out_of_place_is_named_with_its_place(english, spoken, text, word, before):
@@ -62,7 +65,12 @@ def test_any_two_neighbours_exchanged_are_reported(english, spoken, at):
 
 
 @pytest.mark.parametrize(
-    ("whole", "word"), [(TEXT, "hogs"), ("A large size in stockings is hard to sell", "large")]
+    ("whole", "word"),
+    [
+        (TEXT, "hogs"),
+        ("Kick the ball straight and follow through", "follow"),
+        ("The girl at the booth sold fifty bonds", "sold"),
+    ],
 )
 def test_a_word_that_is_not_written_is_placed_between_its_neighbours(english, whole, word):
     words, spoken = whole.split(), english.speak(whole)
@@ -82,6 +90,23 @@ def test_a_word_that_is_not_written_is_placed_between_its_neighbours(english, wh
 
 def test_a_right_text_has_no_such_remark(english, spoken):
     assert not aligned(english, spoken.audio, TEXT, aligner="pocketsphinx").remarks
+
+
+def test_one_odd_frame_moves_no_word(english, spoken, monkeypatch):
+    hogs = spoken.words[1]
+
+    class OddListening(text_errors.Listening):
+        """Within "hogs", a frame is like a sound of "garbage" alone."""
+
+        def scores(self, phones):
+            scores = super().scores(phones)
+            others = [n for n, one in enumerate(phones) if self.model.names[one.number] != "JH"]
+            scores[round((hogs.start + hogs.end) / 2 / FRAME_SECONDS), others] -= 1e5
+            return scores
+
+    monkeypatch.setattr(text_errors, "Listening", OddListening)
+    found = aligned(english, spoken.audio, TEXT, aligner="pocketsphinx")
+    assert not told(found, ORDER)
 
 
 @full

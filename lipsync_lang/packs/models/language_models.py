@@ -247,6 +247,9 @@ class G2P(Strict):
     readings: tuple[Rewrite, ...] = ()
     """Readings of words and letters in the engine's own spelling, such as pinyin with tone digits,
     or kana for syllables; the first that fits wins."""
+    foreign: tuple[Rewrite, ...] = ()
+    """Rewrites of the sounds of words in Latin letters that the engine does not read, as the shared
+    `foreign_voice` says them: to labels, or to the letters of `readings`."""
     corrections: tuple[LabelCorrection, ...] = ()
     """Corrections of the engine's labels, tried in order at each label; the first that fits
     wins."""

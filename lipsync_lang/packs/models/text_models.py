@@ -100,7 +100,9 @@ class LanguageText(Strict):
     sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
     stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
     of a word, and `…th…` stands within words, too. `{month}` in both is each word of the list
-    `month`. `№ #` also serves `#1`."""
+    `month`. `№ #` also serves `#1`, and `≈ #` serves `~30`. A spelling that holds more of the text
+    precedes others. If `#` itself is a spelling, all numbers in words are read as it says, and `-#`
+    names the minus of each."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word."""
@@ -144,6 +146,9 @@ class SharedText(Strict):
     nearby: dict[Label, tuple[Label, ...]] = Field(default={})
     """For a label that a language does not have, others in order; a sound without any is left
     out."""
+    foreign_voice: str = ""
+    """The voice of eSpeak NG for words in Latin letters, in languages in which `letters` names each
+    of these, and whose engine is no voice itself. Its sounds go to the nearest labels."""
     names: dict[Text, dict[Text, str]] = Field(default={})
     """Names of other languages in IPA, such as `dʒ o n`, by the tag of the language that they come
     from. Every language whose `g2p` writes IPA reads them so, except those of that tag and packs

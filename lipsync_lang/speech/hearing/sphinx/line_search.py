@@ -25,7 +25,6 @@ from lipsync_lang.speech.hearing.sphinx.forced import (
 from lipsync_lang.speech.hearing.sphinx.scheduling import line_confidence, logistic
 from lipsync_lang.speech.hearing.sphinx.text_errors import (
     MIN_WORDS,
-    ORDER_FLOOR_LOG,
     MovedWord,
     TextErrors,
     UnwrittenSpeech,
@@ -57,9 +56,6 @@ PART_MARGIN_FRAMES = 30
 
 MIN_PART_PACE = 6
 """Fewest frames of a part for each phoneme of the line."""
-
-LOUD_PAUSE_LOG = -8.0
-"""Least log likelihood of a pause's frame in a part: it has some of the sound beside it."""
 
 PART_LOGIT = -1.0
 """Weight in the logit of a line's confidence of the choice among parts.
@@ -93,12 +89,7 @@ def found_line(models: "Models", sound: Floats, words: Sequence[Pronunciations])
     return max([whole, *alone], key=lambda one: one.sure)
 
 
-def _found(
-    models: "Models",
-    sound: Floats,
-    words: Sequence[Pronunciations],
-    pause_floor: float = ORDER_FLOOR_LOG,
-) -> FoundLine:
+def _found(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
     hearings = models.model.front_end.hearings(sound)
     tries = [(laid(models, one, words) or [], one) for one in hearings]
     heard, features = max(tries, key=lambda one: line_confidence(one[0]))
@@ -106,7 +97,7 @@ def _found(
     if sure < DOUBTFUL or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
         return FoundLine(heard, sure)
     errors = TextErrors(models.model, centred(features, heard), words, heard)
-    moved = errors.moved_word(pause_floor)
+    moved = errors.moved_word()
     sure = sure if moved is None else min(sure, MOVED_CONFIDENCE)
     return FoundLine(heard, sure, moved, tuple(errors.unwritten()))
 
@@ -151,7 +142,7 @@ def _alone(
     """Search for words in a part of a sound; the rest is other sound."""
     first, stop = part
     samples = sound[first * HOP_SAMPLES : stop * HOP_SAMPLES]
-    found = _found(models, samples, words, LOUD_PAUSE_LOG)
+    found = _found(models, samples, words)
     left_out = any(one.phone == OUTSIDE != one.word for one in found.heard)
     if left_out or found.sure < DOUBTFUL:
         return FoundLine([], 0.0)

@@ -23,10 +23,10 @@ from lipsync_lang.speech.hearing.sphinx.trellis import SOUND_START, Run, likelie
 MIN_WORDS = 3
 """Fewest words of a text that is searched."""
 
-REACH = 4
+REACH = 8
 """Most words over which a word is moved."""
 
-EXCHANGED_LOG, MOVED_LOG, PARTS_LOG = -35.0, -60.0, -100.0
+EXCHANGED_LOG, MOVED_LOG, PARTS_LOG = -28.0, -60.0, -100.0
 """Log scores of two neighbours exchanged, of a word moved further, and of two parts exchanged."""
 
 ORDER_FLOOR_LOG = -12.0
@@ -52,7 +52,10 @@ MIN_OTHER_FRAMES = 50
 """Fewest frames of other sound that is reported as such: it is no word of the line."""
 
 MARGIN_FRAMES = 60
-"""Frames before and after the words that are searched."""
+"""Frames before and after the words that are searched for unwritten speech."""
+
+ORDER_MARGIN_FRAMES = 20
+"""The same for another order of the words: music is more like some of them."""
 
 
 PAUSE = Node(OUTSIDE, 0, WordPosition.INSIDE)
@@ -123,21 +126,23 @@ class TextErrors:
         # Another voice beside the line is like some of its words. It is searched only where words
         # are left out, which may be said there.
         self._start = first if before >= MIN_OTHER_FRAMES else max(first - MARGIN_FRAMES, 0)
-        stop += MARGIN_FRAMES if after < MIN_OTHER_FRAMES else 0
+        end = stop if after >= MIN_OTHER_FRAMES else stop + MARGIN_FRAMES
         if not all(ways):
-            self._start, stop = 0, len(features)
-        self._sound = Listening(model, features[self._start : stop])
+            first = self._start = 0
+            stop = end = len(features)
+        first, stop = first - ORDER_MARGIN_FRAMES - self._start, stop + ORDER_MARGIN_FRAMES
+        self._within = slice(max(first, 0), stop - self._start)
+        self._sound = Listening(model, features[self._start : end])
         self._alone = self._sound.scores(model.alone)
         speech = [phone.number not in model.fillers for phone in model.alone]
         self._best = self._alone[:, speech].max(axis=(1, 2))
 
-    def moved_word(self, pause_floor: float = ORDER_FLOOR_LOG) -> MovedWord | None:
+    def moved_word(self) -> MovedWord | None:
         """Return the word that fits much better in another place, if there is one.
 
-        Of two parts that are exchanged, it is the first word of the sound. `pause_floor` is the
-        least log likelihood of a frame of a pause.
+        Of two parts that are exchanged, it is the first word of the sound.
         """
-        way = self._likeliest_order(pause_floor)
+        way = self._likeliest_order()
         order = list(dict.fromkeys(word for word, _ in way))
         if order == sorted(order) or len(order) < len(self._ways):
             return None
@@ -145,59 +150,54 @@ class TextErrors:
         # without a single word that moved, the halves are exchanged
         at = next((n for n, rest in enumerate(rests) if rest == sorted(rest)), 0)
         first = next(run.first for word, run in way if word == order[at])
-        return MovedWord(order[at], order[at - 1] if at else OUTSIDE, first + self._start)
+        first += self._start + self._within.start
+        return MovedWord(order[at], order[at - 1] if at else OUTSIDE, first)
 
-    def _likeliest_order(self, pause_floor: float) -> list[tuple[int, Run]]:
+    def _likeliest_order(self) -> list[tuple[int, Run]]:
         """Return the phonemes of the likeliest order of the words, with the price of another one.
 
         One word is moved, or two parts are exchanged. A word that `lay` left out may lack.
         """
-        graph, silence = Graph(self._model), self._model.silence
-        ways, count = self._ways, len(self._ways)
+        graph, count = Graph(self._model), len(self._ways)
         joins: list[list[int]] = [[SOUND_START], *([] for _ in range(count))]
+        early: list[list[int]] = [[] for _ in range(count)]
         prices: dict[int, float] = {}
 
-        def spoken(
-            word: int, before: int, after: int, ends: Sequence[int], price: float = 0.0
-        ) -> list[int]:
-            """Add a word between two others, after an optional pause."""
-            left = ways[before][-1] if before >= 0 else silence
-            right = ways[after][0] if after < count else silence
-            pause = graph.add(PAUSE, silence, silence, ends)
+        def spoken(word: int, ends: Sequence[int], price: float = 0.0) -> list[int]:
+            """Add a word after others, and an optional pause."""
+            pause = graph.add(PAUSE, OUTSIDE, OUTSIDE, ends)
             prices[len(graph.nodes)] = price
-            return graph.word(word, [ways[word]], left, right, [*ends, pause])
+            return graph.word(word, [self._ways[word]], OUTSIDE, OUTSIDE, [*ends, pause])
 
         for at in range(count):
             before = joins[at]
             # later: the words after this one, and then this one
             last = before
             for other in range(at + 1, min(at + REACH + 1, count)):
-                last = spoken(other, other - 1 if other > at + 1 else at - 1, other + 1, last)
+                last = spoken(other, last)
                 price = MOVED_LOG if other > at + 1 else EXCHANGED_LOG
-                joins[other + 1] += spoken(at, other, other + 1, last, price)
-            # earlier: a word from further on, and then those from here on
+                joins[other + 1] += spoken(at, last, price)
+            # earlier: a word from further on, here or before, and then those up to this one
             for other in range(at + 2, min(at + REACH + 1, count)):
-                last = spoken(other, at - 1, at, before, MOVED_LOG)
-                for word in range(at, other):
-                    last = spoken(word, word - 1 if word > at else other, word + 1, last)
-                joins[other + 1] += last
-            joins[at + 1] += spoken(at, at - 1, at + 1, before)
+                early[other] = spoken(at, [*early[other], *spoken(other, before, MOVED_LOG)])
+            if at + 1 < count:
+                joins[at + 2] += spoken(at, early[at + 1])
+            joins[at + 1] += spoken(at, before)
             if at not in self._spoken:
                 joins[at + 1] += before
         ends = joins[count]
         # from any word to the last, and then from the first on
         last = []
         for word in range(1, count):
-            last = spoken(word, word - 1, word + 1, [SOUND_START, *last])
+            last = spoken(word, [SOUND_START, *last])
         for word in range(count - 1):
-            price = 0.0 if word else PARTS_LOG
-            last = spoken(word, word - 1 if word else count - 1, word + 1, last, price)
+            last = spoken(word, last, 0.0 if word else PARTS_LOG)
             ends += last
-        ends.append(graph.add(PAUSE, silence, silence, ends))
-        scores = self._scores(graph)
-        pauses = [node.word == OUTSIDE for node in graph.nodes]
-        floors = np.where(pauses, pause_floor, ORDER_FLOOR_LOG).astype(np.float32)
-        np.maximum(scores, (self._best[:, None] + floors)[..., None], out=scores)
+        ends.append(graph.add(PAUSE, OUTSIDE, OUTSIDE, ends))
+        # without context: a model knows those of its own language alone
+        scores = self._alone[self._within, self._phones(graph)]
+        floor = self._best[self._within] + np.float32(ORDER_FLOOR_LOG)
+        np.maximum(scores, floor[:, None, None], out=scores)
         turns = np.zeros(len(graph.nodes))
         turns[[*prices]] = [*prices.values()]
         way = self._way(graph, scores, ends, turns)
@@ -233,7 +233,7 @@ class TextErrors:
             right = self._ways[word + 1][0] if word + 1 < len(self._ways) else silence
             ends = graph.word(word, [way], left, right, gap(ends))
         ends = gap(ends)
-        scores = self._scores(graph)
+        scores = self._sound.scores(self._model.phones(graph.contexts))
         other = [node == SPEECH for node in graph.nodes]
         scores[:, other] = (likely + np.float32(usual + UNWRITTEN_LOG))[:, None, None]
         turns = np.zeros(len(graph.nodes))
@@ -276,13 +276,13 @@ class TextErrors:
         spoken = [run for run in runs or () if self._model.alone[run.phone].number not in fillers]
         return spoken, np.concatenate(likely)
 
-    def _scores(self, graph: Graph) -> Singles:
-        return self._sound.scores(self._model.phones(graph.contexts))
+    def _phones(self, graph: Graph) -> list[int]:
+        silence = self._model.silence
+        return [silence if node.word == OUTSIDE else node.phone for node in graph.nodes]
 
     def _way(
         self, graph: Graph, scores: Singles, ends: Sequence[int], turns: Floats | None = None
     ) -> list[Run]:
         """Return the likeliest path; it is empty if the words are longer than the sound."""
-        silence = self._model.silence
-        phones = [silence if node.word == OUTSIDE else node.phone for node in graph.nodes]
-        return likeliest_way(scores, self._model.stay[phones], graph.before, ends, turns) or []
+        stay = self._model.stay[self._phones(graph)]
+        return likeliest_way(scores, stay, graph.before, ends, turns) or []
