@@ -67,8 +67,8 @@ _UNSPACED_LETTER = re.compile("[\u0e00-\u0eff]")
 _SIGNS = str.maketrans("#\u2212٪٫٬״׳", "№-%.,\"'")
 """Signs of a text, and those of the keys that serve them."""
 
-_UNSPACED = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
-_SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。（「{_UNSPACED}])-(?=\d)"
+_UNSPACED_RANGES = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
+_SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。（「{_UNSPACED_RANGES}])-(?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
 _WAVE = re.compile(r"(?<=[\w%℃])[~～](?=\d)")
