@@ -133,7 +133,9 @@ class LanguageText(Strict):
     many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
     `>{joined}` and `<{joined}` go by the rules `joined`; `<<` and `>>` count in the number of the
     rule itself, such as 100000. From an empty rule on, numbers are read as the engine does. Rules
-    for 0 to 9 alone name each digit, as in telephone numbers."""
+    for 0 to 9 alone name each digit, as in telephone numbers. Words without signs serve all numbers
+    up to the next rule, so rules also choose the form of a noun: `"# ч": "{1} {1:час}"` goes by
+    `час: {1: час, 2: часа, 5: часов, 21: ">"}`."""
     repeated: dict[Text, str] = Field(default={})
     """Signs that say the word before them again, as the Lao `ໆ`, each with an expression for it."""
     thousands: str = Field(default="", max_length=1)

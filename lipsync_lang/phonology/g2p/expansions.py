@@ -131,9 +131,9 @@ class _Keys:
         self._rules = {
             name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
         }
-        # how the keys of a bare number and of a negative one read it
         bare = _NUMBER_PLACE.fullmatch(self._expansions.get("#", ""))
-        self._bare = bare[2] if bare else ""
+        self._bare = self._rules.get(bare[2] if bare else "")
+        """Rules of every number in words, if the pack has any."""
         self._minus = self._expansions.get("-#", "").partition("{")[0]
         self._decimal = forms.decimal
         between = re.escape(forms.thousands) + _SPACES
@@ -271,29 +271,30 @@ class _Keys:
         """Return the expansion of a key with its numbers, and spaces before and after words."""
 
         def number(place: re.Match[str]) -> str:
-            written = found[int(place[1])]
-            words = self._numbers.get(place[2] or self._bare, ())
+            written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
             if _NUMBER_RANGE.fullmatch(written) and {*words} != DIGITS:
                 return self._respelled(written)
+            written = written.lstrip("-") if self._minus else written
+            if self._bare and not words and written != found[0] and written[-1].isdigit():
+                # decimals are read as their key says
+                return self._respelled(written)
             written = self._grouped.sub(_digits, written)
-            sign = self._minus if written[0] == "-" else ""
-            if sign or isinstance(words, Mapping):
-                written = written.lstrip("-")
             if isinstance(words, Mapping):
+                written = written.lstrip("-")
                 written = str(roman(written) or written)
-                return sign + number_words(words, written, self._rules, self._decimal)
+                return number_words(words, written, self._rules, self._decimal)
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
-                return sign + words[value - 1]
+                return words[value - 1]
             if written.isalpha():
                 return str(value) if value else written
-            decimal = f" {self._decimal} " if self._decimal else r"\g<0>"
-            return sign + re.sub("[.,]", decimal, written)
+            return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
 
-        read = _NUMBER_PLACE.sub(number, read)
-        if bare := self._rules.get(self._bare):
+        negative = found.lastindex and found[1].startswith("-")
+        read = self._minus * bool(negative) + _NUMBER_PLACE.sub(number, read)
+        if self._bare:
             # `{few} km` of a list of digits
-            read = number_words(bare, read, self._rules, self._decimal)
+            read = number_words(self._bare, read, self._rules, self._decimal)
         rest = _seen_after(found)
         after = rest.lstrip()
         if read.endswith(".") and after and not after[:1].isupper():

@@ -70,7 +70,7 @@ def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
     own = "<<" in words or ">>" in words
     power = start if own else next((one for one in _POWERS if one <= start), 0)
     if not power or not words:
-        return rules.get(str(value)) or str(value)
+        return words or str(value)
     quotient, rest = divmod(value, power)
 
     def part(place: re.Match[str]) -> str:
