@@ -26,7 +26,7 @@ import numpy as np
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
-from lipsync_lang.speech import speak
+from lipsync_lang.speech import ENGINES
 from lipsync_lang.speech.hearing.align.warping import Warp
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.speech.speaking.speaker import Speaker
@@ -78,7 +78,7 @@ def spoken(engine: str, voice: str, words_per_minute: int | None) -> list[Trial]
     """Return the English sentences as another voice says them."""
     try:
         return [
-            (text, speak(text, voice, engine=engine, words_per_minute=words_per_minute))
+            (text, ENGINES[engine].speak(text, voice, words_per_minute=words_per_minute))
             for text in ENGLISH
         ]
     except SpeechError as error:

@@ -38,12 +38,16 @@ UNUSUAL = re.compile(
     "℃℉"
     "\uff66-\uffdc"  # half-width kana and hangul
     "\u2460-\u2473\u3380-\u33df\u203c\u2047-\u2049"  # numbers in circles, units, double marks
+    "\u2160-\u216b"  # Roman numerals in one sign
     "\u01c4-\u01cc\u01f1-\u01f3\u0132\u0133\ufb00-\ufb4f"  # ligatures
     "\ufb50-\ufd3d\ufd50-\ufdfb\ufe70-\ufefc"  # shapes of Arabic letters
     "\U0001d400-\U0001d7ff"  # letters of formulas
-    "]|(?<=[0-9０-９])[．，：／](?=[0-9０-９]))+"
+    "]|(?<=[0-9０-９])[．：／](?=[0-9０-９])|(?<=[０-９])，(?=[０-９]))+"
 )
 """Compatibility characters that are ordinary letters, digits and signs in another shape."""
+
+NUMERAL_SIGNS = {0x2160 + number: str(number + 1) for number in range(12)}
+"""Signs of whole Roman numerals, such as `Ⅷ`, as digits."""
 
 UNSEEN = re.compile("[\u00ad\u034f\u061c\u200e\u200f\u202a-\u202e\u2060-\u2069\ufeff]+")
 """Soft hyphens, directions of writing, and spaces without width."""
@@ -54,6 +58,8 @@ APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 """The name of a variable; it ends where a word of another script begins."""
 LATIN_CHARS = "A-Za-z0-9À-ɏ"
+UNSPACED = "\u0e00-\u0eff\u1000-\u109f\u1780-\u17ff\u3000-\u9fff\uac00-\ud7af"
+"""Letters and marks of scripts that put words beside an address without a space."""
 NO_PERCENTAGE = r"(?<!\d)(?<!\d )%"
 """A percent sign that does not follow a number, as in `5%des` and `5 %des`."""
 NO_SHARE = r"(?![\d%]|[.,]\d|['’](?!s\b))"
@@ -135,7 +141,7 @@ FORMS = {
         "♪ 👍🏽": rf"{SYMBOL}(?:\u200d?{SYMBOL})*",
         "<3 --> <= >> <<": r"<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}",
     },
-    "wave": {"~": r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"},
+    "wave": {"~": r"(?<=[^\w\s%℃(])[~〜～]+|[~〜～]+(?!\d)"},
 }
 """Kinds of markup: examples, and the pattern that finds them; the first that fits counts."""
 UNSURE_FORMS = {
@@ -149,8 +155,8 @@ UNSURE_FORMS = {
 """Examples of markup that may be text: its kind, its pattern, and its proof elsewhere in a line."""
 SILENT_KINDS = frozenset({"code", "tag", "sign", "wave", "face"})
 ADDRESS = (
-    r"(?i:https?://|www\.)[^\s<>\"\[\]{}]*[^\s<>\"\[\]{}.,;:!?)]"
-    rf"|(?<![\w.+-])[\w+-]{{1,64}}(?:\.[\w+-]{{1,64}}){{0,4}}"
+    rf"(?i:https?://|www\.)[^\s<>\"\[\]{{}}{UNSPACED}]*[^\s<>\"\[\]{{}}{UNSPACED}.,;:!?)]"
+    rf"|(?<![{LATIN_CHARS}_.+-])[{LATIN_CHARS}_+-]{{1,64}}(?:\.[{LATIN_CHARS}_+-]{{1,64}}){{0,4}}"
     rf"@[{LATIN_CHARS}-]{{1,64}}(?:\.[{LATIN_CHARS}-]{{1,64}}){{1,4}}"
 )
 EMOTICONS = (
@@ -388,5 +394,7 @@ def ordinary(text: str) -> str:
     """
     if text.isascii():
         return APOSTROPHE.sub("'", text) if "`" in text else text
-    text = UNUSUAL.sub(lambda found: normalize("NFKC", found[0]), UNSEEN.sub("", text))
+    text = UNUSUAL.sub(
+        lambda found: normalize("NFKC", found[0].translate(NUMERAL_SIGNS)), UNSEEN.sub("", text)
+    )
     return APOSTROPHE.sub("'", normalize("NFC", text))

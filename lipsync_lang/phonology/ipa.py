@@ -346,6 +346,8 @@ def by_ear(data: Mapping[str, Any]) -> dict[str, Any]:
         **of_the_eye,
         "features": seen | {VOICE: {"weight": hearing["voice"], "otherwise": 1.0}},
         "terms": data["terms"] | {VOICELESS: {VOICE: 0.0}},
+        "marks": data["marks"]
+        | {mark: {"then": data["alone"][mark]} for mark in hearing["heard"].split()},
         "letters": {
             letter: f"{words} {VOICELESS}" if letter in silent else words
             for letter, words in data["letters"].items()

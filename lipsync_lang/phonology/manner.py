@@ -71,7 +71,7 @@ class Manner:
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Make the settings from the result of `plain`."""
         settings = dict(data["settings"])
-        for key in ("rules", "readings"):
+        for key in ("rules", "readings", "foreign"):
             rules = settings[key]
             settings[key] = tuple(Rule(text, tuple(to), *around) for text, to, *around in rules)
         settings["corrections"] = tuple(

@@ -1,8 +1,9 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
-from collections.abc import Collection, Mapping, Sequence
-from itertools import islice
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import chain, islice
 from pathlib import Path
+from string import ascii_uppercase
 from typing import TYPE_CHECKING
 from unicodedata import normalize
 
@@ -38,7 +39,7 @@ def manner_of(
     return Manner(
         language=model.name,
         engine=g2p.engine if g2p else None,
-        settings=_settings(language),
+        settings=_settings(language, common),
         notation=model.g2p_notation,
         voice=(model.tts.engine, model.tts.voice or "") if model.tts else None,
         others=dict(model.tts.others) if model.tts else {},
@@ -76,7 +77,7 @@ def _beside(language: "Pack[models.Language]", field: str, engine: str) -> str:
     return f"{name}:{language.where(('audio', field)).file.parent / folder}"
 
 
-def _settings(language: "Pack[models.Language]") -> Settings:
+def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> Settings:
     model, g2p = language.model, language.model.g2p
     if g2p is None:
         return Settings(model.name)
@@ -95,7 +96,22 @@ def _settings(language: "Pack[models.Language]") -> Settings:
         labels=tuple(model.notations.get(model.g2p_notation, ())),
         respell=g2p.respell,
         otherwise=g2p.otherwise,
+        foreign_voice=common.text.foreign_voice if common.text else "",
+        foreign=tuple(_foreign(model, common)),
+        native=g2p.native,
     )
+
+
+def _foreign(model: "models.Language", common: "models.Phonemes") -> Iterator[Rule]:
+    """Yield the rules for the sounds of foreign words: those of the pack, or the nearest labels."""
+    if model.g2p is None or common.text is None:
+        return
+    yield from (Rule(r.spelling, r.to, r.before, r.after) for r in model.g2p.foreign)
+    named = model.text and model.text.letters.keys() >= set(ascii_uppercase)
+    if named and model.g2p.engine != "espeak" and model.g2p_notation == IPA:
+        labels = frozenset(map(normalise, model.notations.get(IPA, ())))
+        for sound in sorted(common.text.nearby, key=len, reverse=True):
+            yield Rule(sound, _nearest((sound,), labels, common.text.nearby))
 
 
 def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[str, Notation]:
@@ -160,8 +176,10 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         interjections=known,
         abbreviations=_listed(stated.abbreviations, stated.lists) | phrases,
         words=words,
+        beginnings=stated.beginnings,
         endings={last: dict(others) for last, others in stated.endings.items()},
         letters=stated.letters,
+        repeated=stated.repeated,
         numbers={**stated.numbers, **stated.number_rules},
         counted=numerals.counted if numerals else (),
         named=numerals.named if numerals else (),
@@ -178,14 +196,15 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
 def _nearest(
     sounds: Sequence[str], labels: frozenset[str], nearby: Mapping[str, Sequence[str]]
 ) -> tuple[str, ...]:
-    """Return the nearest labels of sounds; a language without labels takes any."""
+    """Return the nearest labels of sounds, exact ones first; any in a language without labels."""
     if not labels:
         return tuple(sounds)
     found: list[str] = []
     for sound in sounds:
         choice = (sound, *nearby.get(sound, ()))
+        exact = (one for one in choice if normalise(one) in labels)
         alike = (one for one in choice if not labels.isdisjoint(looser(normalise(one))))
-        found += islice(alike, 1)
+        found += islice(chain(exact, alike), 1)
     return tuple(found)
 
 

@@ -9,9 +9,8 @@ from lipsync_lang.speech.speaking.speech_engines import (
     ENGINES,
     BatchEngine,
     Engine,
-    speak,
     speak_many,
     speech_engine,
 )
 
-__all__ = ["ENGINES", "BatchEngine", "Engine", "speak", "speak_many", "speech_engine"]
+__all__ = ["ENGINES", "BatchEngine", "Engine", "speak_many", "speech_engine"]

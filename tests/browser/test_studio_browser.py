@@ -55,7 +55,7 @@ class Studio:
     def kill(self, how=signal.SIGKILL):
         if self.process is not None:
             self.process.send_signal(how)
-            self.process.wait(timeout=20)
+            self.process.wait(timeout=60)
             self.process.stdout.close()
             self.process = None
 

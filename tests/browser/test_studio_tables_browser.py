@@ -51,7 +51,7 @@ def story(tmp_path):
 
     yield tell
     server.should_exit = True
-    thread.join(timeout=20)
+    thread.join(timeout=60)
 
 
 def test_a_sound_is_mapped_anew_and_the_tests_of_the_pack_follow(story):

@@ -8,11 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import full
+from voices import speak
 
 from lipsync_lang import SpeechError
 from lipsync_lang.packs.checking.language_checks import check_labels
 from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.models.text_models import LanguageText
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 from lipsync_lang.phonology.g2p import (
@@ -35,7 +37,7 @@ from lipsync_lang.phonology.g2p.rules import (
     stated_syllables,
 )
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
-from lipsync_lang.speech import speak
+from lipsync_lang.speech.speaking.speaker import Speaker
 
 
 def words(text):
@@ -390,6 +392,10 @@ def test_models_of_g2p2_read_words_and_leave_points_to_the_rules():
     assert [(word.text, "".join(word.labels)) for word in found] == [
         ("מלך", "meleχ"), (",", ""), ("שָׁלוֹם", "ʃlom"),
     ]  # fmt: skip
+    spoken = Settings("x", voice="he", code="he", rules=points, otherwise="espeak")
+    (found,) = engine("g2p2", spoken)(["מלך ב-Cocoa"])
+    assert [word.text for word in found] == ["מלך", "ב", "Cocoa"]
+    assert "".join(found[-1].labels).startswith("kəʊ")
     with pytest.raises(SpeechError, match="no installed package has a g2p2 model of 'xx'"):
         engine("g2p2", Settings("x", code="xx"))
 
@@ -446,3 +452,28 @@ def test_stated_readings_count_for_whole_words_between_their_contexts():
     }  # fmt: skip
     with pytest.raises(SpeechError, match=r"reading 1 \('大夫'\) has 1 syllables for 2"):
         compiled_readings([Rule("大夫", ("dai4",))])
+
+
+@pytest.mark.parametrize("language", ["thai", "lao", "khmer", "burmese", "mongolian"])
+def test_a_language_without_latin_letters_hears_words_in_them_from_a_voice(language):
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    (read,) = Speaker.of(language).transcribe(["Photoshop"])
+    assert [one for one in read.phonemes if one in {"f", "bmp"}] == ["f", "bmp"]
+    assert not read.unread
+    (letters,) = Speaker.of(language).transcribe(["CD"])
+    assert not letters.unread
+
+
+def test_a_sign_of_repetition_needs_an_expression_that_is_quick():
+    assert LanguageText(repeated={"ໆ": "[ກ-ຮ][ະ-ຽ]?"}).repeated
+    with pytest.raises(ValueError, match="`repeated` could take too long"):
+        LanguageText(repeated={"ໆ": "[ກ-ຮ]*[ກ-ຽ]*[ກ-ໝ]*[ກ-ໝ]*[ກ-ໝ]*"})
+
+
+def test_a_word_unlike_those_of_the_language_is_heard_from_the_voice():
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    read = Speaker.of("vietnamese").transcribe(["Harry Photoshop", "xã-hội nghiêng"])
+    (harry, program), (society, tilted) = ([word.labels for word in one.words] for one in read)
+    assert harry == ("h", "a", "r", "i")
+    assert (program[0], program[-1]) == ("f", "p")
+    assert (society[0], tilted[0]) == ("x", "ngh")

@@ -9,7 +9,7 @@ from shipped import LANGUAGES, LIBRARY
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.g2p import SpokenWord
-from lipsync_lang.phonology.g2p.own_words import ipa_labels
+from lipsync_lang.phonology.g2p.own_words import OwnWords, ipa_labels
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import read_words
 from lipsync_lang.phonology.g2p.utterances import Utterances
@@ -58,6 +58,12 @@ def test_a_voice_says_the_respelling():
     forms = SpokenForms(words=words, endings=FORMS.endings)
     (said,) = Utterances(forms, (), "aeiou".__contains__).read(["Mio"], spell)
     assert said == (SpokenWord("Mio", tuple("mio"), "meo"),)
+
+
+def test_prefixes_join_respelled_words_of_three_letters():
+    words = {"kot": OwnWord((), "kott"), "by": OwnWord((), "bi"), "xyz": OwnWord(("k",))}
+    own = OwnWords(SpokenForms(words=words, beginnings={"na": "na-"}))
+    assert own.respelled("nakot naby naxyz kot") == "na-kott naby naxyz kott"
 
 
 def test_ipa_is_cut_into_labels_of_the_notation():

@@ -125,4 +125,5 @@ def test_capitals_are_spelled_if_all_have_names():
 
 
 def test_keys_are_whole_words():
-    assert Expansions(FORMS).find("undr. drab 21/2/3 x:10:30:5") == []
+    found = Expansions(FORMS).find("undr. drab 21/2/3 x:10:30:5")
+    assert {one.read for one in found} == {" "}, "only slashes go"

@@ -718,6 +718,31 @@ def test_a_pack_says_better_how_a_label_is_heard(tmp_path, monkeypatch):
     assert names_of(reader_of(Speaker.of("kin")), "ʁ") == ["HH", "R"]
 
 
+@pytest.mark.parametrize(
+    ("label", "phones"),
+    [
+        ("ç", ["SH"]),
+        ("ɬ", ["SH"]),
+        ("t͡ɬʼ", ["CH"]),
+        ("c͡ç", ["CH"]),
+        ("qχ", ["K"]),
+        ("ɱ", ["M"]),
+        ("ɲ", ["N"]),
+        ("ɗ", ["D"]),
+        ("ɯ", ["UW"]),
+        ("ⁿd", ["N", "D"]),
+        ("ᵐb", ["M", "B"]),
+        ("ᵑɡ", ["NG", "G"]),
+        ("ŋǀ", ["NG", "T"]),
+        ("ʘ", ["P"]),
+        ("kʼ", ["K"]),
+        ("a̤ː˥", ["AE"]),
+    ],
+)
+def test_rare_sounds_are_heard_as_a_phonetician_would_say(label, phones):
+    assert [name for name, _ in model_phones().nearest.nearest(label).value] == phones
+
+
 @pytest.mark.parametrize("language", swept(LANGUAGES, 2))
 def test_every_label_of_ipa_is_heard_and_pressed_lips_are_heard_as_such(language):
     reader = reader_of(Speaker.of(language))

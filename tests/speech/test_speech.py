@@ -10,11 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lanes import full, needs_espeak
 from places import ROOT
+from voices import speak
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.espeak.process import WORKER
 from lipsync_lang.schedules import SILENCE, Schedule
-from lipsync_lang.speech import ENGINES, speak
+from lipsync_lang.speech import ENGINES
 from lipsync_lang.speech.speaking.espeak import (
     MAX_ESPEAK_CHARS,
     Espeak,
@@ -513,7 +514,7 @@ def test_the_environment_changes_nothing(monkeypatch, tmp_path):
 def test_the_library_is_never_loaded_into_our_process():
     script = (
         "import sys; import lipsync_lang.speech as s; assert 'espeakng_loader' not in sys.modules;"
-        "s.speak('Hello', 'en-us'); maps = open('/proc/self/maps').read()"
+        "next(s.speak_many(['Hello'], 'en-us')); maps = open('/proc/self/maps').read()"
         " if sys.platform == 'linux' else ''; sys.exit('espeak-ng.so' in maps)"
     )
     root = ROOT

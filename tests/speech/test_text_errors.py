@@ -65,7 +65,12 @@ def test_any_two_neighbours_exchanged_are_reported(english, spoken, at):
 
 
 @pytest.mark.parametrize(
-    ("whole", "word"), [(TEXT, "hogs"), ("A large size in stockings is hard to sell", "large")]
+    ("whole", "word"),
+    [
+        (TEXT, "hogs"),
+        ("Kick the ball straight and follow through", "follow"),
+        ("The girl at the booth sold fifty bonds", "sold"),
+    ],
 )
 def test_a_word_that_is_not_written_is_placed_between_its_neighbours(english, whole, word):
     words, spoken = whole.split(), english.speak(whole)

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import full
+from voices import speak
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align as match
 from lipsync_lang.schedules import SILENCE, Audio, Schedule, Word
 from lipsync_lang.schedules.schedule import DOUBTFUL
-from lipsync_lang.speech import speak
 from lipsync_lang.speech.hearing.align.aligners import ALIGNERS
 from lipsync_lang.speech.hearing.align.bending import SpokenVoice, _coarse, _edges
 from lipsync_lang.speech.hearing.align.spectrum import heard_in, mel_power, samples_of

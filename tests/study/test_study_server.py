@@ -41,7 +41,7 @@ def served(folder, *origins):
 
 
 def ask(port, method="GET", path="/", body=None, headers=None):
-    with closing(http.client.HTTPConnection("127.0.0.1", port, timeout=10)) as link:
+    with closing(http.client.HTTPConnection("127.0.0.1", port, timeout=60)) as link:
         link.request(method, path, body, headers or {})
         answer = link.getresponse()
         return answer.status, answer.read(), answer.headers
@@ -222,7 +222,7 @@ POSTED = b"POST /answers HTTP/1.0\r\nHost: 127.0.0.1\r\nContent-Type: applicatio
 def test_a_slow_request_is_ended(folder, monkeypatch, sent):
     monkeypatch.setattr(serving, "REQUEST_SECONDS", 0.2)
     with served(folder) as port, closing(socket.create_connection(("127.0.0.1", port))) as link:
-        link.settimeout(10)
+        link.settimeout(60)
         link.sendall(sent)
         told = b"".join(iter(lambda: link.recv(1000), b""))
         assert not told or b"408" in told or b"400" in told

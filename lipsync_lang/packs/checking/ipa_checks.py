@@ -74,6 +74,10 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
             (("hearing", "voiceless"), letter)
             for letter in (model.hearing.voiceless.split() if model.hearing else [])
         ),
+        *(
+            (("hearing", "heard"), model.alone.get(mark, mark))
+            for mark in (model.hearing.heard.split() if model.hearing else [])
+        ),
     ]
     for loc, letter in named:
         if _plain(letter) not in letters:

@@ -121,6 +121,8 @@ class HearingFields(Strict):
     """The weight of voice."""
     voiceless: Text
     """The letters without voice, separated by spaces."""
+    heard: str = ""
+    """Marks, separated by spaces, that sound like the letter that `alone` gives them."""
     another: NotNegative
     """The cost of each further phone in a label."""
     later: Unit = 1.0

@@ -26,8 +26,12 @@ from lipsync_lang.packs.models.fields import (
     sound_forms,
 )
 from lipsync_lang.packs.models.gesture_models import GestureWords
-from lipsync_lang.packs.models.text_models import LanguageText, SharedText, WordTable
-from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
+from lipsync_lang.packs.models.text_models import (
+    LanguageText,
+    SharedText,
+    WordTable,
+    check_contexts,
+)
 from lipsync_lang.phonology.labels import Value
 
 SoundClass = Literal[
@@ -175,7 +179,7 @@ class Rewrite(Strict):
 
     @model_validator(mode="after")
     def _contexts_are_usable(self) -> Self:
-        _compile({"before": self.before, "after": self.after})
+        check_contexts({"before": self.before, "after": self.after})
         return self
 
 
@@ -201,22 +205,8 @@ class LabelCorrection(Strict):
         if self.timings and (len(self.to) != len(self.labels) or self.spelled):
             what = "`timings` needs as many labels in `to` as in `from`, and no `spelled`"
             raise PydanticCustomError("P115", what, {"field": "timings"})
-        _compile({"before": self.before, "after": self.after, "spelled": self.spelled})
+        check_contexts({"before": self.before, "after": self.after, "spelled": self.spelled})
         return self
-
-
-def _compile(contexts: Mapping[str, str]) -> None:
-    """Refuse a context that is not a regular expression, or too slow."""
-    for field, text in contexts.items():
-        try:
-            if text:
-                compile_context(text, precedes=field == "after")
-        except ContextError as error:
-            raise PydanticCustomError(
-                "P118" if error.slow else "P117",
-                "`{field}` {what}",
-                {"what": error.what, "hint": error.cure, "field": field},
-            ) from None
 
 
 G2PEngineName = Literal["espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon", "g2p2"]
@@ -247,9 +237,20 @@ class G2P(Strict):
     readings: tuple[Rewrite, ...] = ()
     """Readings of words and letters in the engine's own spelling, such as pinyin with tone digits,
     or kana for syllables; the first that fits wins."""
+    foreign: tuple[Rewrite, ...] = ()
+    """Rewrites of the sounds of words in Latin letters that the engine does not read, as the shared
+    `foreign_voice` says them: to labels, or to the letters of `readings`."""
+    native: str = ""
+    """A regular expression, in small letters, of the words of a language in Latin letters; with
+    `foreign`, other words are said by the voice."""
     corrections: tuple[LabelCorrection, ...] = ()
     """Corrections of the engine's labels, tried in order at each label; the first that fits
     wins."""
+
+    @model_validator(mode="after")
+    def _native_is_usable(self) -> Self:
+        check_contexts({"native": self.native})
+        return self
 
 
 class TTS(Strict):

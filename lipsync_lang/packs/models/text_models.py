@@ -1,5 +1,6 @@
 """Models of written forms that packs read themselves: interjections, abbreviations, numerals."""
 
+from collections.abc import Mapping
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
@@ -16,6 +17,21 @@ from lipsync_lang.packs.models.fields import (
     sound_forms,
 )
 from lipsync_lang.packs.yaml.source import Data
+from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
+
+
+def check_contexts(contexts: Mapping[str, str]) -> None:
+    """Refuse a context that is not a regular expression, or too slow."""
+    for field, text in contexts.items():
+        try:
+            if text:
+                compile_context(text, precedes=field in {"after", "repeated"})
+        except ContextError as error:
+            raise PydanticCustomError(
+                "P118" if error.slow else "P117",
+                "`{field}` {what}",
+                {"what": error.what, "hint": error.cure, "field": field},
+            ) from None
 
 
 class InterjectionSounds(Strict):
@@ -100,7 +116,9 @@ class LanguageText(Strict):
     sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
     stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
     of a word, and `…th…` stands within words, too. `{month}` in both is each word of the list
-    `month`. `№ #` also serves `#1`."""
+    `month`. `№ #` also serves `#1`, and `≈ #` serves `~30`. A spelling that holds more of the text
+    precedes others. If `#` itself is a spelling, all numbers in words are read as it says, and `-#`
+    names the minus of each."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word."""
@@ -116,12 +134,17 @@ class LanguageText(Strict):
     `>{joined}` and `<{joined}` go by the rules `joined`; `<<` and `>>` count in the number of the
     rule itself, such as 100000. From an empty rule on, numbers are read as the engine does. Rules
     for 0 to 9 alone name each digit, as in telephone numbers."""
+    repeated: dict[Text, str] = Field(default={})
+    """Signs that say the word before them again, as the Lao `ໆ`, each with an expression for it."""
     thousands: str = Field(default="", max_length=1)
     """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
     decimal: str = ""
     """The word of the decimal sign in the numbers of `abbreviations`."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
+    beginnings: dict[Text, Text] = Field(default={})
+    """Prefixes that respelled words of `words` with three letters or more take, each with its
+    spelling, as `ה: הַ` for the article of Hebrew."""
     endings: dict[str, dict[Text, Annotated[tuple[Label, ...], OrOne]]] = Field(default={})
     """Endings that words of `words` take, each with its labels: by the end of the word that they
     replace, one sound for each letter, or by an empty text."""
@@ -129,6 +152,12 @@ class LanguageText(Strict):
     """Words whose double letter stays if the word is drawn out: `goood` is `good`."""
     hyphenated: tuple[Text, ...] = ()
     """Words with a hyphen that look like stutters, such as `D-Day`."""
+
+    @model_validator(mode="after")
+    def _repeated_is_usable(self) -> Self:
+        for expression in self.repeated.values():
+            check_contexts({"repeated": expression})
+        return self
 
 
 class SharedText(Strict):
@@ -141,6 +170,9 @@ class SharedText(Strict):
     nearby: dict[Label, tuple[Label, ...]] = Field(default={})
     """For a label that a language does not have, others in order; a sound without any is left
     out."""
+    foreign_voice: str = ""
+    """The voice of eSpeak NG for words in Latin letters, in languages in which `letters` names each
+    of these, and whose engine is no voice itself. Its sounds go to the nearest labels."""
     names: dict[Text, dict[Text, str]] = Field(default={})
     """Names of other languages in IPA, such as `dʒ o n`, by the tag of the language that they come
     from. Every language whose `g2p` writes IPA reads them so, except those of that tag and packs

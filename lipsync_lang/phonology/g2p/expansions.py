@@ -6,7 +6,7 @@ first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a ke
 the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
 with a capital and a full stop are titles, which stand before a name; the words after `|` serve
 without one. A key after `…` is the end of a word; one between two of them stands within words, too.
-A `#` of the text is `№` here.
+In the text, `#` is `№` here, the `~` of `~30` is `≈`, and digits of other scripts are 0 to 9.
 """
 
 import re
@@ -15,11 +15,16 @@ from functools import cache, cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
-from lipsync_lang.phonology.g2p.number_words import number_words
+from lipsync_lang.phonology.g2p.contexts import SEEN_LETTERS, compile_context
+from lipsync_lang.phonology.g2p.number_words import DIGITS, number_words
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
+from lipsync_lang.phonology.g2p.tokens import counts
 
 MAX_ROMAN_CHARS = 12
 """Maximum number of letters of a Roman numeral."""
+
+MAX_SCORE = 999
+"""Maximum number of points in a score."""
 
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
@@ -35,14 +40,17 @@ _VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
 _DOT = r"(?P<dot>\.(?= +[^\W\d_A-ZÀ-Þ]))?"
 """The full stop of an ordinal number, as in `Karl V. war`."""
 
+_LATIN_LETTERS = "A-Za-zÀ-ɏḀ-ỿ"
 _AFTER_NAME = re.compile(
-    r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])" + _DOT
+    rf"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{{2,7}})(?![{_LATIN_LETTERS}\d])" + _DOT
 )
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
 """The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
 
-_CAPITALS = re.compile(r"(?<![A-Za-z])(?![A-Z]*([A-Z])\1)[A-Z]{2,5}(?![A-Za-z])")
+_CAPITALS = re.compile(
+    rf"(?<![{_LATIN_LETTERS}])(?![A-Z]*([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
+)
 
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
@@ -53,23 +61,44 @@ _RUBY_TEXT = re.compile(
 _UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
 """First and last character of scripts that put no spaces between words, or are treated so."""
 
-_MINUS = "-\u2212"
-_SPACED_LETTER = rf"[^\W{''.join(f'{low}-{high}' for low, high in _UNSPACED_SCRIPTS)}]"
-_SIGNED_DIGIT = rf"(?<!{_SPACED_LETTER})(?<![.,/:{_MINUS}])[{_MINUS}](?=\d)"
+_UNSPACED_LETTER = re.compile("[\u0e00-\u0eff]")
+"""A letter of a script that puts spaces between clauses, and none after an abbreviation."""
+
+_SIGNS = str.maketrans("#\u2212٪٫٬״׳", "№-%.,\"'")
+"""Signs of a text, and those of the keys that serve them."""
+
+_UNSPACED_RANGES = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
+_SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。（「{_UNSPACED_RANGES}])-(?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
-_WAVE = re.compile("(?<=[0-9])[~～](?=[0-9])")
+_WAVE = re.compile(r"(?<=[\w%℃])[~～](?=\d)")
+_RANGE_SIGN = re.compile(
+    r"(?<=\d)[—－](?=\d)|(?:(?<=:\d\d)|(?<=\d[%€])|(?<=\d\s%))[-–—－](?=\d)"
+    r"|(?<=\d)[-–](?=[$€£¥₩₹]\d)"
+    r"|(?<=:\d\d )[-–—－](?= \d\d?:\d\d)"
+)
+"""A sign between two numbers that is neither a minus nor a hyphen, whatever else it is.
+
+Keys with the sign itself precede those with `〜`."""
+_RANGE_KEY = "#〜#"
+_ABOUT = re.compile("[~∼～](?= ?[0-9])")
 _OPTIONAL_SPACE = "[ \u00a0\u202f]?"
-_NUMBER_RUN = re.compile(f"[{_MINUS}]?[\\d., \u00a0\u202f]{{1,40}}\\D?")
+_NUMBER_RUN = re.compile("-?[\\d., \u00a0\u202f]{1,40}\\D?")
 """A number with the sign behind it."""
 _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
 _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
-_FIRST_CHARS = {"#": f"0123456789{_MINUS}", "~": "IVXLC"}
+_FIRST_CHARS = {"#": "0123456789-", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
-_BETWEEN = re.compile(r"\{1[^{}]*\}(.*)\{2[^{}]*\}")
+_BEFORE_ALONE = re.compile(r"([^{}]+)\{1\}")
+"""Words before the only number, as in `max. 5 kg`."""
+_BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?([^{}]*)\{[12][^{}]*\}")
+_OTHER_DIGIT = re.compile(r"(?![0-9])\d")
+_NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
 """A number; its thousands may have spaces between them."""
 _SPACES = " \u00a0\u202f"
+_LETTERS = r"([^\W\d_][^\s\d!-/:-@\[-`{-~]+)"
+"""A letter and more, some of which may be marks on letters."""
 
 
 class Replacement(NamedTuple):
@@ -96,10 +125,16 @@ class _Keys:
     """
 
     def __init__(self, forms: SpokenForms) -> None:
-        self._expansions, self._numbers = forms.abbreviations, forms.numbers
+        # engines name these signs where a pack has no words for them
+        self._expansions = {"≈": " ", "/": " ", **forms.abbreviations}
+        self._numbers = forms.numbers
         self._rules = {
             name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
         }
+        # how the keys of a bare number and of a negative one read it
+        bare = _NUMBER_PLACE.fullmatch(self._expansions.get("#", ""))
+        self._bare = bare[2] if bare else ""
+        self._minus = self._expansions.get("-#", "").partition("{")[0]
         self._decimal = forms.decimal
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
@@ -115,7 +150,7 @@ class _Keys:
             # a number begins hundreds of keys, and the sign behind it few of them
             sign = _SIGN_OF_KEY.match(key)
             second = sign[1] if sign else literal[:1]
-            for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key[0])):
+            for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key)):
                 keys = self._beginnings.setdefault((first, second), {})
                 keys.setdefault((literal, numbered), []).append((rank, key))
         firsts = dict.fromkeys(first for first, _ in self._beginnings)
@@ -123,7 +158,7 @@ class _Keys:
         signs = "".join(
             re.escape(first)
             for first in firsts
-            if not (first.isalpha() or first.isdecimal() or first in _MINUS)
+            if not (first.isalpha() or first.isdecimal() or first == "-")
         )
         starts = [
             rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}" + r"(?!\w)" * (key[-1] != "…")
@@ -134,13 +169,22 @@ class _Keys:
         # most letters within words are passed over here, and the others one by one
         starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
+        read = _BEFORE_LAST.fullmatch(self._expansions.get(_RANGE_KEY, ""))
+        self._between = read[2] if read else ""
+        starts += [r"(?:(?<=[\w%€℃])|(?<=\d ))〜(?= ?[^\w\s]?\d)"] if read else []
         self._starts = re.compile("|".join(starts))
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
-        at, text = 0, _WAVE.sub("〜", text).replace("#", "№")
-        while start := self._starts.search(text, at):
+        written = text
+        at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).translate(_SIGNS)
+        text = _OTHER_DIGIT.sub(lambda digit: str(int(digit[0])), text)
+        plain = _RANGE_SIGN.sub("〜", text)
+        while start := self._starts.search(plain, at):
             at = start.end()
+            if start[0] == "〜":
+                yield Replacement(*start.span(), self._between)
+                continue
             if start[0] in self._ends:
                 yield Replacement(*start.span(), self._ends[start[0]])
                 continue
@@ -149,28 +193,52 @@ class _Keys:
                 or is_spaced(text[max(at - 2, 0) : at - 1])
             ):
                 continue
-            found, read = self._match(text, start.start())
-            read, _, alone = read.partition("|")
-            if found and not _fits(found, read, choosy=bool(alone)):
-                read = alone
-            if found and read:
-                at, words = found.end(), self._expanded(found, read)
-                between = found.re.pattern in _RANGE_PATTERNS and _BETWEEN.fullmatch(read)
-                if between:
-                    # a unit after a range is one of its second number
-                    second, _ = self._match(text, found.start(2))
-                    at = max(at, second.end() if second else at)
-                    numbers = found[1], text[found.start(2) : at]
-                    words = between[1].join(respelled(one, self.find(one)) for one in numbers)
+            found, read = max(
+                (self._match(one, start.start()) for one in dict.fromkeys((text, plain))),
+                key=lambda match: match[0].end() if match[0] else -1,
+            )
+            if found:
+                at, words = self._read(found, read)
                 yield Replacement(found.start(), at, words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
                 yield Replacement(*grouped.span(), _digits(grouped))
+            elif number := _NUMBER.match(text, start.start()):
+                at = number.end()
+                if number[0] != written[number.start() : at]:
+                    yield Replacement(*number.span(), number[0])
+
+    def _read(self, found: re.Match[str], read: str) -> tuple[int, str]:
+        """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
+        if found.re.pattern in _RANGE_PATTERNS:
+            start, end = found.groups()
+            # a range rises, but for `1914-18`, and a score such as `3-1` may fall
+            if start.isdigit() and end.isdigit() and int(end) < int(start) <= MAX_SCORE:
+                read = self._expansions.get("#:#", read)
+        words = ""
+        while found.re.pattern in _OPEN_PATTERNS and (before := _BEFORE_LAST.fullmatch(read)):
+            first, last = found[1] if before[1] else "", found.lastindex or 0
+            words += self._respelled(first) + before[2]
+            match, read = self._match(found.string, found.start(last))
+            if match is None:
+                return found.end(), words + self._respelled(found[last])
+            found = match
+        if before := _BEFORE_ALONE.fullmatch(read):
+            unit, after = self._match(found.string, found.start(1))
+            if unit and unit.lastindex == 1 and unit.end() > found.end() == unit.end(1):
+                return unit.end(), words + before[1] + self._expanded(unit, after)
+        return found.end(), words + self._expanded(found, read)
+
+    def _respelled(self, text: str) -> str:
+        return respelled(text, self.find(text))
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
-        """Return the match of the longest key at a place of a text, and its expansion."""
-        first = str(int(text[at])) if text[at].isdecimal() else text[at]
-        numeric = first.isdecimal() or first in _MINUS
+        """Return the longest match of a key at a place of a text, and its expansion.
+
+        The longer key precedes of two that match alike.
+        """
+        first = text[at]
+        numeric = first.isdecimal() or first == "-"
         run = _NUMBER_RUN.match(text, at) if numeric else None
         behind = _SIGN_BEHIND.findall(run[0]) if run else ()
         fitting: list[tuple[int, str]] = []
@@ -181,43 +249,58 @@ class _Keys:
                     not numbered or text[end : end + 2].strip()[:1].isdecimal()
                 ):
                     fitting += keys
+        best, read = None, ""
         for _, key in sorted(fitting):
             found = _expression(key).match(text, at)
-            if found and key[0] == "~" and not roman(found[1]):
+            if not found or (best and found.end() <= best.end()):
                 continue
-            in_word = key[-1].isalnum() or key[-1] == "."
-            after = text[found.end() : found.end() + 2] if found else ""
+            if key[0] == "~" and not roman(found[1]):
+                continue
+            in_word = is_spaced(key[-1]) or key[-1] in ".'"
+            after = text[found.end() : found.end() + 2]
             # `les 2 m'ont vu`
             after = after.lstrip("'’") if key[-2:-1] == " " else after
-            if found and not (in_word and is_spaced(after[:1])):
-                return found, self._expansions[key]
-        return None, ""
+            glued = key[-1] == "." and _UNSPACED_LETTER.match(after)
+            titled, _, alone = self._expansions[key].partition("|")
+            words = titled if _fits(found, titled, choosy=bool(alone)) else alone
+            if words and (glued or not (in_word and is_spaced(after[:1]))):
+                best, read = found, words
+        return best, read
 
     def _expanded(self, found: re.Match[str], read: str) -> str:
         """Return the expansion of a key with its numbers, and spaces before and after words."""
 
         def number(place: re.Match[str]) -> str:
-            written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
-            written = self._grouped.sub(_digits, written).replace("\u2212", "-")
-            if isinstance(words, Mapping):
+            written = found[int(place[1])]
+            words = self._numbers.get(place[2] or self._bare, ())
+            if _NUMBER_RANGE.fullmatch(written) and {*words} != DIGITS:
+                return self._respelled(written)
+            written = self._grouped.sub(_digits, written)
+            sign = self._minus if written[0] == "-" else ""
+            if sign or isinstance(words, Mapping):
                 written = written.lstrip("-")
+            if isinstance(words, Mapping):
                 written = str(roman(written) or written)
-                return number_words(words, written, self._rules, self._decimal)
+                return sign + number_words(words, written, self._rules, self._decimal)
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
-                return words[value - 1]
+                return sign + words[value - 1]
             if written.isalpha():
                 return str(value) if value else written
-            return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
+            decimal = f" {self._decimal} " if self._decimal else r"\g<0>"
+            return sign + re.sub("[.,]", decimal, written)
 
         read = _NUMBER_PLACE.sub(number, read)
+        if bare := self._rules.get(self._bare):
+            # `{few} km` of a list of digits
+            read = number_words(bare, read, self._rules, self._decimal)
         rest = _seen_after(found)
         after = rest.lstrip()
         if read.endswith(".") and after and not after[:1].isupper():
             read = read[:-1]
         before = found.string[max(found.start() - 1, 0) : found.start()]
-        left = " " if before.isalnum() and read[:1].isalnum() else ""
-        right = " " if is_spaced(rest[:1]) and read[-1:].isalnum() else ""
+        left = " " if any(map(counts, before)) and read[:1].isalnum() else ""
+        right = " " if is_spaced(rest[:1]) and counts(read[-1:] or " ") else ""
         return left + read + right
 
 
@@ -231,12 +314,16 @@ def _longest_first(key: str) -> tuple[int, int, str]:
 
 
 def is_spaced(char: str) -> bool:
-    """Return True for a letter or digit of a script that puts spaces between words."""
-    return char.isalnum() and not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
+    """Return True for a letter, mark or digit of a script that puts spaces between words."""
+    spaced = not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
+    return spaced and any(map(counts, char))
 
 
-def _either(first: str) -> str:
-    """Return the pattern of a letter; a small one may be a capital at the start of a sentence."""
+def _either(key: str) -> str:
+    """Return the first letter of a key; that of a word may be a capital, as in a sentence."""
+    first = key[0]
+    if key[1:2] == "#":
+        return first  # `x3` is no `BMW X3`
     return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
 
 
@@ -278,7 +365,8 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        replaced = (*ruby, *self._keys.find(text), *self._roman(text), *self._spelled(text))
+        keys = self._keys.find(text)
+        replaced = (*ruby, *self._again(text), *keys, *self._roman(text), *self._spelled(text))
         for one in sorted(replaced, key=lambda one: (one.start, -one.stop)):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
@@ -292,9 +380,18 @@ class Expansions:
         """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none."""
         names = self._forms.letters
         for one in _CAPITALS.finditer(text) if names else ():
-            known = one[0].lower() in self._forms.interjections
+            known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
             if not known and names.keys() >= set(one[0]):
                 yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
+
+    def _again(self, text: str) -> Iterator[Replacement]:
+        """Yield signs of repetition as what they repeat."""
+        for sign, repeated in self._forms.repeated.items():
+            before = compile_context(repeated, precedes=True).pattern
+            for one in re.finditer(rf"{re.escape(sign)}(?!\d)", text):
+                said = before.search(text, max(0, one.start() - SEEN_LETTERS), one.start())
+                if said:
+                    yield Replacement(*one.span(), f" {said[0]} ")
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
@@ -308,7 +405,7 @@ class Expansions:
                     continue
                 number = roman(one["numeral"])
                 read = ordinals[number - 1] if 0 < number <= len(ordinals) else str(number)
-                named = not bare or one[0][0].isupper()
+                named = not bare or not one[0][0].islower()
                 word = one["numeral"] in self._forms.numeral_words and _IN_SENTENCE.match(
                     text, one.end("numeral")
                 )
@@ -354,7 +451,7 @@ def _expression(key: str) -> re.Pattern[str]:
         if part.startswith("#")
         else _OPTIONAL_SPACE
         if part == " "
-        else r"([^\W\d_]{2,})"
+        else _LETTERS
         if part == "*"
         # "Le" and "Ce" are words, and no numerals with an ending
         else ("([IVX]{1,6})" if after.isalpha() else "([IVXLC]{1,7})(?![A-Za-z])")
@@ -363,15 +460,21 @@ def _expression(key: str) -> re.Pattern[str]:
         for part, after in pairwise([*re.findall("#+|[^#]", key), ""])
     ]
     if key[0].isalpha():
-        parts[0] = f"[{_either(key[0])}]"
+        parts[0] = f"[{_either(key)}]"
     elif key[:1] == "#" != key[1:2]:
-        parts[0] = f"([{_MINUS}]?" + parts[0][1:]
+        parts[0] = f"(-?(?:{parts[0][1:]})"
     if key[0].isalpha() and key[-1] == "#":
-        # `February 2nd`
+        # `pages 12–15`, and `February 2nd`
+        parts[-1] = parts[-1][:-1] + r"(?:[-–]\d+)?)"
         parts.append("(?![a-z])")
     if key[-1] == "#" or key[-1].isdigit():
-        parts.append(r"(?!\d|[.,/:-]\d|\.?[ºª])")
+        parts.append(r"(?!\d|[.,/:–-]\d|\.?[ºª])")
     return re.compile("".join(parts))
 
 
-_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in ("#-#", "#–#", "#〜#"))
+_NUMBER_RANGE = re.compile(r"\d+[-–]\d+")
+_RANGE_KEYS = ("#-#", "# - #", "#–#", "#—#", "#〜#")
+_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGE_KEYS)
+_OPEN_KEYS = (*_RANGE_KEYS, "# x #", "# × #", "≈ #", "± #", "= #", "-#")
+_OPEN_PATTERNS = frozenset(_expression(key).pattern for key in _OPEN_KEYS)
+"""Keys whose last number may have a unit behind it."""

@@ -4,16 +4,17 @@ Its models are small, and come as packages (`g2p2-group-...`). They are read fro
 would download a model that is missing, which nothing here does.
 
 Words with vowel points are read by the rules of the pack, or by the engine that it names as
-`otherwise`: the models know no points.
+`otherwise`: the models know no points. That engine reads words of another script, too.
 """
 
 import lzma
 import pkgutil
+import re
 from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 from importlib.resources import files
 from typing import TYPE_CHECKING
-from unicodedata import category
+from unicodedata import category, name
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line, package_line
@@ -36,14 +37,35 @@ if TYPE_CHECKING:
 GROUP_PACKAGE_PREFIX = "g2p2_group_"
 """Start of the names of the packages that hold models."""
 
+_PREFIX = re.compile("-(.)")
+"""A hyphen, as it parts a prefix and a foreign word."""
+
 
 @G2P_ENGINES.register("g2p2")
 def engine(settings: Settings) -> G2PEngine:
     """Read text with the g2p2 model of the language's code, from an installed package."""
     model = _model(settings.code or "", settings.language)
     known = frozenset(map(normalise, settings.labels))
-    pointing = "rules" if settings.rules else settings.otherwise
-    other = G2P_ENGINES.find(pointing, SpeechError)(settings) if pointing else None
+    scripts = {_script(letter) for rule in settings.rules for letter in rule.spelling}
+
+    def pointed(word: str) -> bool:
+        return any(category(sign) == "Mn" for sign in plain(word))
+
+    def foreign(word: str) -> bool:
+        """Return True for a word with a letter of a script that the rules do not have."""
+        return bool(scripts) and any(c.isalpha() and _script(c) not in scripts for c in word)
+
+    def parted(hyphen: re.Match[str]) -> str:
+        return f" {hyphen[1]}" if foreign(hyphen[1]) else hyphen[0]
+
+    others = [
+        (belongs, G2P_ENGINES.find(reader, SpeechError)(settings))
+        for belongs, reader in (
+            (pointed, "rules" if settings.rules else settings.otherwise),
+            (foreign, settings.otherwise),
+        )
+        if reader
+    ]
 
     @lru_cache(CACHED_WORDS)
     def read_word(word: str) -> SpokenWord:
@@ -51,19 +73,21 @@ def engine(settings: Settings) -> G2PEngine:
         return SpokenWord(word, labels, unread="" if labels else word)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
-        plainly = [read_words(text, read_word) for text in texts]
+        plainly = [read_words(_PREFIX.sub(parted, text), read_word) for text in texts]
         texts_of_words = {word.text for words in plainly for word in words}
-        pointed = sorted(
-            text for text in texts_of_words if any(category(sign) == "Mn" for sign in plain(text))
-        )
         found: dict[str, SpokenWord] = {}
-        if other is not None:
-            for text, words in zip(pointed, other(pointed), strict=True):
+        for belongs, other in others:
+            picked = sorted(filter(belongs, texts_of_words))
+            for text, words in zip(picked, other(picked), strict=True):
                 found[text] = merged(text, words)._replace(stress=())  # as for words of the model
         for words in plainly:
             yield tuple(found.get(word.text, word) for word in words)
 
     return read
+
+
+def _script(letter: str) -> str:
+    return name(letter, "").partition(" ")[0]
 
 
 @cache

@@ -69,7 +69,8 @@ class Settings:
 
     `language` is the pack's name, for messages; `labels` are those of the notation that comes out.
     `respell` names one of `RESPELLERS`, and `otherwise` the engine that reads where the library of
-    the first is not installed.
+    the first is not installed. `foreign_voice` says words in Latin letters that the engine does not
+    read, and `foreign` turns its sounds into labels. Words like the expression `native` are read.
     """
 
     language: str
@@ -82,6 +83,9 @@ class Settings:
     labels: Collection[str] = ()
     respell: str | None = None
     otherwise: str | None = None
+    foreign_voice: str = ""
+    foreign: tuple[Rule, ...] = ()
+    native: str = ""
 
 
 G2PEngine = Callable[[Sequence[str]], Iterable[Sequence[SpokenWord]]]

@@ -1,9 +1,10 @@
 """Words that a pack reads its own way, with the endings of its language.
 
-An entry serves the word and its inflected forms: `Shepardowi` is `Shepard` and `owi`. A hyphen or
-an apostrophe may part the two. An ending that replaces another, as `ę` does the `a` of `Anna`,
-replaces as many sounds as it has letters. An entry with a capital serves inflected forms with a
-capital alone: names are short, and other words begin like them.
+An entry serves the word and its inflected forms: `Shepardowi` is `Shepard` and `owi`, and a
+language may have prefixes, too. A hyphen or an apostrophe may part the two. An ending that replaces
+another, as `ę` does the `a` of `Anna`, replaces as many sounds as it has letters. An entry with a
+capital serves inflected forms with a capital alone: names are short, and other words begin like
+them.
 """
 
 import re
@@ -16,6 +17,9 @@ from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.phonology.g2p.spoken_forms import OwnWord, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import TextPiece, pieces, plain
 from lipsync_lang.phonology.labels import STRESS, normalise
+
+MIN_PREFIXED_CHARS = 3
+"""Minimum number of letters of a word that takes a prefix; shorter ones begin other words."""
 
 _HYPHENATED = re.compile("[^-]+")
 
@@ -44,7 +48,14 @@ class OwnWords:
     """A finder of the words of a pack and of their inflected forms."""
 
     def __init__(self, forms: SpokenForms) -> None:
-        self._words = {plain(word): one for word, one in forms.words.items()}
+        own = {plain(word): one for word, one in forms.words.items()}
+        prefixed = {
+            first + word: OwnWord((), said + one.say)
+            for first, said in forms.beginnings.items()
+            for word, one in own.items()
+            if one.say and len(word) >= MIN_PREFIXED_CHARS
+        }
+        self._words = prefixed | own
         self._names = {plain(word) for word in forms.words if word[0].isupper()}
         self._endings = forms.endings
         lost = max(map(len, forms.endings), default=0)
@@ -61,16 +72,14 @@ class OwnWords:
             word = plain(piece.text)
             if self._starts.isdisjoint((word[:3], word[:2], word[:1])) and "-" not in word:
                 continue
-            own = self._find(piece.text)
-            if own is not None and own.labels:
-                found.said[piece.start] = SpokenWord(piece.text, *own)
-                continue
-            parts = (piece.text,) if own is not None else _HYPHENATED.findall(piece.text)
+            whole = self._find(piece.text) is not None
             at = piece.start
-            for part in parts:
+            for part in (piece.text,) if whole else _HYPHENATED.findall(piece.text):
                 at = text.index(part, at)
                 one = self._find(part)
-                if one is not None and not one.labels:
+                if one is not None and one.labels:
+                    found.said[at] = SpokenWord(part, *one)
+                elif one is not None:
                     found.respelled.append(Replacement(at, at + len(part), one.say))
                 at += len(part)
         return found

@@ -334,7 +334,7 @@ def _cardinal(digits: str) -> str:
         said = HANZI_DIGITS[int(digit)] + (_POWERS_OF_TEN[place % 4] or _MYRIADS[place // 4]) + said
     for pattern, to in _ZEROS:
         said = re.sub(pattern, to, said)
-    return re.sub("^一十", "十", said) or "零"
+    return re.sub("^二(?=[千万亿])", "两", re.sub("^一十", "十", said)) or "零"
 
 
 _PINYIN_OF_IPA = dict(sound.split() for sound in ("j y", "uː u", "v f", "x h", "z s"))

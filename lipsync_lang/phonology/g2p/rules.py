@@ -13,7 +13,8 @@ Readings, which a pack states syllable by syllable, count where their letters ar
 text, and their contexts fit around them.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import accumulate
 from typing import NamedTuple
@@ -34,6 +35,11 @@ from lipsync_lang.phonology.g2p.tokens import plain, read_words
 
 SLOW = "and those before it with the same first letter could take too long"
 QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
+
+ForeignReader = Callable[[str], tuple[str, ...]]
+
+_LATIN_WORD = re.compile("(?=.*[a-zß-ɏ])[A-Za-zÀ-ɏḀ-ỿ][A-Za-zÀ-ɏḀ-ỿ'-]+")
+"""A word with a small letter; capitals alone are an abbreviation."""
 
 CACHED_WORDS = 20_000
 """Maximum number of cached readings of words."""
@@ -112,22 +118,54 @@ def engine(settings: Settings) -> G2PEngine:
     rewriter = Rewriter(settings.rules, settings.labels)
     readings = Rewriter(settings.readings)
     respell = respeller(settings.respell) if settings.respell else None
+    foreign = foreign_reader(settings)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for text in texts:
             yield tuple(_read(text))
 
+    def _read_word(word: str) -> SpokenWord:
+        labels = foreign(word) if respell is None else ()
+        return SpokenWord(word, labels) if labels else rewriter.read(word)
+
     def _read(text: str) -> Iterator[SpokenWord]:
         if respell is None:
-            yield from read_words(text, rewriter.read)
+            yield from read_words(text, _read_word)
             return
         for piece, respelled in respell(text):
-            spelling = _by_syllables(piece, respelled, readings)
+            spelling = _by_syllables(piece, respelled, readings, foreign)
             words = read_words(spelling, rewriter.read)
             if any(word.labels for word in words):
                 yield merged(piece, words, spelling.replace(WHISPER, ""))
             else:
                 yield from (word._replace(text=piece) for word in words[:1])
+
+    return read
+
+
+def foreign_reader(settings: Settings) -> ForeignReader:
+    """Return a function from a word in Latin letters to the labels of its sounds in another voice.
+
+    They are none if there is no such voice, or if it cannot say the word.
+    """
+    rewriter = Rewriter(settings.foreign, settings.labels)
+    around = Surroundings.compiled(f"(?:{settings.native})$", "", "`native`")
+
+    def native(word: str) -> bool:
+        parts = re.split("[-']", plain(word)) if settings.native else [""]
+        return any(parts) and all(around.fit(part, 0, 0) for part in parts)
+
+    @lru_cache(CACHED_WORDS)
+    def read(word: str) -> tuple[str, ...]:
+        if not settings.foreign or not _LATIN_WORD.fullmatch(word) or native(word):
+            return ()
+        voice = Settings(settings.language, settings.foreign_voice)
+        try:
+            (said,) = G2P_ENGINES.find("espeak", SpeechError)(voice)([word])
+        except SpeechError:
+            return ()
+        found = rewriter.read("".join(label for one in said for label in one.labels))
+        return () if found.unread else found.labels
 
     return read
 
@@ -165,14 +203,18 @@ def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:
         first.setdefault((spelling, rule.after, rule.before), number)
 
 
-def _by_syllables(word: str, respelled: str, readings: Rewriter) -> str:
+def _by_syllables(word: str, respelled: str, readings: Rewriter, foreign: ForeignReader) -> str:
     """Return the readings of a word that its respelling spells by letters; else the respelling.
+
+    A word without readings has those of its sounds in another voice.
 
     Names of letters are longer than the word. Capitals alone are an abbreviation.
     """
     if len(respelled) <= len(word) or word.upper() == word:
         return respelled
     read = readings.read(word)
+    if read.unread:
+        read = readings.read("".join(foreign(word)))
     return respelled if read.unread else "".join(read.labels) or respelled
 
 

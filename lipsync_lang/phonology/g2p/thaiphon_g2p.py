@@ -13,17 +13,19 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
-from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
+from lipsync_lang.phonology.g2p.rules import CACHED_WORDS, foreign_reader
 from lipsync_lang.phonology.g2p.tokens import TextPiece, pieces
 from lipsync_lang.phonology.labels import normalise
 
 REPETITION_SIGN = "\u0e46"
 """The sign that repeats a word."""
 
+_ALPHANUMERIC = re.compile(r"\w|[\u0e00-\u0e7f]")
+_SCRIPT_LETTER = re.compile("[\u0e01-\u0e4e]")
+
 MAX_READ_DIGITS = 15
 """Maximum digits of a number; a longer one is read digit by digit."""
 
-_SCRIPT_LETTER = re.compile("[\u0e01-\u0e4e]")
 _TONES = re.compile("[\u02e5-\u02e9/]")
 _RUN = re.compile("[0-9\u0e50-\u0e59]+|[^0-9\u0e50-\u0e59]+")
 
@@ -42,6 +44,7 @@ def engine(settings: Settings) -> G2PEngine:
             f"get them with: {install_line('thaiphon')}"
         ) from None
     known = frozenset(map(normalise, settings.labels))
+    foreign = foreign_reader(settings)
 
     @lru_cache(CACHED_WORDS)
     def labels_of(word: str) -> tuple[str, ...]:
@@ -57,9 +60,10 @@ def engine(settings: Settings) -> G2PEngine:
 
     def words(run: str) -> Iterator[SpokenWord]:
         last: tuple[str, ...] = ()
-        for word in word_tokenize(run, keep_whitespace=False):
+        for word in filter(_ALPHANUMERIC.search, word_tokenize(run, keep_whitespace=False)):
             again = word == REPETITION_SIGN
-            last = last if again else labels_of(word)
+            reader = labels_of if _SCRIPT_LETTER.search(word) else foreign
+            last = last if again else reader(word)
             yield SpokenWord(word, last, unread="" if last else word)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
@@ -74,7 +78,7 @@ def _read(
     words: Callable[[str], Iterator[SpokenWord]],
     number: Callable[[str], tuple[str, ...]],
 ) -> Iterator[SpokenWord]:
-    """Yield the words of a piece; letters of other scripts are left over."""
+    """Yield the words of a piece; letters of scripts that no voice reads are left over."""
     if piece.kind != "word":
         yield SpokenWord(piece.text, (), unread=piece.text if piece.kind == "symbol" else "")
         return
@@ -82,7 +86,5 @@ def _read(
         run = found[0]
         if run.isdigit():
             yield SpokenWord(run, number(run))
-        elif _SCRIPT_LETTER.search(run):
-            yield from words(run)
         elif any(map(str.isalnum, run)):
-            yield SpokenWord(run, (), unread=run)
+            yield from words(run)

@@ -136,9 +136,11 @@ class Utterances:
         odd = bool(_STUTTER_SIGN.search(text))
         done = 0
         for number, token in enumerate(tokens):
-            if (said := own.get(token.start)) is not None:
-                done = token.start + len(token.text)
-                yield _PartStart(token.start, done, UtterancePart(token.text, said=said))
+            said = [at for at in own if 0 <= at - token.start < len(token.text)]
+            for at in said:
+                done = at + len(own[at].text)
+                yield _PartStart(at, done, UtterancePart(own[at].text, said=own[at]))
+            if said:
                 continue
             if not (odd or self._interjections.possible(token.text)):
                 continue

@@ -80,34 +80,19 @@ def refuse_unspeakable(text: str, quoted_text: str, readable: str, most: int) ->
         )
 
 
-def speak(
-    text: str, voice: str, *, engine: str = "espeak", words_per_minute: int | None = None
-) -> Schedule:
-    """Synthesise text to sound with timed phonemes.
-
-    Parameters
-    ----------
-    text : plain text; markup is not interpreted
-    voice : voice name of the engine, as in a language pack's ``tts.voice``
-    engine : a name in `ENGINES`
-    words_per_minute : speech rate; None for the engine's default
-
-    Raises
-    ------
-    SpeechError
-        The text is empty, the engine or voice is unknown, or the engine failed.
-    """
-    _log.info("%s speaks with the voice %s", engine, voice)
-    speaking = ENGINES.find(engine, SpeechError)
-    return speaking.speak(text, voice, words_per_minute=words_per_minute)
-
-
 def speak_many(
     texts: Iterable[str], voice: str, *, engine: str = "espeak", words_per_minute: int | None = None
 ) -> Iterator[Schedule | SpeechError]:
-    """Synthesise texts as `speak` does; yield for each its schedule, or its error.
+    """Synthesise texts to sound with timed phonemes; yield for each its schedule, or its error.
 
     An engine with `speak_many` may take some texts ahead of its results.
+
+    Parameters
+    ----------
+    texts : plain texts; markup is not interpreted
+    voice : voice name of the engine, as in a language pack's ``tts.voice``
+    engine : a name in `ENGINES`
+    words_per_minute : speech rate; None for the engine's default
     """
     _log.info("%s speaks with the voice %s", engine, voice)
     try:

@@ -1,8 +1,10 @@
 """Adaptation of an acoustic model to voices, from aligned recordings without labels.
 
-The means of Gaussians move towards the frames that they explain (MAP, Gauvain and Lee 1994)::
+The means of Gaussians move towards the frames that they explain, by shifts in their standard
+deviations. The shift of all phonemes is the prior of the shift of one phoneme, and that is the
+prior of the shift of one Gaussian (structural MAP, Shinoda and Lee 2001)::
 
-    m' = (tau m + sum of g x) / (tau + sum of g)
+    shift' = (tau shift + sum of g (x - m) / s) / (tau + sum of g)
 
 with the posterior probability g of a Gaussian in the aligned state of frame x.
 """
@@ -25,8 +27,8 @@ from lipsync_lang.speech.hearing.sphinx.acoustic_model import (
 )
 from lipsync_lang.speech.hearing.sphinx.forced import HeardPhoneme
 
-MODEL_FRAMES = 5.0
-"""Frames that weigh as much as the mean of the model: tau."""
+MODEL_FRAMES = 20.0
+"""Frames that weigh as much as the prior of a shift: tau."""
 
 PLACES = {
     (True, True): WordPosition.INSIDE,
@@ -115,8 +117,13 @@ class GaussianSums:
     def adapted(self) -> AcousticModel:
         """Return the model with means moved towards the frames."""
         size, precision, means = self.sums.shape[2], *means_of(self.model)
-        counts = self.counts[:, :, None]
-        moved = (MODEL_FRAMES * means + self.sums) / (MODEL_FRAMES + counts)
+        counts, scale = self.counts[:, :, None], np.sqrt(np.maximum(precision, 1e-30))
+        away = (self.sums - counts * means) * scale
+        shift = np.zeros(1)
+        for below in ((0, 3), (3,), ()):  # all, the codebook of a phoneme, a Gaussian
+            frames = MODEL_FRAMES + counts.sum(axis=below, keepdims=True)
+            shift = (MODEL_FRAMES * shift + away.sum(axis=below, keepdims=True)) / frames
+        moved = means + shift / scale
         gaussians = self.model.gaussians.copy()
         gaussians[:, :, size:-1] = precision * moved
         gaussians[:, :, -1] -= (precision * (moved**2 - means**2)).sum(axis=2) / 2

@@ -46,6 +46,12 @@ NOTHING_ELSE_RATIO = 1.5
 LEAST_BAND_GAIN = 0.25
 """Minimum gain of a band; noise is attenuated no further, because it may be a voice."""
 
+QUIET_SHARE = 0.3
+"""Maximum share of quiet frames in the mean of a sound's cepstra.
+
+With all of them, long pauses would make a voice far louder than those of the models' training.
+"""
+
 GAIN_FRAMES = 2
 """Frames on each side of a frame on whose mean power its gain depends."""
 
@@ -114,8 +120,13 @@ class SphinxFrontEnd(FrontEnd):
     def _normalised(self, spectra: Floats) -> Floats:
         """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
         cepstra = CepstralFrames(self).cepstra(spectra)
+        # Quiet frames are below the middle, in decibels, between the noise and the loudest frame.
+        loud = spectra.sum(axis=1)
+        quiet = loud < np.sqrt(np.percentile(loud, QUIET_PERCENT) * loud.max())
+        share = min(quiet.mean(), QUIET_SHARE)
+        weights = np.where(quiet, share / max(quiet.sum(), 1), (1 - share) / max((~quiet).sum(), 1))
         # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
-        cepstra -= cepstra.mean(axis=0)
+        cepstra -= weights @ cepstra
         return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
 
 
