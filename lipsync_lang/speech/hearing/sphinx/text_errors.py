@@ -4,7 +4,7 @@ Each word may fit where it stands although the text is wrong. So the words are s
 with one of them elsewhere, and once with other speech between them. What that gains is the doubt.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -119,7 +119,6 @@ class TextErrors:
             ways[one.word] += (one.phone,)
         # the pronunciation that is heard, or the first one of a word that is left out
         self._ways = [way or some[0] for way, some in zip(ways, words, strict=True)]
-        self._spoken = {one.word for one in self._said}
         first, stop = self._said[0].first, self._said[-1].stop
         self._others = [one for one in heard if one.word == one.phone == OUTSIDE]
         before, after = self._other_frames(0, first), self._other_frames(stop, len(features))
@@ -134,7 +133,7 @@ class TextErrors:
         self._within = slice(max(first, 0), stop - self._start)
         self._sound = Listening(model, features[self._start : end])
         self._alone = self._sound.scores(model.alone)
-        speech = [phone.number not in model.fillers for phone in model.alone]
+        speech = [n for n in range(len(model.alone)) if n not in model.fillers]
         self._best = self._alone[:, speech].max(axis=(1, 2))
 
     def moved_word(self) -> MovedWord | None:
@@ -144,7 +143,7 @@ class TextErrors:
         """
         way = self._likeliest_order()
         order = list(dict.fromkeys(word for word, _ in way))
-        if order == sorted(order) or len(order) < len(self._ways):
+        if order == sorted(order):
             return None
         rests = ([*order[:at], *order[at + 1 :]] for at in range(len(order)))
         # without a single word that moved, the halves are exchanged
@@ -156,7 +155,7 @@ class TextErrors:
     def _likeliest_order(self) -> list[tuple[int, Run]]:
         """Return the phonemes of the likeliest order of the words, with the price of another one.
 
-        One word is moved, or two parts are exchanged. A word that `lay` left out may lack.
+        One word is moved, or two parts are exchanged.
         """
         graph, count = Graph(self._model), len(self._ways)
         joins: list[list[int]] = [[SOUND_START], *([] for _ in range(count))]
@@ -183,8 +182,6 @@ class TextErrors:
             if at + 1 < count:
                 joins[at + 2] += spoken(at, early[at + 1])
             joins[at + 1] += spoken(at, before)
-            if at not in self._spoken:
-                joins[at + 1] += before
         ends = joins[count]
         # from any word to the last, and then from the first on
         last = []
@@ -198,31 +195,24 @@ class TextErrors:
         scores = self._alone[self._within, self._phones(graph)]
         floor = self._best[self._within] + np.float32(ORDER_FLOOR_LOG)
         np.maximum(scores, floor[:, None, None], out=scores)
-        turns = np.zeros(len(graph.nodes))
-        turns[[*prices]] = [*prices.values()]
-        way = self._way(graph, scores, ends, turns)
+        way = self._way(graph, scores, ends, prices)
         runs = [(graph.nodes[run.phone].word, run) for run in way]
         return [(word, run) for word, run in runs if word != OUTSIDE]
 
     def unwritten(self) -> list[UnwrittenSpeech]:
         """Return speech that no word of the text explains, within the words and beside them."""
         phones, likely = self._phone_loop()
-        spans = [
-            (one, slice(one.first - self._start, one.stop - self._start)) for one in self._said
-        ]
-        losses = [
-            one.fit * (one.stop - one.first) + float((self._best[at] - likely[at]).sum())
-            for one, at in spans
-        ]
-        usual = sum(losses) / sum(one.stop - one.first for one in self._said)
+        said = np.concatenate([np.arange(one.first, one.stop) for one in self._said]) - self._start
+        fit = sum(one.fit * (one.stop - one.first) for one in self._said)
+        usual = (fit + (self._best - likely)[said].sum()) / len(said)
         graph, silence = Graph(self._model), self._model.silence
-        starts: list[int] = []
+        prices: dict[int, float] = {}
 
         def gap(ends: Sequence[int]) -> list[int]:
             """Add an optional pause, speech of three phonemes' length or more, and a pause."""
             quiet = graph.add(PAUSE, silence, silence, ends)
             last = [*ends, quiet]
-            starts.append(len(graph.nodes))
+            prices[len(graph.nodes)] = ENTER_UNWRITTEN_LOG
             for _ in range(UNWRITTEN_PHONES):
                 last = [graph.add(SPEECH, silence, silence, last)]
             return [*ends, quiet, *last, graph.add(PAUSE, silence, silence, last)]
@@ -236,29 +226,24 @@ class TextErrors:
         scores = self._sound.scores(self._model.phones(graph.contexts))
         other = [node == SPEECH for node in graph.nodes]
         scores[:, other] = (likely + np.float32(usual + UNWRITTEN_LOG))[:, None, None]
-        turns = np.zeros(len(graph.nodes))
-        turns[starts] = ENTER_UNWRITTEN_LOG
         found: list[UnwrittenSpeech] = []
         word = 0
-        for run in self._way(graph, scores, ends, turns):
+        for run in self._way(graph, scores, ends, prices):
             node = graph.nodes[run.phone]
-            if node == SPEECH and found and found[-1].stop == run.first:
-                found[-1] = found[-1]._replace(stop=run.stop)
+            one = UnwrittenSpeech(word, run.first + self._start, run.stop + self._start)
+            if node == SPEECH and found and found[-1].stop == one.first:
+                found[-1] = found[-1]._replace(stop=one.stop)
             elif node == SPEECH:
-                found.append(UnwrittenSpeech(word, run.first, run.stop))
+                found.append(one)
             elif node.word != OUTSIDE:
                 word = node.word + 1
-        return [
-            UnwrittenSpeech(one.before, one.first + self._start, one.stop + self._start)
-            for one in found
-            if self._told(one, phones)
-        ]
+        return [one for one in found if self._told(one, phones)]
 
     def _told(self, one: UnwrittenSpeech, phones: Sequence[Run]) -> bool:
         """Return True for speech that may be a word, and that is not reported as other sound."""
-        middles = [(phone.first + phone.stop) / 2 for phone in phones]
+        middles = [(phone.first + phone.stop) / 2 + self._start for phone in phones]
         many = sum(one.first <= at < one.stop for at in middles) >= UNWRITTEN_PHONES
-        other = self._other_frames(one.first + self._start, one.stop + self._start)
+        other = self._other_frames(one.first, one.stop)
         return many and one.stop - one.first >= MIN_UNWRITTEN_FRAMES and other < MIN_OTHER_FRAMES
 
     def _other_frames(self, first: int, stop: int) -> int:
@@ -269,11 +254,10 @@ class TextErrors:
         """Return the likeliest phonemes of speech without words, and the likelihood of frames."""
         count = len(self._model.alone)
         follows = [[SOUND_START, *range(count)]] * count
-        stay = self._model.stay[[phone.number for phone in self._model.alone]]
-        runs = likeliest_way(self._alone, stay, follows, turns=np.full(count, ENTER_PHONE_LOG))
-        likely = [self._alone[run.first : run.stop, run.phone].max(axis=1) for run in runs or ()]
-        fillers = self._model.fillers
-        spoken = [run for run in runs or () if self._model.alone[run.phone].number not in fillers]
+        turns = np.full(count, ENTER_PHONE_LOG)
+        runs = likeliest_way(self._alone, self._model.stay, follows, turns=turns) or []
+        likely = [self._alone[run.first : run.stop, run.phone].max(axis=1) for run in runs]
+        spoken = [run for run in runs if run.phone not in self._model.fillers]
         return spoken, np.concatenate(likely)
 
     def _phones(self, graph: Graph) -> list[int]:
@@ -281,8 +265,12 @@ class TextErrors:
         return [silence if node.word == OUTSIDE else node.phone for node in graph.nodes]
 
     def _way(
-        self, graph: Graph, scores: Singles, ends: Sequence[int], turns: Floats | None = None
+        self, graph: Graph, scores: Singles, ends: Sequence[int], prices: Mapping[int, float]
     ) -> list[Run]:
-        """Return the likeliest path; it is empty if the words are longer than the sound."""
-        stay = self._model.stay[self._phones(graph)]
+        """Return the likeliest path; it is empty if the words are longer than the sound.
+
+        `prices` are log scores for entering nodes.
+        """
+        stay, turns = self._model.stay[self._phones(graph)], np.zeros(len(graph.nodes))
+        turns[[*prices]] = [*prices.values()]
         return likeliest_way(scores, stay, graph.before, ends, turns) or []
