@@ -46,8 +46,8 @@ NOTHING_ELSE_RATIO = 1.5
 LEAST_BAND_GAIN = 0.25
 """Minimum gain of a band; noise is attenuated no further, because it may be a voice."""
 
-QUIET_SHARE = 0.3
-"""Maximum share of quiet frames in the mean of a sound's cepstra.
+PAUSE_SHARE = 0.3
+"""Maximum share of pauses in the mean of a sound's cepstra.
 
 With all of them, long pauses would make a voice far louder than those of the models' training.
 """
@@ -123,7 +123,7 @@ class SphinxFrontEnd(FrontEnd):
         # Quiet frames are below the middle, in decibels, between the noise and the loudest frame.
         loud = spectra.sum(axis=1)
         quiet = loud < np.sqrt(np.percentile(loud, QUIET_PERCENT) * loud.max())
-        share = min(quiet.mean(), QUIET_SHARE)
+        share = min(quiet.mean(), PAUSE_SHARE)
         weights = np.where(quiet, share / max(quiet.sum(), 1), (1 - share) / max((~quiet).sum(), 1))
         # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
         cepstra -= weights @ cepstra
