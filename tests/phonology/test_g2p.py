@@ -278,6 +278,9 @@ def texts(found):
         ("Hello, world!", [CLAUSE[:1], CLAUSE[1:]], [("Hello", "hə"), (",", ""), ("world", "wɜː")]),
         ("Hello, world", [CLAUSE], [("Hello", "hə"), ("world", "wɜː")]),
         ("of the world", [CLAUSE], [("of the world", "həwɜː")]),
+        ("in the world", [CLAUSE], [("in the", "hə"), ("world", "wɜː")]),
+        ("in the", [CLAUSE[:1]], [("in the", "hə")]),
+        ("in the 8", [CLAUSE], [("in the 8", "həwɜː")]),
         ("10 000", [CLAUSE], [("10 000", "həwɜː")]),
         ("NASA it", [CLAUSE], [("NASA it", "həwɜː")]),
         ("5", [CLAUSE], [("5", "həwɜː")]),
@@ -289,7 +292,7 @@ def texts(found):
     ],
 )
 def test_words_are_the_users_where_that_is_sure(text, clauses, found):
-    assert texts(paired(text, clauses, {"hel-wor": 2, "7": 1})) == found
+    assert texts(paired(text, clauses, {"hel-wor": 2, "7": 1, "in the": 1})) == found
 
 
 @given(

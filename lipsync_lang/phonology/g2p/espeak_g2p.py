@@ -2,11 +2,13 @@
 
 It says a text clause by clause and tells its words apart, but not which of the user's they are:
 "10,000" is several of them, "of the" is one. Where a clause has as many words as the user's have by
-themselves, they are these; else the clause is one `SpokenWord` as a whole.
+themselves, or as pairs that the voice joins, they are these; else the clause is one `SpokenWord` as
+a whole.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
+from itertools import pairwise
 from types import MappingProxyType
 
 from lipsync_lang.phonology.espeak.phoneme_labels import label_of, stress_of
@@ -42,10 +44,16 @@ def engine(settings: Settings) -> G2PEngine:
         odd = {
             p.text for text in plain for p in pieces(text) if p.kind != "pause" and not _surely(p)
         }
-        unmet = sorted(odd - lengths.keys())
-        for token, found in zip(unmet, reader.transcribe(unmet, voice), strict=True):
-            lengths[token] = sum(map(len, found))
-        clauses = reader.transcribe(plain, voice)
+
+        def count(spoken: set[str]) -> None:
+            unmet = sorted(spoken - lengths.keys())
+            for one, found in zip(unmet, reader.transcribe(unmet, voice), strict=True):
+                lengths[one] = sum(map(len, found))
+
+        count(odd)
+        clauses = list(reader.transcribe(plain, voice))
+        for text, found in zip(plain, clauses, strict=True):
+            count({pair for said in paired(text, found, lengths) for pair in _pairs(said.text)})
         for text, parts, found in zip(plain, spelled, clauses, strict=True):
             words = paired(text, found, lengths)
             yield tuple(map(apart, as_written(words, parts) if respell else words))
@@ -108,7 +116,7 @@ def paired(
 ) -> Iterator[SpokenWord]:
     """Yield the words of each clause in the user's spelling, with pauses between clauses.
 
-    `lengths` gives the number of spoken words for numbers, compounds and the like.
+    `lengths` gives the number of spoken words for numbers, compounds, pairs of words and the like.
     """
     written: list[list[TextPiece]] = [[]]
     for piece in pieces(text):
@@ -120,7 +128,7 @@ def paired(
     spoken = [words for words in clauses if words]
     whole = [word for words in spoken for word in words]
     tokens = [token for part in written for token in part]
-    if len(written) != len(spoken) and _matched(tokens, whole, lengths) is not None:
+    if len(written) != len(spoken) and _matched(text, tokens, whole, lengths) is not None:
         spoken, written = [whole], [tokens]
     if len(written) != len(spoken):
         written = [tokens] if tokens else []
@@ -131,7 +139,7 @@ def paired(
     for number, (words, part) in enumerate(zip(spoken, written, strict=True)):
         if number:
             yield SpokenWord(",", ())
-        matched = _matched(part, words, lengths)
+        matched = _matched(text, part, words, lengths)
         if matched is not None:
             yield from matched
         else:
@@ -139,24 +147,36 @@ def paired(
 
 
 def _matched(
-    tokens: Sequence[TextPiece], words: LabelledWords, lengths: Mapping[str, int]
+    text: str, tokens: Sequence[TextPiece], words: LabelledWords, lengths: Mapping[str, int]
 ) -> list[SpokenWord] | None:
-    """Assign spoken words to each token; None if the assignment is uncertain.
+    """Assign spoken words to each token, or pair of tokens; None if the assignment is uncertain.
 
     The assignment is certain if the clause has as many words as its tokens have when spoken alone.
-    Words that eSpeak joins make the number smaller.
     """
     alone = len(tokens) == len(words) == 1
-    counted = [1 if alone or _surely(t) else lengths.get(t.text, 0) for t in tokens]
-    if sum(counted) != len(words) or 0 in counted:
+    counted: list[tuple[list[TextPiece], int]] = []
+    for token in tokens:
+        if counted and lengths.get(_between(text, [counted[-1][0][-1], token])) == 1:
+            counted[-1][0].append(token)
+        else:
+            sure = alone or _surely(token)
+            counted.append(([token], 1 if sure else lengths.get(token.text, 0)))
+    numbers = [number for _, number in counted]
+    if sum(numbers) != len(words) or 0 in numbers:
         return None
     said: list[SpokenWord] = []
     at = 0
-    for token, count in zip(tokens, counted, strict=True):
-        labels = tuple(label for word in words[at : at + count] for label in word)
-        said.append(SpokenWord(token.text, labels))
-        at += count
+    for joined, number in counted:
+        labels = tuple(label for word in words[at : at + number] for label in word)
+        said.append(SpokenWord(_between(text, joined), labels))
+        at += number
     return said
+
+
+def _pairs(text: str) -> Iterator[str]:
+    """Yield each two neighbouring words of a text."""
+    for pair in pairwise(piece for piece in pieces(text) if piece.kind == "word"):
+        yield _between(text, pair)
 
 
 def _surely(token: TextPiece) -> bool:
