@@ -38,7 +38,7 @@ QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
 ForeignReader = Callable[[str], tuple[str, ...]]
 
-_LATIN_WORD = re.compile("(?=.*[a-zß-ɏ])[A-Za-zÀ-ɏḀ-ỿ][A-Za-zÀ-ɏḀ-ỿ'-]+")
+_LATIN_WORD = re.compile("(?=.*[a-zß-ɏ])[A-Za-zÀ-ɏ][A-Za-zÀ-ɏ'-]+")
 """A word with a small letter; capitals alone are an abbreviation."""
 
 CACHED_WORDS = 20_000
