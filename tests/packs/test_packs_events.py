@@ -33,8 +33,9 @@ def marks(mark, data):
     return place, [marks(one, data[number]) for number, one in enumerate(mark.inner or ())]
 
 
-READ_BY_LIBYAML_ALONE = re.compile(rb"[\[{][^\n]*\w\?")
-"""A question mark within a word between brackets; PyYAML's own reader takes it for a key."""
+READ_BY_LIBYAML_ALONE = re.compile(rb"[\[{][^\n]*\w\?|\w[ \t]*\t[ \t]*\w")
+"""A question mark within a word between brackets, which PyYAML's own reader takes for a key, or a
+tab between words, which it refuses."""
 
 
 def assert_same(path, content):

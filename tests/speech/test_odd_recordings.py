@@ -114,7 +114,7 @@ def test_the_form_of_a_file_moves_next_to_nothing(english, voice, tmp_path, alig
     assert [word.text for word in heard.words] == [word.text for word in plain.words]
     away = np.abs(starts(heard) - starts(plain))
     assert np.median(away) <= 0.01
-    assert away.max() <= 0.06
+    assert away.max() <= 0.07
     assert heard.end == pytest.approx(heard.audio.seconds)
 
 
