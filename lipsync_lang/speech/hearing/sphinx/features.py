@@ -46,6 +46,9 @@ NOTHING_ELSE_RATIO = 1.5
 LEAST_BAND_GAIN = 0.25
 """Minimum gain of a band; noise is attenuated no further, because it may be a voice."""
 
+PAUSE_RATIO = 1e-3
+"""Power of a pause relative to the loudest frame (-30 dB), if the noise is no louder."""
+
 PAUSE_SHARE = 0.3
 """Maximum share of pauses in the mean of a sound's cepstra.
 
@@ -120,9 +123,9 @@ class SphinxFrontEnd(FrontEnd):
     def _normalised(self, spectra: Floats) -> Floats:
         """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
         cepstra = CepstralFrames(self).cepstra(spectra)
-        # Quiet frames are below the middle, in decibels, between the noise and the loudest frame.
         loud = spectra.sum(axis=1)
-        quiet = loud < np.sqrt(np.percentile(loud, QUIET_PERCENT) * loud.max())
+        noise = np.percentile(loud, QUIET_PERCENT)
+        quiet = loud < max(NOTHING_ELSE_RATIO * noise, PAUSE_RATIO * loud.max())
         share = min(quiet.mean(), PAUSE_SHARE)
         weights = np.where(quiet, share / max(quiet.sum(), 1), (1 - share) / max((~quiet).sum(), 1))
         # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
