@@ -153,26 +153,28 @@ class _Keys:
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key)):
                 keys = self._beginnings.setdefault((first, second), {})
                 keys.setdefault((literal, numbered), []).append((rank, key))
-        firsts = dict.fromkeys(first for first, _ in self._beginnings)
-        letters = "".join(first for first in firsts if first.isalpha())
-        signs = "".join(
-            re.escape(first)
-            for first in firsts
-            if not (first.isalpha() or first.isdecimal() or first == "-")
-        )
-        starts = [
-            rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}" + r"(?!\w)" * (key[-1] != "…")
-            for key in self._expansions
-            if key[0] == "…"
-        ]
-        starts += [r"(?<!\d)(?<!\d[.,/:-])\d", _SIGNED_DIGIT]
-        # most letters within words are passed over here, and the others one by one
-        starts += [f"(?<![A-Za-z])[{letters}]"] if letters else []
-        starts += [f"[{signs}]"] if signs else []
         read = _BEFORE_LAST.fullmatch(self._expansions.get(_RANGE_KEY, ""))
         self._between = read[2] if read else ""
-        starts += [r"(?:(?<=[\w%€℃])|(?<=\d ))〜(?= ?[^\w\s]?\d)"] if read else []
-        self._starts = re.compile("|".join(starts))
+        self._starts = re.compile("|".join(self._start_patterns()))
+
+    def _start_patterns(self) -> Iterator[str]:
+        """Yield patterns of the places at which a key may begin."""
+        for key in self._expansions:
+            if key[0] == "…":
+                end = r"(?!\w)" * (key[-1] != "…")
+                yield rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}{end}"
+        yield r"(?<!\d)(?<!\d[.,/:-])\d"
+        yield _SIGNED_DIGIT
+        firsts = dict.fromkeys(first for first, _ in self._beginnings)
+        # most letters within words are passed over here, and the others one by one
+        if letters := "".join(filter(str.isalpha, firsts)):
+            yield f"(?<![A-Za-z])[{letters}]"
+        # `½` is a sign, too
+        signs = (one for one in firsts if not (one.isalpha() or one.isdecimal() or one == "-"))
+        if escaped := "".join(map(re.escape, signs)):
+            yield f"[{escaped}]"
+        if self._between:
+            yield r"(?:(?<=[\w%€℃])|(?<=\d ))〜(?= ?[^\w\s]?\d)"
 
     def find(self, text: str) -> Iterator[Replacement]:
         """Yield the keys in a text with their expansions."""
@@ -386,7 +388,7 @@ class Expansions:
                 yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 
     def _again(self, text: str) -> Iterator[Replacement]:
-        """Yield signs of repetition as what they repeat."""
+        """Yield the word before each sign of repetition in place of the sign."""
         for sign, repeated in self._forms.repeated.items():
             before = compile_context(repeated, precedes=True).pattern
             for one in re.finditer(rf"{re.escape(sign)}(?!\d)", text):
