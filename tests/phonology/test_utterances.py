@@ -5,8 +5,9 @@ import re
 import pytest
 
 from lipsync_lang import SpeechError
-from lipsync_lang.phonology.g2p import SpokenWord, expansions
-from lipsync_lang.phonology.g2p.expansions import Expansions, roman
+from lipsync_lang.phonology.g2p import SpokenWord, abbreviation_keys
+from lipsync_lang.phonology.g2p.abbreviation_keys import roman
+from lipsync_lang.phonology.g2p.expansions import Expansions
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection, SpokenForms
 from lipsync_lang.phonology.g2p.tokens import read_words
 from lipsync_lang.phonology.g2p.utterances import Utterances
@@ -110,7 +111,9 @@ def test_roman_numerals(numeral, value):
 
 def test_expressions_are_compiled_only_where_a_text_begins_like_their_key(monkeypatch):
     made = []
-    monkeypatch.setattr(expansions, "_expression", lambda key: made.append(key) or re.compile("x"))
+    monkeypatch.setattr(
+        abbreviation_keys, "_expression", lambda key: made.append(key) or re.compile("x")
+    )
     assert Expansions(FORMS).find("So, dear, he drew a street.") == []
     assert made == []
     assert Expansions(FORMS).find("dr. who") == []

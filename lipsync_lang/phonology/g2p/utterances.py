@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.abbreviation_keys import Replacement, respelled
 from lipsync_lang.phonology.g2p.drawn_out import (
     MAX_STUTTER_CHARS,
     ElongatedWord,
@@ -22,7 +23,7 @@ from lipsync_lang.phonology.g2p.drawn_out import (
     start_labels,
     starts_of,
 )
-from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement, respelled
+from lipsync_lang.phonology.g2p.expansions import Expansions
 from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord, merged
 from lipsync_lang.phonology.g2p.interjections import Interjections
 from lipsync_lang.phonology.g2p.own_words import OwnWords
