@@ -125,7 +125,7 @@ def engine(settings: Settings) -> G2PEngine:
             yield tuple(_read(text))
 
     def _read_word(word: str) -> SpokenWord:
-        labels = foreign(word) if respell is None else ()
+        labels = () if settings.readings else foreign(word)
         return SpokenWord(word, labels) if labels else rewriter.read(word)
 
     def _read(text: str) -> Iterator[SpokenWord]:
@@ -134,7 +134,7 @@ def engine(settings: Settings) -> G2PEngine:
             return
         for piece, respelled in respell(text):
             spelling = _by_syllables(piece, respelled, readings, foreign)
-            words = read_words(spelling, rewriter.read)
+            words = read_words(spelling, _read_word)
             if any(word.labels for word in words):
                 yield merged(piece, words, spelling.replace(WHISPER, ""))
             else:

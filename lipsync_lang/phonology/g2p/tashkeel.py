@@ -10,6 +10,7 @@ from itertools import pairwise
 from unicodedata import category
 
 from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS
+from lipsync_lang.phonology.g2p.tokens import unmarked
 
 _CHUNK = re.compile(r".{1,1000}(?!\S)|.{1,1000}", re.DOTALL)
 """The model takes 12,000 characters at most."""
@@ -29,20 +30,15 @@ def respell(text: str) -> list[tuple[str, str]]:
 def _marked(text: str, marked: str) -> Iterator[tuple[str, str]]:
     """Yield the letters of a text with their marks; without any if the letters are not the same."""
     words, guesses = _WORDS.split(text), _WORDS.split(marked)
-    if [_letters(word) for word in words] != [_letters(word) for word in guesses]:
+    if [unmarked(word) for word in words] != [unmarked(word) for word in guesses]:
         yield text, text
         return
     for word, guess in zip(words, guesses, strict=True):
-        if _letters(word) != word:
+        if unmarked(word) != word:
             yield word, word
             continue
         starts = [at for at, sign in enumerate(guess) if category(sign) != "Mn"]
         yield from zip(word, (guess[a:b] for a, b in pairwise([*starts, len(guess)])), strict=True)
-
-
-def _letters(word: str) -> str:
-    """Return a word without its marks."""
-    return "".join(sign for sign in word if category(sign) != "Mn")
 
 
 @cache
