@@ -213,7 +213,7 @@ class LabelCorrection(Strict):
         return self
 
 
-G2PEngineName = Literal["espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon", "g2p2"]
+G2PEngineName = Literal["espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon"]
 """The engines that convert text to labels."""
 
 

@@ -110,7 +110,6 @@ G2P_ENGINES: Extensions[Make] = Extensions(
         "epitran": f"{_HERE}.epitran",
         "lexicon": f"{_HERE}.lexicon",
         "rules": f"{_HERE}.rules",
-        "g2p2": f"{_HERE}.g2p2_models",
         "thaiphon": f"{_HERE}.thaiphon_g2p",
     },
 )
@@ -122,7 +121,7 @@ WHISPER = "\u0325"
 RESPELLERS: Extensions[Respeller] = Extensions(
     "respellers",
     "respeller",
-    modules={"kana": f"{_HERE}.kana", "tashkeel": f"{_HERE}.tashkeel"},
+    modules={name: f"{_HERE}.{name}" for name in ("kana", "niqqud", "tashkeel")},
 )
 """Functions that respell text, by name."""
 
