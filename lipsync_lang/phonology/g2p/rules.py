@@ -125,7 +125,7 @@ def engine(settings: Settings) -> G2PEngine:
 
     def _read_word(word: str) -> SpokenWord:
         abbreviation = word.upper() == word or len(word) == 1
-        labels = () if respell or abbreviation else foreign(word)
+        labels = () if settings.readings or abbreviation else foreign(word)
         return SpokenWord(word, labels) if labels else rewriter.read(word)
 
     def _read(text: str) -> Iterator[SpokenWord]:
@@ -134,7 +134,7 @@ def engine(settings: Settings) -> G2PEngine:
             return
         for piece, respelled in respell(text):
             spelling = _by_syllables(piece, respelled, readings, foreign)
-            words = read_words(spelling, rewriter.read)
+            words = read_words(spelling, _read_word)
             if any(word.labels for word in words):
                 yield merged(piece, words, spelling.replace(WHISPER, ""))
             else:
