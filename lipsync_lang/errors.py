@@ -88,3 +88,8 @@ def refuse_other(name: str, value: object, choices: object) -> None:
     if value not in get_args(choices):
         listed = ", ".join(map(repr, get_args(choices)))
         raise LipsyncError(f"`{name}` is {value!r}; it is one of {listed}")
+
+
+def count(number: int, noun: str) -> str:
+    """Return a number with its noun: `1 line`, `1,240 lines`."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.options import flag, option
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, count
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.reports.text_table import columns
 

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.commands.options import option
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, tell_written
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_pair
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, count
 from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.reports.text_table import columns
 from lipsync_lang.terminal import progress, wipe

@@ -5,9 +5,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.commands.options import option
-from lipsync_lang.commands.output import SOUND, as_json, count, tell_written
+from lipsync_lang.commands.output import SOUND, as_json, tell_written
 from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import add_json
+from lipsync_lang.errors import count
 
 family(
     "archive", "show archives of takes, put them together, or make patches of them",
@@ -63,7 +64,10 @@ def merge(options: Namespace) -> int:
     takes = merged(options.parts)
     write_takes(options.output, takes)
     tell_written(options.output)
-    print(f"{count(len(takes), 'take')} of {count(len(options.parts), 'part')}", file=sys.stderr)
+    print(
+        f"{count(len(takes), 'take')} of {count(len(options.parts), 'part')}",
+        file=sys.stderr,
+    )
     return SOUND
 
 

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.build_watch import MadeByBuilds, StandingRemarks, watch_project
 from lipsync_lang.commands.options import flag, option, repeated
-from lipsync_lang.commands.output import FAULTS, SOUND, as_options, count
+from lipsync_lang.commands.output import FAULTS, SOUND, as_options
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
-from lipsync_lang.errors import LipsyncError, shortlist
+from lipsync_lang.errors import LipsyncError, count, shortlist
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
 
-from lipsync_lang.commands.output import count
-from lipsync_lang.errors import LipsyncError, SpeechError, shortlist
+from lipsync_lang.errors import LipsyncError, SpeechError, count, shortlist
 from lipsync_lang.extensions import PACKS, Extensions, plug_ins
 from lipsync_lang.extras import Extra, extras, install_line
 from lipsync_lang.version import __version__

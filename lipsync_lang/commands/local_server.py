@@ -77,7 +77,8 @@ def serve(
     listener, token = _address(options, kept)
     with listener:
         port = listener.getsockname()[1]
-        names = {options.host, *((LOCAL, "localhost") if options.host == LOCAL else ())}
+        host = f"[{options.host}]" if ":" in options.host else options.host
+        names = {host, *((LOCAL, "localhost") if host == LOCAL else ())}
         hosts = [f"{name}:{port}" for name in names]
         try:
             import uvicorn
@@ -86,7 +87,7 @@ def serve(
         except ImportError:
             needs = f"{what} needs Starlette and uvicorn: {install_line('studio')}"
             raise LipsyncError(needs) from None
-        address = f"http://{options.host}:{port}/{token}/"
+        address = f"http://{host}:{port}/{token}/"
         print(f"{what} is at {address}", flush=True)
         print(end, file=sys.stderr)
         if options.browser:
@@ -110,12 +111,12 @@ def _address(options: Namespace, kept: "Path | None") -> "tuple[socket.socket, s
 
     token = _token(options)
     if kept is None or token is not None or options.host != LOCAL:
-        return _listening(options.host, options.port), token or token_urlsafe(TOKEN_BYTES)
+        return listening(options.host, options.port), token or token_urlsafe(TOKEN_BYTES)
     before = _read(kept)
     if before is not None and options.port in {0, before[0]}:
         with suppress(LipsyncError):  # the port is taken
-            return _listening(LOCAL, before[0]), before[1]
-    listener, token = _listening(LOCAL, options.port), token_urlsafe(TOKEN_BYTES)
+            return listening(LOCAL, before[0]), before[1]
+    listener, token = listening(LOCAL, options.port), token_urlsafe(TOKEN_BYTES)
     with suppress(OSError):  # open pages then need the new address
         write_private(kept, f"{listener.getsockname()[1]} {token}".encode())
     return listener, token
@@ -161,15 +162,16 @@ def _token(options: Namespace) -> str | None:
     return token
 
 
-def _listening(host: str, port: int) -> "socket.socket":
-    """Return a listening socket."""
+def listening(host: str, port: int, backlog: int | None = None) -> "socket.socket":
+    """Return a listening socket with a queue of new connections; port 0 is a free one."""
     import socket
 
     if not 0 <= port <= MAX_PORT:
         what = f"--port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free one"
         raise LipsyncError(what)
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
-        listener = socket.create_server((host, port))
+        listener = socket.create_server((host, port), family=family, backlog=backlog)
     except OSError as error:
         what = f"--host {host} --port {port}: cannot be used: {error}; port 0 takes a free one"
         raise LipsyncError(what) from None

@@ -5,11 +5,11 @@ from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.commands.options import option, repeated
-from lipsync_lang.commands.output import FAULTS, SOUND, count, tell_written
+from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
 from lipsync_lang.commands.starting import lacking
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, count
 from lipsync_lang.files import write_all
 from lipsync_lang.packs.project import FILE, load_project
 

@@ -80,11 +80,6 @@ def listed(things: Iterable[str], shown: int = 12) -> str:
     )
 
 
-def count(number: int, thing: str) -> str:
-    """Format a count with its noun in singular or plural."""
-    return f"{number} {thing}{'' if number == 1 else 's'}"
-
-
 def as_json(data: object) -> str:
     """Serialise to JSON, escaped as the output encoding requires."""
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"

@@ -8,18 +8,10 @@ from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.options import flag, option
-from lipsync_lang.commands.output import (
-    FAULTS,
-    SOUND,
-    as_json,
-    count,
-    lines_of,
-    tell_written,
-    working,
-)
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, tell_written, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, count
 from lipsync_lang.files import argument_path, write_all
 
 if TYPE_CHECKING:

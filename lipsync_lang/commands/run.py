@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.animations.rates import parse_offset
 from lipsync_lang.commands.options import flag, option, repeated
-from lipsync_lang.commands.output import SOUND, as_options, count, listed
+from lipsync_lang.commands.output import SOUND, as_options, listed
 from lipsync_lang.commands.performing import (
     LINE_PAGE,
     perform_line,
@@ -20,7 +20,7 @@ from lipsync_lang.commands.performing import (
 )
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_line
-from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.errors import LipsyncError, OutputError, count
 from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 
 if TYPE_CHECKING:

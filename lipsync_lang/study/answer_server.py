@@ -8,7 +8,6 @@ import asyncio
 import json
 import logging
 import os
-import socket
 import time
 from collections import deque
 from collections.abc import Collection
@@ -31,6 +30,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from lipsync_lang.commands.local_server import SHUTDOWN_SECONDS, listening
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reach import refuse_links
 from lipsync_lang.study.study_file import (
@@ -59,9 +59,6 @@ SEND_SECONDS = 60.0
 PART_BYTES = 2**16
 """Size of the parts in which the page is sent."""
 
-SHUTDOWN_SECONDS = 1
-"""Time for open requests when the server stops."""
-
 MAX_CONNECTIONS = 64
 
 MAX_PER_MINUTE = 60
@@ -69,8 +66,6 @@ MAX_PER_MINUTE = 60
 
 MAX_ADDRESSES = 10_000
 """Maximum number of addresses in memory."""
-
-MAX_PORT = 65535
 
 RESPONSE_HEADERS = {
     "X-Content-Type-Options": "nosniff",
@@ -259,16 +254,8 @@ class AnswerServer:
         study = read_study(folder / STUDY_NAME)
         allowed = frozenset(one if one == "null" else origin_of(one) for one in origins)
         log = AnswerLog(folder / ANSWERS, study)
-        if not 0 <= port <= MAX_PORT:
-            what = f"give a number from 1 to {MAX_PORT}, or 0 for a free port"
-            raise LipsyncError(f"port {port}: {what}")
         site = StudySite(_page(folder / PAGE, study), log, allowed)
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        try:
-            self._listener = socket.create_server((host, port), family=family, backlog=MAX_WAITING)
-        except OSError as error:
-            what = f"cannot be used: {error}; choose another port, or 0 for a free port"
-            raise LipsyncError(f"{host}, port {port}: {what}") from None
+        self._listener = listening(host, port, MAX_WAITING)
         self.answers = log.path
         self.port: int = self._listener.getsockname()[1]
         config = uvicorn.Config(

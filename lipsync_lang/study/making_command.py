@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.commands.options import Options, option, repeated
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json
 from lipsync_lang.commands.performing import motion_settings
 from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import (
@@ -21,7 +21,7 @@ from lipsync_lang.commands.shared_options import (
     add_values,
     cleaning,
 )
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, count
 from lipsync_lang.extras import install_line
 from lipsync_lang.files import argument_path
 from lipsync_lang.files.reading import input_text

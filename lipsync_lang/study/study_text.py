@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from lipsync_lang.errors import count
 from lipsync_lang.reports.text_table import columns
 from lipsync_lang.study.answer_sorting import reasons
 from lipsync_lang.study.bradley_terry import Ranking
@@ -168,8 +169,3 @@ def strength(mean: MeanStrength | None) -> str:
         return "-"
     around = mean.interval
     return f"{mean.mean:.2f}" + (f" ({around.low:.2f} to {around.high:.2f})" if around else "")
-
-
-def count(number: int, noun: str) -> str:
-    """Write a number with its noun."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"

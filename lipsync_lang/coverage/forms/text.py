@@ -14,7 +14,7 @@ from lipsync_lang.coverage.report import (
     GestureNeed,
     Tally,
 )
-from lipsync_lang.errors import shortlist
+from lipsync_lang.errors import count, shortlist
 from lipsync_lang.reports.percentages import percentage_text, ranked_text
 from lipsync_lang.reports.text_table import columns
 
@@ -47,7 +47,7 @@ def write(coverage: Coverage, out: TextIO, options: FormOptions) -> None:
             table.append((one.label, one.character, share, left, f"{one.left.hours:5.1f}"))
         blocks += [list(columns(table))]
     for report in coverage.reports:
-        met = f"{_count(report.occurrences, 'bigram')} of {_count(len(report.bigrams), 'kind')}"
+        met = f"{count(report.occurrences, 'bigram')} of {count(len(report.bigrams), 'kind')}"
         block = [f"{report.label} on {report.character}: {met}"]
         block += [f"  {line}" for line in _next(report, coverage.minutes)]
         block += ["", *(f"  {line}" for line in _table(report, everything=options.everything))]
@@ -58,7 +58,7 @@ def write(coverage: Coverage, out: TextIO, options: FormOptions) -> None:
         for own in coverage.shared:
             added = "nothing: all its bigrams are shared"
             if own.bigrams:
-                added = f"{_count(own.bigrams, 'bigram')} with {', '.join(own.phonemes)}, "
+                added = f"{count(own.bigrams, 'bigram')} with {', '.join(own.phonemes)}, "
                 added += f"{own.used} of them needed here"
             blocks[-1].append(f"{own.language} adds {added}")
     blocks += [_since(coverage.since)] if coverage.since else []
@@ -68,9 +68,9 @@ def write(coverage: Coverage, out: TextIO, options: FormOptions) -> None:
 def _corpus(corpus: Corpus) -> Iterator[str]:
     """Yield what was read, what was heard, and what was left out."""
     read = (len(corpus.files), "file"), (corpus.lines, "line"), (corpus.words, "word")
-    yield ", ".join(_count(number, thing) for number, thing in read)
+    yield ", ".join(count(number, thing) for number, thing in read)
     if corpus.heard:
-        lines = _count(corpus.heard, "line")
+        lines = count(corpus.heard, "line")
         yield f"heard in recordings, and not read: {lines}; some sounds are wrong"
     if corpus.dropped:
         yield f"not spoken: {_tallies(corpus.dropped)}"
@@ -90,7 +90,7 @@ def _next(report: CoverageReport, minutes: float) -> Iterator[str]:
         spent = len(soon) * minutes
         within = "an hour" if len(soon) < report.left.bigrams else f"{spent:g} minutes"
         yield (
-            f"next: draw {_count(len(soon), 'bigram')} in {within}, {minutes:g} minutes each, for "
+            f"next: draw {count(len(soon), 'bigram')} in {within}, {minutes:g} minutes each, for "
             f"{percentage_text(report.next_hour.percent)} of the speech:"
         )
         whose = f"-l {report.language} -c {report.character}"
@@ -98,9 +98,9 @@ def _next(report: CoverageReport, minutes: float) -> Iterator[str]:
     else:
         yield f"next: draw {report.left.bigrams} bigrams; an hour is not enough for one"
     yield (
-        f"authored: {report.authored.bigrams} of {_count(len(report.bigrams), 'bigram')}, "
+        f"authored: {report.authored.bigrams} of {count(len(report.bigrams), 'bigram')}, "
         f"{percentage_text(report.authored.percent)} of the speech; "
-        f"{_count(report.left.bigrams, 'bigram')} left, {report.left.hours:g} hours"
+        f"{count(report.left.bigrams, 'bigram')} left, {report.left.hours:g} hours"
     )
 
 
@@ -128,7 +128,7 @@ def _facts(report: CoverageReport, *, everything: bool) -> Iterator[str]:
         met = (one for one in report.trigrams if one.count)
         played = [f"{one.trigram} ({one.count}, {one.places[0]})" for one in met]
         told = f": {_few(played)}" if played else ""
-        yield f"{_count(len(report.trigrams), 'trigram')} drawn, {len(played)} of them played{told}"
+        yield f"{count(len(report.trigrams), 'trigram')} drawn, {len(played)} of them played{told}"
     if report.unread:
         yield f"not read: {_tallies(report.unread)}"
     if report.unmapped:
@@ -145,7 +145,7 @@ def _facts(report: CoverageReport, *, everything: bool) -> Iterator[str]:
     yield from _gestures(report.gestures)
     shown = report.sentences if everything else report.sentences[:MAX_TEXT_SENTENCES]
     if shown:
-        yield f"{_count(len(report.sentences), 'line')} that use every unauthored bigram:"
+        yield f"{count(len(report.sentences), 'line')} that use every unauthored bigram:"
     for one in shown:
         yield f"  {one.place}: {one.text or '(timed phonemes)'} ({len(one.bigrams)} new)"
     if len(shown) < len(report.sentences):
@@ -173,7 +173,7 @@ def _since(since: CoverageChanges) -> list[str]:
         whose = f"script in {_few(script.languages)}" if len(since.script) > 1 else "script"
         parts = (("added", script.added), ("removed", script.removed), ("changed", script.changed))
         told = ", ".join(f"{len(names)} {what}" for what, names in parts if names) or "no change"
-        lines.append(f"  {whose}: {_count(has, 'line')}, {was:,} before; {told}")
+        lines.append(f"  {whose}: {count(has, 'line')}, {was:,} before; {told}")
         lines += [f"    {what}: {_few(names)}" for what, names in parts if names]
     for change in since.reports:
         share = " to ".join(map(percentage_text, change.percent))
@@ -196,7 +196,3 @@ def _tallies(found: Sequence[Tally]) -> str:
 
 def _few(names: Sequence[str]) -> str:
     return shortlist(names, MAX_TEXT_NAMES)
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number:,} {thing}{'' if number == 1 else 's'}"
