@@ -14,7 +14,7 @@ SHOWN_USERS = 3
 def engines_of(
     manner: Manner, *, spoken: bool = False, heard: bool = False, tts: str | None = None
 ) -> Iterator[str]:
-    """Yield the engines of a language; one of ``g2p2|espeak`` is enough.
+    """Yield the engines of a language; one of ``tashkeel|espeak`` is enough.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def providers(needed: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
     Parameters
     ----------
     needed : by user, such as a language, its engines, formats and suffixes of files; one of
-        ``g2p2|espeak`` is enough
+        ``tashkeel|espeak`` is enough
     """
     found: dict[str, dict[str, None]] = {}
     for user, names in needed.items():

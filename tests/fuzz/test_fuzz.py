@@ -60,7 +60,7 @@ NO_TARGET = {
     "packs/finding.py": "looks for names with a pattern; the packs are targets",
     "packs/yaml/faults.py": "its own table of codes",
     "phonology/espeak": "pipes of our own",
-    "phonology/g2p/g2p2_models.py": "models of an installed package",
+    "phonology/g2p/niqqud.py": "a model of our own",
     "render/model/gltf.py": "pictures within models, which are a target",
     "render/staging.py": "writes",
     "render/video.py": "what ffmpeg and we have written",

@@ -23,6 +23,7 @@ from lipsync_lang.phonology.g2p import (
     Settings,
     SpokenWord,
     engine,
+    niqqud,
     tashkeel,
 )
 from lipsync_lang.phonology.g2p.corrections import corrector
@@ -354,12 +355,21 @@ def test_an_engine_with_corrections_is_corrected():
     assert [word.labels for text in read(["tai"]) for word in text] == [("t", "a", "j")]
 
 
-def test_thaiphon_cuts_words_reads_numbers_and_repeats():
+def test_a_correction_sees_the_first_label_of_the_next_word_but_none_across_a_pause():
+    rules = tuple(Rule(letter, (letter,)) for letter in "ratp")
+    open_end = Correction(("r",), ("r", "ə"), before="$", next_word="[pt]")
+    read = engine("rules", Settings("", rules=rules, corrections=(open_end,)))
+    (found,) = read(["atr pa tr a ptr, pa tr"])
+    said = [" ".join(word.labels) for word in found]
+    assert said == ["a t r ə", "p a", "t r", "a", "p t r", "", "p a", "t r"]
+
+
+def test_thaiphon_cuts_words_and_repeats():
     pytest.importorskip("thaiphon", reason="the thaiphon extra is not installed")
     pytest.importorskip("pythainlp", reason="the thaiphon extra is not installed")
-    (found,) = engine("thaiphon", Settings("x"))(["ผมอายุ 25 ปี มากๆ OK, ฿"])
+    (found,) = engine("thaiphon", Settings("x"))(["ผมอายุ ปี มากๆ OK, ฿"])
     assert [(word.text, "".join(word.labels), word.unread) for word in found] == [
-        ("ผม", "pʰom", ""), ("อายุ", "a:ju", ""), ("25", "ji:sip̚ha:", ""), ("ปี", "pi:", ""),
+        ("ผม", "pʰom", ""), ("อายุ", "a:ju", ""), ("ปี", "pi:", ""),
         ("มาก", "ma:k̚", ""), ("ๆ", "ma:k̚", ""), ("OK", "", "OK"), (",", "", ""), ("฿", "", "฿"),
     ]  # fmt: skip
 
@@ -387,20 +397,29 @@ def test_an_engine_that_is_not_installed_is_replaced_by_the_other_that_the_pack_
         engine("missing", Settings("x", rules=rules))
 
 
-def test_models_of_g2p2_read_words_and_leave_points_to_the_rules():
-    pytest.importorskip("g2p2", reason="the g2p2 extra is not installed")
-    points = (Rule("ש", ("ʃ",)), Rule("ל", ("l",)), Rule("ם", ("m",)), Rule("ו", ("o",)))
-    settings = Settings("x", code="he", rules=points, labels=["ʃ", "m"], otherwise="espeak")
-    (found,) = engine("g2p2", settings)(["מלך, שָׁלוֹם"])
-    assert [(word.text, "".join(word.labels)) for word in found] == [
-        ("מלך", "meleχ"), (",", ""), ("שָׁלוֹם", "ʃlom"),
-    ]  # fmt: skip
-    spoken = Settings("x", voice="he", code="he", rules=points, otherwise="espeak")
-    (found,) = engine("g2p2", spoken)(["מלך ב-Cocoa"])
-    assert [word.text for word in found] == ["מלך", "ב", "Cocoa"]
+def test_points_are_guessed_for_words_that_have_none():
+    text = "הילד קרא ספר, שָׁלוֹם בית-דין ב-Cocoa " + "ילד " * 300
+    pairs = niqqud.respell(text)
+    assert "".join(written for written, _ in pairs) == text
+    said = {written: plain(read) for written, read in pairs}
+    assert (said["הילד"], said["ספר"]) == (plain("הַיֶּלֶד"), "סֵפֶר")
+    assert said["שָׁלוֹם"] == plain("שָׁלוֹם"), "a word that has points keeps them"
+    assert said["בית-דין"] == plain("בֵּית-דִּין")
+    assert [one for one, _ in pairs if one in ("ב", "-", "Cocoa")] == ["ב", "-", "Cocoa"]
+    assert niqqud.respell("") == [("", "")]
+    assert dict(niqqud.respell("\ud800 ילד"))["ילד"] == "יֶלֶד"
+
+
+def test_words_of_another_script_beside_respelled_ones_are_said_by_the_other_voice():
+    pytest.importorskip("espeakng_loader", reason="speaks")
+    points = (Rule("ב", ("b",)), Rule("ְ", ("e",)))
+    settings = Settings(
+        "x", rules=points, labels=["k", "əʊ", "ə"], respell="niqqud", foreign_voice="en-gb",
+        foreign=(Rule("ː", ()),),
+    )  # fmt: skip
+    (found,) = engine("rules", settings)(["ב-Cocoa"])
+    assert [word.text for word in found if word.labels] == ["ב", "Cocoa"]
     assert "".join(found[-1].labels).startswith("kəʊ")
-    with pytest.raises(SpeechError, match="no installed package has a g2p2 model of 'xx'"):
-        engine("g2p2", Settings("x", code="xx"))
 
 
 @pytest.mark.parametrize("context", ["kɡ", "kg", "aːɡ", "a:g"])
@@ -420,11 +439,14 @@ def test_vowel_marks_are_guessed_for_words_that_have_none(monkeypatch):
     pairs = tashkeel.respell(text)
     assert "".join(written for written, _ in pairs) == text
     read = "".join(spelled for _, spelled in pairs)
-    assert read.startswith("كَتَبَ، ذَهب (hello) نَعَمَ"), "a word that has marks keeps them"
-    words = [SpokenWord("كَتَبَ", ("k",)), SpokenWord(",", ()), SpokenWord("ذَهب (hello) نَعَمَ", ("h",))]
+    assert read.startswith("كَتَب، ذَهب (hello) نَعَمَ"), "a word that has marks keeps them"
+    words = [SpokenWord("كَتَب", ("k",)), SpokenWord(",", ()), SpokenWord("ذَهب (hello) نَعَمَ", ("h",))]
     first, _, second = as_written(words, pairs)
-    assert (first.text, first.respelled) == ("كتب", "كَتَبَ")
+    assert (first.text, first.respelled) == ("كتب", "كَتَب")
     assert (second.text, second.respelled) == ("ذَهب (hello) نعم", "ذَهب (hello) نَعَمَ")
+    pairs = tashkeel.respell("جدًا هنّ؟")
+    assert pairs[1] == ("دً", "دَ"), "the marks of everyday spelling leave a word to be guessed"
+    assert pairs[-2] == ("نّ", "ن"), "a short vowel is silent before a pause"
     monkeypatch.setattr(tashkeel, "_marker", lambda: lambda text: text[1:])
     assert tashkeel.respell("كتب") == [("كتب", "كتب")], "letters that a model changes are not taken"
     monkeypatch.setattr(tashkeel, "_marker", lambda: None)

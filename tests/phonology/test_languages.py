@@ -17,7 +17,6 @@ every_pack = pytest.mark.parametrize("pack", LANGUAGES, indirect=True)
 
 NEEDS = {"espeak": ["espeakng_loader"], "pypinyin": ["pypinyin", "opencc"], "epitran": ["epitran"],
          "thaiphon": ["thaiphon", "pythainlp"],
-         "g2p2": ["g2p2"],
          "kana": ["pyopenjtalk"]}  # fmt: skip
 """Packages that an engine or a respeller needs."""
 

@@ -80,7 +80,6 @@ HEBREW = [
 
 @pytest.mark.parametrize(("text", "mouths"), HEBREW)
 def test_hebrew_words_have_the_vowels_of_their_points(text, mouths):
-    pytest.importorskip("g2p2_group_semitic", reason="the model of Hebrew is not installed")
     (found,) = Speaker.of("hebrew").transcribe([text])
     assert " ".join(found.phonemes) == mouths
 

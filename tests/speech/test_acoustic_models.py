@@ -273,6 +273,21 @@ def test_htk_features_follow_their_formulas():
     np.testing.assert_allclose(regression(np.arange(9.0)[:, None])[2:-2], 1)
 
 
+@pytest.mark.parametrize("front", [features, HtkFrontEnd(tuple(range(39)), 26)])
+def test_pauses_beside_a_held_sound_hardly_move_its_features(front):
+    """The cepstra of a held sound are their own mean, and pauses take a limited part in it."""
+    tone = 8000 * np.sin(2 * np.pi * 1000 * np.arange(16_000) / 16_000)
+    hiss = np.random.default_rng(0).normal(0, 3, 16_000)
+
+    def level(seconds):
+        pause = np.tile(hiss, seconds)
+        found = front(np.concatenate([pause, tone + hiss, pause])).reshape(-1, 39)
+        return np.linalg.norm(found[100 * seconds + 10 : 100 * seconds + 90, :13].mean(axis=0))
+
+    assert level(0) < 2
+    assert 2 < level(1) < 1.2 * level(5)
+
+
 @pytest.mark.parametrize(
     ("kind", "size", "first", "count"),
     [

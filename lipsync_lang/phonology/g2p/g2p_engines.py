@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import starmap, zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -57,6 +58,8 @@ class Correction(NamedTuple):
     """A regular expression that must be found in the word as it is written."""
     timings: bool = False
     """True to correct labels of timings too, which no engine wrote."""
+    next_word: str = ""
+    """A regular expression that must match the first label of the next word, before any pause."""
 
 
 class MissingReaderError(SpeechError):
@@ -107,7 +110,6 @@ G2P_ENGINES: Extensions[Make] = Extensions(
         "epitran": f"{_HERE}.epitran",
         "lexicon": f"{_HERE}.lexicon",
         "rules": f"{_HERE}.rules",
-        "g2p2": f"{_HERE}.g2p2_models",
         "thaiphon": f"{_HERE}.thaiphon_g2p",
     },
 )
@@ -119,7 +121,7 @@ WHISPER = "\u0325"
 RESPELLERS: Extensions[Respeller] = Extensions(
     "respellers",
     "respeller",
-    modules={"kana": f"{_HERE}.kana", "tashkeel": f"{_HERE}.tashkeel"},
+    modules={name: f"{_HERE}.{name}" for name in ("kana", "niqqud", "tashkeel")},
 )
 """Functions that respell text, by name."""
 
@@ -143,7 +145,8 @@ def engine(name: str, settings: Settings) -> G2PEngine:
 
     def corrected(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for words in read(texts):
-            yield tuple(map(mend, words))
+            firsts = (word.labels[:1] for word in words[1:])
+            yield tuple(starmap(mend, zip_longest(words, firsts, fillvalue=())))
 
     return corrected
 

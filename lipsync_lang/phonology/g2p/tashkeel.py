@@ -10,11 +10,20 @@ from itertools import pairwise
 from unicodedata import category
 
 from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS
+from lipsync_lang.phonology.g2p.tokens import unmarked
 
 _CHUNK = re.compile(r".{1,1000}(?!\S)|.{1,1000}", re.DOTALL)
 """The model takes 12,000 characters at most."""
 
 _WORDS = re.compile(r"(\s+)")
+
+_EVERYDAY_MARKS = re.compile("(?<!^)[\u064b-\u064d\u0651]")
+"""Marks of everyday spelling; a word that has no others is guessed."""
+
+_CASE_VOWEL = re.compile(
+    "(?:(?<=\u0629)\u064b|[\u064c-\u0650])(\u0651?)(?=[»\"')\\]]*\\s*(?:[.!?…,;:،؛؟]|$))"
+)
+"""A short vowel at the end of a word, which is silent before a pause."""
 
 
 @RESPELLERS.register("tashkeel")
@@ -23,26 +32,30 @@ def respell(text: str) -> list[tuple[str, str]]:
     mark = _marker()
     if mark is None:
         return [(text, text)]
-    return [pair for part in _CHUNK.findall(text) for pair in _marked(part, mark(part))]
+    return [
+        pair
+        for part in _CHUNK.findall(text)
+        for pair in _marked(part, mark(_EVERYDAY_MARKS.sub("", part)))
+    ]
 
 
 def _marked(text: str, marked: str) -> Iterator[tuple[str, str]]:
     """Yield the letters of a text with their marks; without any if the letters are not the same."""
-    words, guesses = _WORDS.split(text), _WORDS.split(marked)
-    if [_letters(word) for word in words] != [_letters(word) for word in guesses]:
+    words, guesses = _WORDS.split(text), _WORDS.split(_CASE_VOWEL.sub(r"\1", marked))
+    if [unmarked(word) for word in words] != [unmarked(word) for word in guesses]:
         yield text, text
         return
     for word, guess in zip(words, guesses, strict=True):
-        if _letters(word) != word:
+        if unmarked(word) != _EVERYDAY_MARKS.sub("", word):
             yield word, word
-            continue
-        starts = [at for at, sign in enumerate(guess) if category(sign) != "Mn"]
-        yield from zip(word, (guess[a:b] for a, b in pairwise([*starts, len(guess)])), strict=True)
+        else:
+            yield from zip(_letters(word), _letters(guess), strict=True)
 
 
-def _letters(word: str) -> str:
-    """Return a word without its marks."""
-    return "".join(sign for sign in word if category(sign) != "Mn")
+def _letters(word: str) -> Iterator[str]:
+    """Yield the letters of a word, each with its marks."""
+    starts = (at for at, sign in enumerate(word) if category(sign) != "Mn")
+    return (word[a:b] for a, b in pairwise([*starts, len(word)]))
 
 
 @cache

@@ -67,6 +67,11 @@ def plain(word: str) -> str:
     return normalize("NFC", normalize("NFC", word).casefold()).translate(APOSTROPHES)
 
 
+def unmarked(text: str) -> str:
+    """Return a text without the marks on its letters."""
+    return "".join(sign for sign in text if category(sign) != "Mn")
+
+
 def read_words(text: str, read: Callable[[str], SpokenWord]) -> tuple[SpokenWord, ...]:
     """Read a text word by word; unread characters are kept for a remark."""
     out: list[SpokenWord] = []

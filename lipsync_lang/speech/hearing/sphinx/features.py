@@ -123,18 +123,28 @@ class SphinxFrontEnd(FrontEnd):
     def _normalised(self, spectra: Floats) -> Floats:
         """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
         cepstra = CepstralFrames(self).cepstra(spectra)
-        loud = spectra.sum(axis=1)
-        noise = np.percentile(loud, QUIET_PERCENT)
-        quiet = loud < max(NOTHING_ELSE_RATIO * noise, PAUSE_RATIO * loud.max())
-        share = min(quiet.mean(), PAUSE_SHARE)
-        weights = np.where(quiet, share / max(quiet.sum(), 1), (1 - share) / max((~quiet).sum(), 1))
-        # Cepstral mean normalisation: a microphone adds a constant to the logarithm of each band.
-        cepstra -= weights @ cepstra
+        cepstra -= voice_mean(cepstra, spectra.sum(axis=1))
         return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
 
 
 features = SphinxFrontEnd(25, 130.0, 6800.0, "dct", 22, quieted=True)
 """The front end of the model that hears every language."""
+
+
+def voice_mean(cepstra: Floats, power: Floats) -> Floats:
+    """Return the mean of cepstra, (T, V), in which pauses have a limited share: (V,).
+
+    A microphone adds a constant to the logarithm of each band, which the mean takes away
+    (cepstral mean normalisation). The power of each frame, (T,), tells pauses from the voice.
+    """
+    noise = np.percentile(power, QUIET_PERCENT)
+    quiet = power < max(NOTHING_ELSE_RATIO * noise, PAUSE_RATIO * power.max())
+    # A steady sound, such as a held vowel, is all as loud as its noise: no part of it is a pause.
+    voiced = np.count_nonzero(~quiet) or len(quiet)
+    most = PAUSE_SHARE / (1 - PAUSE_SHARE) * voiced / max(np.count_nonzero(quiet), 1)
+    weights = np.where(quiet, min(most, 1.0), 1.0)
+    mean: Floats = np.average(cepstra, axis=0, weights=weights)
+    return mean
 
 
 def derived(wide: Floats) -> Floats:

@@ -16,7 +16,12 @@ import numpy as np
 
 from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.speech.hearing.sphinx.features import FFT_POINTS, HOP_SAMPLES, FrontEnd
+from lipsync_lang.speech.hearing.sphinx.features import (
+    FFT_POINTS,
+    HOP_SAMPLES,
+    FrontEnd,
+    voice_mean,
+)
 from lipsync_lang.speech.hearing.sphinx.sphinx_files import refused, same_value
 from lipsync_lang.speech.sound import SPEECH_RATE
 
@@ -109,9 +114,10 @@ class HtkFrontEnd(FrontEnd):
         starts = np.arange((len(whole) - FRAME_SAMPLES) // HOP_SAMPLES + 1) * HOP_SAMPLES
         blocks = [starts[at : at + 1000] for at in range(0, len(starts), 1000)]
         cepstra = np.concatenate([self.cepstra_at(whole, block) for block in blocks])
+        energy = np.cumsum(np.pad(whole**2, (1, 0)))
+        cepstra -= voice_mean(cepstra, energy[starts + FRAME_SAMPLES] - energy[starts])
         # a window that the end of the sound cuts off has no features: those of the last stand in
         cepstra = np.pad(cepstra, ((0, count - len(cepstra)), (0, 0)), mode="edge")
-        cepstra -= cepstra.mean(axis=0)
         change = regression(cepstra)
         found = np.hstack([cepstra, change, regression(change)])
         return found[:, None, list(self.kept)]
