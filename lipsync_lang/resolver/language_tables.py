@@ -159,8 +159,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         for spelling, sounds in shared.interjections.items():
             if sounds is not None and (found := _nearest(sounds.to, labels, shared.nearby)):
                 known[spelling] = Interjection(found, sounds.say)
-        abbreviations = stated.abbreviations if stated is not None else ()
-        taken = {*map(plain, (*words, *" ".join(phrases).split(), *abbreviations))}
+        taken = {plain(word) for word in (*words, *(stated.abbreviations if stated else ()))}
         tag = language.tag.partition("-")[0]
         names = [one for tags, one in shared.names.items() if tag not in tags.split()]
         for name, ipa in (pair for one in names for pair in one.items()):

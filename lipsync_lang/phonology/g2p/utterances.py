@@ -114,10 +114,11 @@ class Utterances:
         expanded = [
             one._replace(read=self._own.respelled(one.read)) for one in self._expansions.find(text)
         ]
+        said, expanded = _beside_said(own.said, expanded)
         replaced = _apart(own.respelled, expanded)
         parts: list[UtterancePart] = []
         at, open_part = 0, UtterancePart("")
-        for start, stop, part in self._cuts(text, tokens, replaced, own.said):
+        for start, stop, part in self._cuts(text, tokens, replaced, said):
             if start > at:
                 parts += _filled(open_part, text, at, start, replaced)
             at, open_part = start, part
@@ -219,8 +220,11 @@ class Utterances:
             if isinstance(words, SpeechError):
                 return words
             marks = list(pieces(part.text))
-            lead = marks[:1] if marks[:1] and marks[0].kind == "pause" else []
-            tail = marks[-1:] if marks[1:] and marks[-1].kind == "pause" else []
+            # the dots of `.com` and `5. ` are words
+            spoken = {end for one in part.replacements for end in (one.start, one.stop)}
+            lead = [mark for mark in marks[:1] if mark.kind == "pause" and 0 not in spoken]
+            tail = [mark for mark in marks[1:][-1:] if mark.kind == "pause"]
+            tail = [] if len(part.text) in spoken else tail
             whole = (
                 *(SpokenWord(mark.text, ()) for mark in lead),
                 *self._words_of(part, words),
@@ -276,7 +280,9 @@ def _filled(
 
     Pauses at its start are a part of their own: a voice would say "comma".
     """
-    lead = next((n for n in range(start, stop) if text[n] not in _LEAD), stop) if start else start
+    read = {one.start for one in replaced}
+    lead = next((n for n in range(start, stop) if text[n] not in _LEAD or n in read), stop)
+    lead = lead if start else start
     if lead > start:
         yield UtterancePart(text[start:lead])
     inside = tuple(
@@ -300,6 +306,28 @@ def _apart(own: list[Replacement], others: list[Replacement]) -> list[Replacemen
             kept -= touched
             kept.add(one)
     return sorted(kept)
+
+
+def _beside_said(
+    said: Mapping[int, SpokenWord], others: Sequence[Replacement]
+) -> tuple[dict[int, SpokenWord], list[Replacement]]:
+    """Return words with labels and the replacements beside them: `2 Jobs` is `zwei` and `Jobs`.
+
+    A longer replacement that does not keep such a word at its end or start takes its place.
+    """
+    kept, apart = dict(said), list(others)
+    for at, word in said.items():
+        end = at + len(word.text)
+        for n, (start, stop, read) in enumerate(apart):
+            if not (start <= at and end <= stop and end - at < stop - start):
+                continue
+            if end == stop and read.endswith(word.text):
+                apart[n] = Replacement(start, at, read.removesuffix(word.text))
+            elif start == at and read.startswith(word.text):
+                apart[n] = Replacement(end, stop, read.removeprefix(word.text))
+            else:
+                del kept[at]
+    return kept, apart
 
 
 def _is_pause(word: SpokenWord) -> bool:
