@@ -8,20 +8,23 @@ A phoneme twice in a row counts once: some dictionaries write long sounds with t
 
 Printed for each language: words, phoneme error (edit distance by phonemes of the dictionary), the
 shares of words whose lip closures and whose rounding of vowels differ, and with `--confusions N`
-the commonest differences.
+the commonest differences, with some words of each. Dictionaries also differ by how they write a
+sound: `dictionaries.yaml` states such conventions, and a second line allows them.
 `--json FILE` keeps the figures.
 Dictionaries that a pack was tuned on say nothing: keep those for judging apart.
 """
 
 import argparse
-from collections import Counter
-from collections.abc import Sequence
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import json_figures
+import yaml
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.library import Library
@@ -35,7 +38,11 @@ CLOSED = "bmp"
 ROUNDED = {"w", "yu", "ao", "ow", "aw", "oy"}
 NOTHING = "-"
 IPA = "ipa"
+SILENT = re.compile("[\\s.\u0361ˈˌ]")
+"""Spaces, ties and stress in the IPA of a dictionary."""
 
+CONVENTIONS = Path(__file__).with_suffix(".yaml")
+Conventions = Mapping[str, str]
 Pair = tuple[str, str]
 
 
@@ -47,12 +54,16 @@ class Score(NamedTuple):
     errors: int
     closures: int
     rounding: int
-    confusions: Counter[Pair]
+    confusions: dict[Pair, list[str]]
+    """The words of each (stated, read) pair that differs, most words first."""
 
-    @property
-    def error(self) -> float:
-        """Errors by phonemes of the dictionary."""
-        return self.errors / max(self.phonemes, 1)
+    def shares(self) -> dict[str, float]:
+        """Return errors by phonemes, and words whose lip closures and whose rounding differ."""
+        return {
+            "error": self.errors / max(self.phonemes, 1),
+            "closures": self.closures / max(self.words, 1),
+            "rounding": self.rounding / max(self.words, 1),
+        }
 
 
 def differences(stated: Sequence[str], read: Sequence[str]) -> list[Pair]:
@@ -97,30 +108,46 @@ class Judge:
 
     def stated(self, ipa: str) -> list[str]:
         """Return the common phonemes of IPA."""
-        plain = "".join(ipa.split()).replace("\u0361", "").replace(".", "")
         found: list[str] = []
-        for label in segments(plain, self.known):
+        for label in segments(SILENT.sub("", ipa), self.known):
             value = self.notation.find(label) or self.near.value(label) or ()
             found += [name for name, _ in value]
         return self.coarse(found)
 
-    def score(self, dictionary: dict[str, list[str]]) -> Score:
-        """Read the words, and compare."""
-        read = self.speaker.transcribe(dictionary)
-        confusions: Counter[Pair] = Counter()
+    def read(self, words: Iterable[str]) -> list[list[str]]:
+        """Return the common phonemes of words, as the language reads them."""
+        return [self.coarse(one.phonemes) for one in self.speaker.transcribe(words)]
+
+    def score(
+        self,
+        dictionary: Mapping[str, list[str]],
+        read: Iterable[Sequence[str]],
+        allowed: Conventions,
+    ) -> Score:
+        """Compare readings with a dictionary, of whose IPA some conventions are allowed."""
+        confusions: defaultdict[Pair, list[str]] = defaultdict(list)
         phonemes = errors = closures = rounding = 0
-        for (_, stated), transcript in zip(dictionary.items(), read, strict=True):
-            said = self.coarse(transcript.phonemes)
+        for (word, stated), said in zip(dictionary.items(), read, strict=True):
             found, sounds = min(
-                ((differences(one, said), one) for one in map(self.stated, stated)),
+                ((differences(one, said), one) for one in map(self.stated, meant(stated, allowed))),
                 key=lambda pair: len(pair[0]),
             )
             phonemes += len(sounds)
             errors += len(found)
             closures += any(CLOSED in pair for pair in found)
             rounding += any((one in ROUNDED) != (other in ROUNDED) for one, other in found)
-            confusions.update(found)
-        return Score(len(dictionary), phonemes, errors, closures, rounding, confusions)
+            for pair in found:
+                confusions[pair].append(word)
+        most = dict(sorted(confusions.items(), key=lambda item: -len(item[1])))
+        return Score(len(dictionary), phonemes, errors, closures, rounding, most)
+
+
+def meant(stated: Sequence[str], allowed: Conventions) -> list[str]:
+    """Return the IPA of a dictionary, and each that some conventions make of it."""
+    found = list(dict.fromkeys(SILENT.sub("", ipa) for ipa in stated))
+    for pattern, instead in allowed.items():
+        found += [new for one in found if (new := re.sub(pattern, instead, one)) not in found]
+    return found
 
 
 def words_of(path: Path, most: int) -> dict[str, list[str]]:
@@ -145,29 +172,37 @@ def main() -> None:
     json_figures.add_option(parser)
     options = parser.parse_args()
     library = Library()
-    kept: dict[str, dict[str, float]] = {}
-    errors: list[float] = []
-    print(f"{'language':<16}{'words':>7}{'error':>8}{'closures':>10}{'rounding':>10}")
+    conventions = yaml.safe_load(CONVENTIONS.read_text("utf-8"))
+    kept: dict[str, dict[str, Any]] = {}
+    print(f"{'language':<20}{'words':>7}{'error':>8}{'closures':>10}{'rounding':>10}")
     for path in sorted(options.folder.glob("*.tsv")):
-        if options.only and path.stem.partition(".")[0] not in options.only:
+        name = path.stem.partition(".")[0]
+        if options.only and name not in options.only:
             continue
         try:
-            score = Judge(library, path.stem.partition(".")[0]).score(words_of(path, options.most))
+            judge, words = Judge(library, name), words_of(path, options.most)
+            read = judge.read(words)
         except LipsyncError as error:
-            print(f"{path.stem:<16} {str(error).splitlines()[0]}")
+            print(f"{path.stem:<20} {str(error).splitlines()[0]}")
             continue
-        errors.append(score.error)
-        closures, rounding = (n / max(score.words, 1) for n in (score.closures, score.rounding))
-        kept[path.stem] = {"words": score.words, "error": score.error, "closures": closures,
-                           "rounding": rounding}  # fmt: skip
-        print(
-            f"{path.stem:<16}{score.words:>7}{score.error:>8.3f}{closures:>10.1%}{rounding:>10.1%}"
-        )
-        for (stated, read), count in score.confusions.most_common(options.confusions):
-            print(f"    {stated} read as {read}: {count}")
-    if errors:
-        print(f"{'median':<16}{'':>7}{median(errors):>8.3f}")
+        score = judge.score(words, read, {})
+        kept[path.stem] = {"words": len(words), **score.shares()}
+        show(path.stem, len(words), score.shares())
+        if allowed := conventions.get(path.stem):
+            score = judge.score(words, read, allowed)
+            kept[path.stem]["allowed"] = score.shares()
+            show("  conventions allowed", "", score.shares())
+        for (stated, said), differ in list(score.confusions.items())[: options.confusions]:
+            print(f"    {stated} read as {said}: {len(differ)}, as {', '.join(differ[:5])}")
+    if kept:
+        print(f"{'median':<27}{median(one['error'] for one in kept.values()):>8.3f}")
     json_figures.write_figures(options.json, {"languages": kept})
+
+
+def show(name: str, words: int | str, shares: Mapping[str, float]) -> None:
+    """Print a line of shares."""
+    error, closures, rounding = shares.values()
+    print(f"{name:<20}{words:>7}{error:>8.3f}{closures:>10.1%}{rounding:>10.1%}")
 
 
 if __name__ == "__main__":

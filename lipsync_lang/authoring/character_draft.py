@@ -15,7 +15,6 @@ from lipsync_lang.authoring.new_pack import (
     head,
     pack_bytes,
     place_model,
-    scalar,
 )
 from lipsync_lang.authoring.rig import drafted, rig_lines
 from lipsync_lang.errors import LipsyncError, ModelError, PackError, did_you_mean
@@ -23,6 +22,7 @@ from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import PoseSet
 from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.value_text import as_scalar
 from lipsync_lang.rigs.model import Model, read_model, some
 from lipsync_lang.rigs.read_outs import apertures
 from lipsync_lang.rigs.recognise import Match, recognise
@@ -212,14 +212,14 @@ def _lines(
     title = wanted.heading
     yield f"# {title}: the poses of {match.poseset} on {wanted.model.name}. See it speak:"
     yield f"#   {_running(wanted.name, wanted.model)}"
-    fields = {"title": scalar(title), "poseset": match.poseset, "rig": rig}
-    has = f"[{', '.join(map(scalar, match.optional))}]" if match.optional else None
-    yield from head("character", wanted.name, **fields, model=scalar(model), has=has)
+    fields = {"title": as_scalar(title), "poseset": match.poseset, "rig": rig}
+    has = f"[{', '.join(map(as_scalar, match.optional))}]" if match.optional else None
+    yield from head("character", wanted.name, **fields, model=as_scalar(model), has=has)
     yield ""
     yield "# Optional settings of this character; it can also have bigrams, words and lines"
     yield "# motion: {speed_limit: 8}      # weight per second"
     if dials:
-        levels = ", ".join(f"{scalar(region)}: {level:g}" for region, level in dials.items())
+        levels = ", ".join(f"{as_scalar(region)}: {level:g}" for region, level in dials.items())
         yield f"dials: {{{levels}}}          # measured: the mouth opens as {match.poseset} expects"
     else:
         yield "# dials: {REGION: 0.8}          # scale of a region's movement"

@@ -5,7 +5,6 @@ articulatory features; doubtful labels are listed first, with their lost feature
 empty, because expected results must come from a source independent of this program.
 """
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
@@ -18,11 +17,11 @@ from lipsync_lang.authoring.new_pack import (
     check_name,
     head,
     pack_bytes,
-    scalar,
 )
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, IPA
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.yaml.value_text import as_scalar
 from lipsync_lang.phonology.g2p import Settings, engine
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.phonology.labels import normalise
@@ -36,8 +35,6 @@ EMPTY_TESTS = """
 # Words with the IPA of a dictionary or a grammar, and the expected common phonemes:
 #  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}
 tests: []"""
-
-_PLAIN_LABEL = re.compile(r"[^\W\d_][\w\u0300-\u036f\u02b0-\u02ff]*")
 
 
 @dataclass(frozen=True)
@@ -153,21 +150,21 @@ def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str
     tag = wanted.tag or (wanted.voice or "").partition("+")[0] or (wanted.epitran or "")[:3]
     tag = tag or (inventory.code if inventory else "")
     tag = tag or "und            # write the BCP 47 tag of the language"
-    title, adds = _scalar(wanted.heading), f"[{', '.join(added)}]" if added else None
+    title, adds = as_scalar(wanted.heading), f"[{', '.join(added)}]" if added else None
     yield from head("language", wanted.name, tag=tag, title=title, adds=adds)
     if wanted.lexicon:
         file = f"{wanted.name}{wanted.lexicon.suffix}"
-        yield f"g2p: {{engine: lexicon, file: {_scalar(file)}, notation: {IPA}}}"
+        yield f"g2p: {{engine: lexicon, file: {as_scalar(file)}, notation: {IPA}}}"
     elif wanted.epitran:
-        yield f"g2p: {{engine: epitran, code: {_scalar(wanted.epitran)}, notation: {IPA}}}"
+        yield f"g2p: {{engine: epitran, code: {as_scalar(wanted.epitran)}, notation: {IPA}}}"
     elif wanted.voice:
-        yield f"g2p: {{engine: espeak, voice: {_scalar(wanted.voice)}, notation: {IPA}}}"
+        yield f"g2p: {{engine: espeak, voice: {as_scalar(wanted.voice)}, notation: {IPA}}}"
     else:
         yield "# It reads text in the labels below; add rules to make it read the usual spelling:"
         yield "#   rules: [{from: ch, to: tʃ}, {from: c, to: s, before: '[ei]'}, {from: c, to: k}]"
         yield f"g2p: {{engine: rules, notation: {IPA}}}"
     if wanted.voice:
-        yield f"tts: {{engine: espeak, voice: {_scalar(wanted.voice)}}}"
+        yield f"tts: {{engine: espeak, voice: {as_scalar(wanted.voice)}}}"
     yield "automatic: true       # labels that are not below go to the nearest common phonemes"
     yield ""
 
@@ -194,7 +191,7 @@ def _body(sounds: FoundSounds, found: Mapping[str, Nearest], order: Sequence[str
         yield "# The first word found for each label; choose better ones"
         yield "examples:"
         shown = (label for label in (*doubtful, *sure) if label in examples)
-        yield from (f"  {_scalar(label)}: {_scalar(examples[label])}" for label in shown)
+        yield from (f"  {as_scalar(label)}: {as_scalar(examples[label])}" for label in shown)
 
 
 def _entry(label: str, near: Nearest) -> str:
@@ -206,24 +203,20 @@ def _entry(label: str, near: Nearest) -> str:
         value = f"{{to: {value}, shares: [{parts}]}}"
     told = [f"loses {', '.join(near.losses)}"] if near.losses else []
     told += [f"not IPA: {' '.join(near.unknown)}"] if near.unknown else []
-    entry = f"    {_scalar(label)}: {value}"
+    entry = f"    {as_scalar(label)}: {value}"
     return f"{entry:<19} # {'; '.join(told)}" if told else entry
 
 
 def _inventory(inventory: Inventory | None, found: Mapping[str, Nearest]) -> Iterator[str]:
     if inventory is None:
         return
-    listed = ", ".join(map(_scalar, inventory.segments))
+    listed = ", ".join(map(as_scalar, inventory.segments))
     yield ""
     yield "inventory:"
-    yield f"  source: {_scalar(inventory.source)}"
+    yield f"  source: {as_scalar(inventory.source)}"
     yield f"  segments: [{listed}]"
     mute = {normalise(label) for label, near in found.items() if not near.value}
     toned = [segment for segment in inventory.segments if normalise(segment) in mute]
     if toned:
         yield "  absent:"
-        yield from (f"    {_scalar(segment)}: it is not visible" for segment in toned)
-
-
-def _scalar(text: str) -> str:
-    return scalar(text, _PLAIN_LABEL)
+        yield from (f"    {as_scalar(segment)}: it is not visible" for segment in toned)

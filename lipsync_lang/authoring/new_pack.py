@@ -1,10 +1,9 @@
-"""The parts that all drafts of packs share: name, head, YAML values, model reference and files.
+"""The parts that all drafts of packs share: name, head, model reference and files.
 
 A draft is lines of YAML under a head; `pack_bytes` makes the file. Paths in a pack are POSIX paths
 relative to the folder of the pack.
 """
 
-import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -25,8 +24,6 @@ WRAP_CHARS = 100
 """Maximum line width in characters for wrapped lists."""
 
 _PACK_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
-_PLAIN_NAME = re.compile(r"[^\W\d][\w.]*(-[\w.]+)*")
-_YAML_LITERALS = {"true", "false", "null"}
 
 NewFiles = Mapping[Path, bytes | Path]
 """Content of each new file, or the file of which it is a copy."""
@@ -83,25 +80,6 @@ def head(kind: str, name: str, **fields: str | None) -> Iterator[str]:
     """Yield the first lines of a pack; fields are YAML, and None leaves one out."""
     stated = {"kind": kind, "format": "1", "name": name, **fields}
     yield from (f"{field}: {value}" for field, value in stated.items() if value is not None)
-
-
-def scalar(text: str, plain: re.Pattern[str] = _PLAIN_NAME) -> str:
-    """Format a string as a YAML scalar, quoted if it does not match the pattern of plain text."""
-    if plain.fullmatch(text) and text.casefold() not in _YAML_LITERALS:
-        return text
-    return json.dumps(text, ensure_ascii=False)
-
-
-def flow(value: object, spaced: re.Pattern[str] | None = None) -> str:
-    """Format plain data as one line of flow-style YAML; texts that match `spaced` are unquoted."""
-    if isinstance(value, Mapping):
-        entries = (f"{scalar(key)}: {flow(inner, spaced)}" for key, inner in value.items())
-        return f"{{{', '.join(entries)}}}"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(flow(inner, spaced) for inner in value)}]"
-    if isinstance(value, str):
-        return value if spaced is not None and spaced.fullmatch(value) else scalar(value)
-    return f"{value:g}" if isinstance(value, float) else json.dumps(value)
 
 
 def pack_bytes(lines: Iterable[str]) -> bytes:

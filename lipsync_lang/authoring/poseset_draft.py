@@ -18,7 +18,6 @@ from lipsync_lang.authoring.new_pack import (
     check_name,
     pack_bytes,
     place_model,
-    scalar,
 )
 from lipsync_lang.authoring.poseset_text import poseset_lines
 from lipsync_lang.errors import LipsyncError, PackError
@@ -26,6 +25,7 @@ from lipsync_lang.packs import models
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_channels import pose_names
+from lipsync_lang.packs.yaml.value_text import as_scalar
 from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.rigs.driver import bare
 from lipsync_lang.rigs.model import read_model
@@ -125,7 +125,7 @@ def _made(
     """Return a pose set with targets, its comments by pose, and the origin of the targets."""
     known, called = max(((s, _called(names, s)) for s in sets), key=lambda pair: len(pair[1]))
     if called:
-        why = {name: f"as {scalar(pose)}" for name, pose in called.items() if name != pose}
+        why = {name: f"as {as_scalar(pose)}" for name, pose in called.items() if name != pose}
         why[""] = f"Poses move as in pose set '{known.name}' until you change them."
         return taken(known, called, common), why, f"with the targets of {known.name}"
     if not guess:

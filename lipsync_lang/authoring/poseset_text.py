@@ -3,19 +3,16 @@
 Lengths are in lines and in characters per line.
 """
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 
-from lipsync_lang.authoring.new_pack import WRAP_CHARS, flow, head, scalar
+from lipsync_lang.authoring.new_pack import WRAP_CHARS, head
 from lipsync_lang.packs.models import Phonemes, PoseSet
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
+from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
 
 MAX_SCREEN_LINES = 90
 """Maximum number of lines before a denser layout is used."""
-
-_SPACED = re.compile(r"[^\W\d]\w*( [\w()/'-]+)+")
-"""Several words, which need no quotes as a value."""
 
 
 def poseset_lines(
@@ -42,13 +39,13 @@ def _lines(
     yield f"# {model.title}: a draft. It runs as it is:"
     yield f'#   lipsync-lang run "Hello" -l LANGUAGE -c {name} -o {name}.html'
     yield from (f"# {line}" for line in wrap(why[""], WRAP_CHARS - 2))
-    model_file = scalar(model.model) if model.model is not None else None
-    yield from head("poseset", name, title=flow(model.title, _SPACED), model=model_file)
+    model_file = as_scalar(model.model) if model.model is not None else None
+    yield from head("poseset", name, title=on_one_line(model.title), model=model_file)
     yield ""
     yield from _poses(model, why, packed=packed)
     if left:
         yield "# Unused shapes. To use a shape, add it to `poses` and to `targets`:"
-        yield from _wrapped("#   ", map(scalar, left), "")
+        yield from _wrapped("#   ", map(as_scalar, left), "")
     yield ""
     yield from _constraints(model, packed=packed)
     yield ""
@@ -57,10 +54,10 @@ def _lines(
     for title, contact in model.contacts.items():
         parts = {"phonemes": contact.phonemes, "floor": contact.floor, "ceiling": contact.ceiling}
         held = {part: poses for part, poses in parts.items() if poses or part == "phonemes"}
-        yield f"  {scalar(title)}: {flow(held)}"
+        yield f"  {as_scalar(title)}: {on_one_line(held)}"
     yield ""
     yield "# Settings of the motion; speed_limit is the highest weight per second of a pose"
-    yield f"motion: {flow(model.motion.model_dump(exclude_none=True), _SPACED)}"
+    yield f"motion: {on_one_line(model.motion.model_dump(exclude_none=True))}"
     yield ""
     yield "# Weight of each pose at each sound, from 0 to 1. A pose that is not named is at rest."
     yield "targets:"
@@ -69,7 +66,9 @@ def _lines(
         yield ""
         yield "# Measures for quality reports: sums of gain times pose"
         yield "measures:"
-        yield from (f"  {scalar(k)}: {flow(gains)}" for k, gains in model.measures.items())
+        yield from (
+            f"  {as_scalar(k)}: {on_one_line(gains)}" for k, gains in model.measures.items()
+        )
 
 
 def _targets(model: PoseSet, common: Phonemes, *, packed: bool) -> Iterator[str]:
@@ -79,7 +78,7 @@ def _targets(model: PoseSet, common: Phonemes, *, packed: bool) -> Iterator[str]
         for step in steps:
             insisting = step.dominance or step.overall
             dominance = {} if insisting in ({}, None) else {"dominance": insisting}
-            told.append(flow({**step.weights, **dominance}))
+            told.append(on_one_line({**step.weights, **dominance}))
         listed = told[0] if len(told) == 1 else f"[{', '.join(told)}]"
         entries[label] = f"  {label + ':':<4} {listed}"
     width = min(40, max(map(len, entries.values()), default=0))
@@ -90,26 +89,26 @@ def _targets(model: PoseSet, common: Phonemes, *, packed: bool) -> Iterator[str]
 
 def _poses(model: PoseSet, why: Mapping[str, str], *, packed: bool) -> Iterator[str]:
     if packed:
-        told = (f"{scalar(n)}: {_pose('', p.region)}" for n, p in model.poses.items())
+        told = (f"{as_scalar(n)}: {_pose('', p.region)}" for n, p in model.poses.items())
         yield from _wrapped("poses: {", told, "}")
         return
     yield "poses:"
-    width = max(len(scalar(name)) for name in model.poses) + 1
+    width = max(len(as_scalar(name)) for name in model.poses) + 1
     for name, pose in model.poses.items():
-        entry = f"  {scalar(name) + ':':<{width}} {_pose(pose.title, pose.region)}"
+        entry = f"  {as_scalar(name) + ':':<{width}} {_pose(pose.title, pose.region)}"
         yield f"{entry}   # {why[name]}" if name in why else entry
 
 
 def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
     """Format the constraints; without any, a commented-out example."""
     stated = model.constraints
-    pairs = [flow(pair.model_dump(exclude_none=True), _SPACED) for pair in stated.pairs]
+    pairs = [on_one_line(pair.model_dump(exclude_none=True)) for pair in stated.pairs]
     binds = stated.default < NO_THRESHOLD
     yield "# Pairs of poses with the highest sum of their weights; `priority` has the weakest first"
     if not pairs and not binds:
         some = [*model.poses, *model.poses][:2]
-        yield f"# constraints: {{pairs: [{{between: {flow(some)}, threshold: 1}}]}}"
-        yield f"# priority: {flow(some[:1])}"
+        yield f"# constraints: {{pairs: [{{between: {on_one_line(some)}, threshold: 1}}]}}"
+        yield f"# priority: {on_one_line(some[:1])}"
         return
     yield "constraints:"
     if binds:
@@ -120,12 +119,12 @@ def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
         yield "  pairs:"
         yield from (f"    - {pair}" for pair in pairs)
     if model.priority:
-        yield from _wrapped("priority: [", map(scalar, model.priority), "]")
+        yield from _wrapped("priority: [", map(as_scalar, model.priority), "]")
 
 
 def _pose(title: str, region: str) -> str:
     fields = {"title": title, "region": region}
-    return flow({field: text for field, text in fields.items() if text}, _SPACED)
+    return on_one_line({field: text for field, text in fields.items() if text})
 
 
 def _wrapped(head: str, items: Iterable[str], end: str) -> Iterator[str]:

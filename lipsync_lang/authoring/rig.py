@@ -6,9 +6,10 @@ Gains are in channel units per pose weight: shape weight, or degrees for the rot
 from collections.abc import Iterator, Mapping
 from textwrap import wrap
 
-from lipsync_lang.authoring.new_pack import WRAP_CHARS, flow, head, scalar
+from lipsync_lang.authoring.new_pack import WRAP_CHARS, head
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.rig_channels import channels_of, expanded
+from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
 from lipsync_lang.rigs.model import Model
 from lipsync_lang.rigs.recognise import Match
 from lipsync_lang.rigs.shape_matching import folded
@@ -83,14 +84,14 @@ def rig_lines(rig: RigPack, model: Model, match: Match, poseset: PoseSet) -> Ite
     """Format a drafted rig as YAML, with the manual tasks in comments."""
     yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
     yield "# A gain is shape weight per pose weight; a shape may have several, also negative ones."
-    title, poses_of = scalar(rig.title), scalar(rig.poseset)
-    yield from head("rig", scalar(rig.name), title=title, poseset=poses_of)
+    title, poses_of = as_scalar(rig.title), as_scalar(rig.poseset)
+    yield from head("rig", as_scalar(rig.name), title=title, poseset=poses_of)
     yield "channels:"
-    yield from (f"  {scalar(name)}: {_channel(one)}" for name, one in rig.channels.items())
+    yield from (f"  {as_scalar(name)}: {_channel(one)}" for name, one in rig.channels.items())
     if rig.lost:
         yield "# Add each of these poses to a shape above that looks similar, or leave it lost"
         yield "lost:"
-        yield from (f"  {scalar(pose)}: {scalar(why)}" for pose, why in rig.lost.items())
+        yield from (f"  {as_scalar(pose)}: {as_scalar(why)}" for pose, why in rig.lost.items())
     nodes = model.document.get("nodes", ())
     free = [str(node["name"]) for node in nodes if "name" in node and "mesh" not in node]
     for pose in rig.lost:
@@ -99,7 +100,7 @@ def rig_lines(rig: RigPack, model: Model, match: Match, poseset: PoseSet) -> Ite
         if node is not None:
             turned = RigChannel(gains={pose: TURN}, node=node, rotation=(1, 0, 0))
             yield f"# A bone may show '{pose}'. Degrees, about x; try other axes and signs:"
-            yield f"#   {scalar(node)}: {_channel(turned)}"
+            yield f"#   {as_scalar(node)}: {_channel(turned)}"
             break
     if match.left:
         yield "# Unused shapes:"
@@ -110,4 +111,4 @@ def _channel(channel: RigChannel) -> str:
     """Format a channel as one line of flow-style YAML."""
     stated = ("gains", "range", "rotation", "translation", "node", "mesh", "at_most")
     values = {name: getattr(channel, name) for name in stated}
-    return flow({name: value for name, value in values.items() if value is not None})
+    return on_one_line({name: value for name, value in values.items() if value is not None})

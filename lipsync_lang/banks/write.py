@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.files.writing import cannot_write
-from lipsync_lang.packs.yaml.value_text import INDENT, block_lines, plain_or_quoted
+from lipsync_lang.packs.yaml.value_text import INDENT, as_scalar, block_lines
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -130,8 +130,8 @@ def bank_yaml(made: BankBigrams, name: str) -> str:
     """Return bigrams as the text of a bank of their own."""
     return (
         f"kind: bank\nformat: 1\nname: {name}\n"
-        f"poseset: {plain_or_quoted(made.poseset)}\nlanguage: null\n"
-        f"style: {plain_or_quoted(made.style or NEUTRAL)}\n"
+        f"poseset: {as_scalar(made.poseset)}\nlanguage: null\n"
+        f"style: {as_scalar(made.style or NEUTRAL)}\n"
         f"interpolation: {made.interpolation or 'bspline'}\n"
         f"{bigrams_yaml(made)}"
     )

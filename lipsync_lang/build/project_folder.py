@@ -15,7 +15,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from lipsync_lang.build.project_text import flow
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.names import fault_of_name
 from lipsync_lang.files.reach import name_folders
@@ -24,6 +23,7 @@ from lipsync_lang.files.temporary import temporary_name
 from lipsync_lang.files.writing import cannot_write
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.project import FILE
+from lipsync_lang.packs.yaml.value_text import on_one_line
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -111,15 +111,15 @@ def project_files(
     paths = []
     for path in library.paths:
         try:
-            paths.append(flow(Path(os.path.relpath(path, name)).as_posix()))
+            paths.append(on_one_line(Path(os.path.relpath(path, name)).as_posix()))
         except ValueError:  # another drive of Windows
-            paths.append(flow(path.absolute().as_posix()))
+            paths.append(on_one_line(path.absolute().as_posix()))
     known: dict[str, Any] = {
         "name": name,
-        "title": flow(name),
-        "language": flow(spoken.name),
-        "character": flow(defaults.name if own else face),
-        "poseset": flow(poseset),
+        "title": on_one_line(name),
+        "language": on_one_line(spoken.name),
+        "character": on_one_line(defaults.name if own else face),
+        "poseset": on_one_line(poseset),
         "own": own,
         "paths": paths,
         "first": LINE_ID.format(1),

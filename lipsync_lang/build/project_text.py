@@ -1,16 +1,11 @@
 """The text of a drafted `lipsync.yaml`, with comments for what can be added."""
 
 import json
-import re
 from typing import NamedTuple
 
+from lipsync_lang.packs.yaml.value_text import on_one_line
+
 SHOWN_SPEAKERS = 20
-
-PLAIN_SCALAR = re.compile(r"[A-Za-z][\w./-]*(?<![.])")
-"""Text that means itself in YAML without quotes; words such as `no` are quoted by `flow`."""
-
-YAML_WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
-"""Plain words that YAML takes for other things."""
 
 TEXT = """\
 # `lipsync-lang build` makes all lines of this script, and after that only what changed.
@@ -59,25 +54,12 @@ def project_text(layout: ProjectLayout) -> str:
         f"\n#   {json.dumps(one, ensure_ascii=False)}: ..."
         for one in layout.speakers[:SHOWN_SPEAKERS]
     )
-    recorded = flow(f"vo/{several}{{id}}.wav")
+    recorded = on_one_line(f"vo/{several}{{id}}.wav")
     return TEXT.format(
-        lines=flow(layout.lines), columns=flow(layout.columns), languages=flow(languages),
-        audio=f"audio: {flow(layout.audio)}" if layout.audio else f"# audio: {recorded}",
-        cast=flow(cast),
+        lines=on_one_line(layout.lines), columns=on_one_line(layout.columns),
+        languages=on_one_line(languages),
+        audio=f"audio: {on_one_line(layout.audio)}" if layout.audio else f"# audio: {recorded}",
+        cast=on_one_line(cast),
         speakers=f"\n# Speakers of their own go beside it:{speakers}" if speakers else "",
-        outputs=flow(f"takes/{several}{{character}}/{{id}}.csv"),
+        outputs=on_one_line(f"takes/{several}{{character}}/{{id}}.csv"),
     )  # fmt: skip
-
-
-def flow(value: object) -> str:
-    """Return a value as YAML on one line; JSON is YAML."""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{flow(key)}: {flow(one)}" for key, one in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(flow, value)) + "]"
-    text = str(value)
-    return (
-        text
-        if PLAIN_SCALAR.fullmatch(text) and text.lower() not in YAML_WORDS
-        else json.dumps(text, ensure_ascii=False)
-    )

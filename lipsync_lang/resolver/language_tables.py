@@ -90,7 +90,7 @@ def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> S
         rules=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules),
         readings=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.readings),
         corrections=tuple(
-            Correction(c.labels, c.to, c.before, c.after, c.spelled, c.timings)
+            Correction(c.labels, c.to, c.before, c.after, c.spelled, c.timings, c.next_word)
             for c in g2p.corrections
         ),
         labels=tuple(model.notations.get(model.g2p_notation, ())),
@@ -159,8 +159,10 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         for spelling, sounds in shared.interjections.items():
             if sounds is not None and (found := _nearest(sounds.to, labels, shared.nearby)):
                 known[spelling] = Interjection(found, sounds.say)
-        taken = {plain(word) for word in (*words, *(stated.abbreviations if stated else ()))}
-        names = [one for tag, one in shared.names.items() if language.tag.partition("-")[0] != tag]
+        abbreviations = stated.abbreviations if stated is not None else ()
+        taken = {*map(plain, (*words, *" ".join(phrases).split(), *abbreviations))}
+        tag = language.tag.partition("-")[0]
+        names = [one for tags, one in shared.names.items() if tag not in tags.split()]
         for name, ipa in (pair for one in names for pair in one.items()):
             if plain(name) not in taken:
                 words[name] = OwnWord(_nearest(ipa.split(), labels, shared.nearby))
@@ -231,5 +233,6 @@ def _own_words(
         if reading.say and not reading.ipa and not stands_alone(word):
             phrases[word] = reading.say
         elif reading.ipa or reading.say:
-            words[word] = OwnWord(ipa_labels(reading.ipa, labels), reading.say)
+            own = OwnWord(ipa_labels(reading.ipa, labels), reading.say)
+            words |= {plain(word): own, word: own}
     return words, phrases

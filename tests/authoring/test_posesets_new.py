@@ -101,7 +101,7 @@ def test_sounds_that_shut_come_from_the_pose_sets_there_are(folder):
 def test_what_is_in_a_draft_explains_itself(cli):
     new(cli, "thing", "zz top", "true", "zz: zy", "--guess", "--title", "It's a:\n thing")
     text = Path("posesets/thing/poseset.yaml").read_text("utf-8")
-    assert '# constraints: {pairs: [{between: ["zz top", "true"], threshold: 1}]}' in text
+    assert '# constraints: {pairs: [{between: [zz top, "true"], threshold: 1}]}' in text
     assert "# No pose set knows these poses" in text
     assert 'lipsync-lang run "Hello" -l LANGUAGE -c thing' in text
     model = Library().poseset("thing").model

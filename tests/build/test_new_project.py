@@ -80,7 +80,7 @@ def test_folders_of_languages_and_speakers_become_placeholders(cli, game):
         (
             "key,speaker,line in it",
             (),
-            ['columns: {id: key, text: "line in it", speaker: speaker}'],
+            ["columns: {id: key, text: line in it, speaker: speaker}"],
         ),
         ("key,de,en", (), ["columns: {id: key}", "languages: {german: de, english: en}"]),
     ],
@@ -115,7 +115,7 @@ def test_a_text_column_of_no_language_is_stated(cli, game):
     record(game, "vo/c1.wav", "vo/c2.wav")
     ended = new(cli, "-l", "english")
     assert ended.code == 0, ended.err
-    assert 'columns: {id: cue, text: "words of it"}' in stated(game)
+    assert "columns: {id: cue, text: words of it}" in stated(game)
 
 
 def test_what_has_nothing_in_common_is_told_with_what_there_is(cli, game):

@@ -254,8 +254,9 @@ def test_a_dictionary_is_judged_as_the_page_reads_it(how_good, page, made, tmp_p
     monkeypatch.setattr(sys, "argv", ["dictionaries.py", str(tmp_path), "--json", str(file)])
     made("dictionaries").main()
     figures = json.loads(file.read_text("utf-8"))
+    right = {"error": 0, "closures": 0, "rounding": 0}
     assert figures["languages"] == {
-        "finnish": {"words": 2, "error": 0, "closures": 0, "rounding": 0},
+        "finnish": {"words": 2, **right, "allowed": right},
         "finnish.other": {"words": 1, "error": 0.75, "closures": 1, "rounding": 1},
     }
     measured = page.measured | {"reading": page.measured["reading"] | {"figures": figures}}
@@ -265,6 +266,23 @@ def test_a_dictionary_is_judged_as_the_page_reads_it(how_good, page, made, tmp_p
         "The worst list, finnish.other, has 75 %" in told
     )
     assert "finnish has 75 % by other, and 0 % by the other list" in told
+
+
+def test_a_convention_of_a_dictionary_is_allowed_and_never_required(made):
+    meant = made("dictionaries").meant
+    assert meant(["ˈko ŋ.kɔ", "tako"], {"ŋ(?=k)": "n", "ɔ": "o"}) == [
+        "koŋkɔ", "tako", "konkɔ", "koŋko", "konko",
+    ]  # fmt: skip
+
+
+def test_allowed_conventions_are_told_beside_the_errors(how_good, page):
+    row = {"words": 2, "error": 0.5, "closures": 0.25, "rounding": 1}
+    allowed = {"error": 0, "closures": 0.125, "rounding": 0.5}
+    figures = {"languages": {"finnish": row | {"allowed": allowed}, "finnish.other": row}}
+    measured = page.measured | {"reading": page.measured["reading"] | {"figures": figures}}
+    told = how_good.Page(measured, page.published).block("reading")
+    assert "| finnish | 2 | 50.0 % | 25.0 % | 100.0 % | 0.0 % / 12.5 % / 50.0 % |" in told
+    assert "| finnish.other | 2 | 50.0 % | 25.0 % | 100.0 % |  |" in told
 
 
 # Pictures

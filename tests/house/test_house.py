@@ -330,7 +330,7 @@ SHARED_NAMES = {
     *("ALONE", "BLOCK", "COMMANDS", "CONFIDENCE", "DECIMALS", "ENOUGH", "FORMS", "FREE"),
     *("HOLD_SECONDS", "MARK", "MAX_FINDINGS", "MAX_LINE_CHARS", "MAX_NAMES", "MAX_PLACES"),
     *("MAX_SHOWN_CHARS", "MAX_SLUG_CHARS", "MAX_TABLE_ROWS", "MAX_VALUE_CHARS", "MOST", "NAME"),
-    *("NAME_COLUMNS", "PACK_NAME", "PLAIN_SCALAR", "PROGRAM", "SHOWN", "SUFFIXES", "TIMES"),
+    *("NAME_COLUMNS", "PACK_NAME", "PROGRAM", "SHOWN", "SUFFIXES", "TIMES"),
     *("TITLE", "UNKNOWN", "USUAL"),
 }
 """Constants that still have several meanings; a name that gets one meaning must be removed."""

@@ -13,6 +13,7 @@ from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, get, plain, put, spliced
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import read_yaml, scan
+from lipsync_lang.packs.yaml.value_text import PLAIN_SCALAR, as_scalar
 
 FILES = sorted([*built_in().glob("languages/*.yaml"), *built_in().glob("posesets/*/**/*.yaml")])
 assert FILES, "a sweep over nothing passes"
@@ -430,3 +431,12 @@ def untouched(content, loc):
     ):
         last += 1
     return {line.rstrip() for n, line in enumerate(lines) if not first - 1 <= n < last}
+
+
+@given(
+    st.one_of(st.text(st.characters(codec="utf-8")), st.from_regex(PLAIN_SCALAR, fullmatch=True))
+)
+def test_text_reads_back_as_itself_in_brackets(text):
+    read = scan(ODD, f"a: [{as_scalar(text)}, {{{as_scalar(text)}: 1}}]".encode())
+    assert read.faults or read.data == {"a": (text, {text: 1})}
+    assert not read.faults or not PLAIN_SCALAR.fullmatch(text)

@@ -196,16 +196,20 @@ class LabelCorrection(Strict):
     """A regular expression that must match the labels before them, joined without spaces."""
     spelled: str = ""
     """A regular expression, in small letters, that must be found in the word as it is written."""
+    next_word: str = ""
+    """A regular expression that must match the first label of the next word; none follows before a
+    pause."""
     timings: bool = False
     """True to correct the labels of timings in this notation too, whoever wrote them. There are as
     many labels in `to` as in `from`, tones do not count, and all labels are one word."""
 
     @model_validator(mode="after")
     def _places_are_usable(self) -> Self:
-        if self.timings and (len(self.to) != len(self.labels) or self.spelled):
-            what = "`timings` needs as many labels in `to` as in `from`, and no `spelled`"
+        if self.timings and (len(self.to) != len(self.labels) or self.spelled or self.next_word):
+            what = "`timings` needs as many labels in `to` as in `from`, and no context of words"
             raise PydanticCustomError("P115", what, {"field": "timings"})
-        check_contexts({"before": self.before, "after": self.after, "spelled": self.spelled})
+        fields = ("before", "after", "spelled", "next_word")
+        check_contexts({name: getattr(self, name) for name in fields})
         return self
 
 

@@ -176,6 +176,6 @@ class SharedText(Strict):
     """The voice of eSpeak NG for words in Latin letters, in languages in which `letters` names each
     of these, and whose engine is no voice itself. Its sounds go to the nearest labels."""
     names: dict[Text, dict[Text, str]] = Field(default={})
-    """Names of other languages in IPA, such as `dʒ o n`, by the tag of the language that they come
-    from. Every language whose `g2p` writes IPA reads them so, except those of that tag and packs
-    that state the name themselves."""
+    """Names in IPA, such as `dʒ o n`, by the tags of the languages that read them their own way,
+    such as `en` or `de en`. Every other language whose `g2p` writes IPA reads them so, except packs
+    that state the name themselves. A name with a capital needs one in texts."""

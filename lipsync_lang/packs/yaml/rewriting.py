@@ -13,9 +13,9 @@ from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.packs.yaml.spans import EntrySpan, Span, spans
 from lipsync_lang.packs.yaml.value_text import (
     INDENT,
+    as_scalar,
     block_lines,
     on_one_line,
-    plain_or_quoted,
     wants_block,
 )
 
@@ -140,7 +140,7 @@ class _Edits:
         if span.flow:
             names = [str(key) for key in after]
             made = {
-                key: f"{plain_or_quoted(key)}: {on_one_line(after[key])}"
+                key: f"{as_scalar(key)}: {on_one_line(after[key])}"
                 for key in names
                 if key not in before
             }
@@ -185,13 +185,13 @@ class _Edits:
         near = model.value
         as_block = near.kind == "mapping" and not near.flow
         if isinstance(value, Mapping) and value and (as_block or wants_block(value)):
-            lines = [f"{plain_or_quoted(key)}:", *block_lines(value, INDENT)]
+            lines = [f"{as_scalar(key)}:", *block_lines(value, INDENT)]
         else:
             column = self._column(near.start) - indent
             beside = not self._multiline(model.after, near.start)
             aligned = beside and near.kind != "scalar" and isinstance(value, (dict, tuple))
             width = column - 1 if aligned else 0
-            lines = [f"{plain_or_quoted(key) + ':':<{width}} {on_one_line(value)}"]
+            lines = [f"{as_scalar(key) + ':':<{width}} {on_one_line(value)}"]
         return [" " * indent + line for line in lines]
 
     def _sequence(

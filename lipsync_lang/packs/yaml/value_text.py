@@ -19,12 +19,17 @@ MAX_FLOW_CHARS = 100
 CURVES = "curves"
 """The field of packs with a mapping of curves, in blocks even while it has none."""
 
-PLAIN_SCALAR = re.compile(r"[^\W\d][\w-]*(?: [\w-]+)*")
+_SPELLING = r"\w\u0300-\u036f\u02b0-\u02ff"
+"""Letters with their accents, and with marks of the IPA."""
+
+PLAIN_SCALAR = re.compile(rf"[^\W\d](?:[{_SPELLING} ./'()-]*[{_SPELLING})'-])?")
+"""Text that means itself without quotes, unless it is a reserved word."""
+
 RESERVED_WORDS = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
 """Words that some version of YAML reads as booleans or null, so they need quotes."""
 
 
-def plain_or_quoted(text: str) -> str:
+def as_scalar(text: str) -> str:
     """Return text as a YAML scalar, quoted if a plain one could be misread."""
     plain = PLAIN_SCALAR.fullmatch(text) and text.casefold() not in RESERVED_WORDS
     return text if plain else json.dumps(text, ensure_ascii=False)
@@ -33,10 +38,10 @@ def plain_or_quoted(text: str) -> str:
 def on_one_line(value: Data) -> str:
     """Return a value as YAML on one line: `0.5`, `{open: 0.75}`, `[[0, 0], [1, 1]]`."""
     if isinstance(value, Mapping):
-        inner = (f"{plain_or_quoted(key)}: {on_one_line(one)}" for key, one in value.items())
+        inner = (f"{as_scalar(key)}: {on_one_line(one)}" for key, one in value.items())
         return "{" + ", ".join(inner) + "}"
     if isinstance(value, str):
-        return plain_or_quoted(value)
+        return as_scalar(value)
     if isinstance(value, Sequence):
         return "[" + ", ".join(map(on_one_line, value)) + "]"
     if isinstance(value, float):
@@ -64,7 +69,7 @@ def block_lines(value: Mapping[str, Data], indent: int = 0) -> list[str]:
 
     Curves are aligned: their values start in one column.
     """
-    names = {key: f"{plain_or_quoted(key)}:" for key in value}
+    names = {key: f"{as_scalar(key)}:" for key in value}
     curves = [len(names[key]) for key, one in value.items() if _is_curve(one)]
     width = max(curves, default=0)
     lines: list[str] = []

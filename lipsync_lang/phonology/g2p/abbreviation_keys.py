@@ -112,6 +112,7 @@ class AbbreviationKeys:
         """Rules of every number in words, if the pack has any."""
         self._minus = self._expansions.get("-#", "").partition("{")[0]
         self._decimal = forms.decimal
+        self._thousands = forms.thousands
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
@@ -137,7 +138,7 @@ class AbbreviationKeys:
         """Yield patterns of the places at which a key may begin."""
         for key in self._expansions:
             if key[0] == "…":
-                end = r"(?!\w)" * (key[-1] != "…")
+                end = r"(?!\d)" if key[-1] == "…" else r"(?!\w)"
                 yield rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}{end}"
         yield r"(?<!\d)(?<!\d[.,/:-])\d"
         yield _SIGNED_DIGIT
@@ -196,10 +197,10 @@ class AbbreviationKeys:
         words = ""
         while found.re.pattern in _OPEN_PATTERNS and (before := _BEFORE_LAST.fullmatch(read)):
             first, last = found[1] if before[1] else "", found.lastindex or 0
-            words += self._respelled(first) + before[2]
+            words += self.respelled(first) + before[2]
             match, read = self._match(found.string, found.start(last))
             if match is None:
-                return found.end(), words + self._respelled(found[last])
+                return found.end(), words + self.respelled(found[last])
             found = match
         if before := _BEFORE_ALONE.fullmatch(read):
             unit, after = self._match(found.string, found.start(1))
@@ -207,7 +208,8 @@ class AbbreviationKeys:
                 return unit.end(), words + before[1] + self._expanded(unit, after)
         return found.end(), words + self._expanded(found, read)
 
-    def _respelled(self, text: str) -> str:
+    def respelled(self, text: str) -> str:
+        """Return a text with the expansions of its keys."""
         return respelled(text, self.find(text))
 
     def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
@@ -251,12 +253,14 @@ class AbbreviationKeys:
         def number(place: re.Match[str]) -> str:
             written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
             if _NUMBER_RANGE.fullmatch(written) and {*words} != DIGITS:
-                return self._respelled(written)
+                return self.respelled(written)
             written = written.lstrip("-") if self._minus else written
             if self._bare and not words and written != found[0] and written[-1].isdigit():
                 # decimals are read as their key says
-                return self._respelled(written)
+                return self.respelled(written)
             written = self._grouped.sub(_digits, written)
+            if self._thousands == ",":
+                written = written.replace(",", ", ")  # two numbers, such as `2,3`
             if isinstance(words, Mapping):
                 written = written.lstrip("-")
                 written = str(roman(written) or written)

@@ -7,7 +7,8 @@ in order, and the first that fits takes its labels; every other label stays as i
 A context is a regular expression (see `contexts`) over the labels of the word, joined without
 spaces, in any spelling of them: ``^`` in `after` is the start of the word, ``$`` in `before` its
 end. `spelled` must be found in the word as it is written, or respelled, composed and in small
-letters. All contexts see the labels as the engine gave them.
+letters. `next_word` is for the first label of the next word; none follows before a pause. All
+contexts see the labels as the engine gave them.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -32,16 +33,21 @@ class _CompiledCorrection(NamedTuple):
     to: tuple[str, ...]
     around: Surroundings
     spelled: Context | None
+    next_word: Context | None
 
-    def fits(self, sounds: str, start: int, stop: int, written: str) -> bool:
+    def fits(self, sounds: str, start: int, stop: int, written: str, following: str) -> bool:
         """Return True if the labels between two positions of a word's sounds are corrected."""
-        return self.around.fit(sounds, start, stop) and (
-            self.spelled is None or bool(self.spelled.pattern.search(written))
+        return (
+            self.around.fit(sounds, start, stop)
+            and (self.spelled is None or bool(self.spelled.pattern.search(written)))
+            and (self.next_word is None or self.next_word.fits(following, 0))
         )
 
 
-def corrector(corrections: Iterable[Correction]) -> Callable[[SpokenWord], SpokenWord]:
-    """Compile corrections into a function of a word; raise `SpeechError` for an unusable context.
+def corrector(corrections: Iterable[Correction]) -> Callable[..., SpokenWord]:
+    """Compile corrections into a function of a word, and of the labels that begin the next one.
+
+    Raise `SpeechError` for an unusable context.
 
     >>> mend = corrector([Correction(("a",), ("ə",), before="$")])
     >>> mend(SpokenWord("mage", ("m", "a", "ɡ", "a"))).labels
@@ -52,16 +58,17 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[SpokenWord], Spoke
         where = f"correction {number} ('{one.labels[0]}'):"
         around = Surroundings.compiled(one.before.translate(SAME), one.after.translate(SAME), where)
         spelled, _ = Surroundings.compiled(one.spelled, "", where)
+        next_word, _ = Surroundings.compiled(one.next_word.translate(SAME), "", where)
         labels = tuple(map(normalise, one.labels))
-        compiled = _CompiledCorrection(labels, one.to, around, spelled)
+        compiled = _CompiledCorrection(labels, one.to, around, spelled, next_word)
         first.setdefault(labels[0], []).append(compiled)
 
     @lru_cache(CACHED_WORDS)
-    def corrected(said: SpokenWord) -> SpokenWord:
+    def corrected(said: SpokenWord, following: tuple[str, ...] = ()) -> SpokenWord:
         if not first.keys() & set(map(normalise, said.labels)):
             return said
         marks = said.stress or (None,) * len(said.labels)
-        pairs = list(_corrected(said, marks, first))
+        pairs = list(_corrected(said, marks, first, plain(normalise("".join(following)))))
         stress = tuple(mark for _, mark in pairs)
         labels = tuple(label for label, _ in pairs)
         return said._replace(labels=labels, stress=stress if any(stress) else ())
@@ -70,7 +77,10 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[SpokenWord], Spoke
 
 
 def _corrected(
-    said: SpokenWord, marks: Sequence[int | None], first: dict[str, list[_CompiledCorrection]]
+    said: SpokenWord,
+    marks: Sequence[int | None],
+    first: dict[str, list[_CompiledCorrection]],
+    following: str,
 ) -> Iterator[tuple[str, int | None]]:
     """Yield the labels of a word after correction, each with its stress."""
     labels = tuple(map(normalise, said.labels))
@@ -82,7 +92,7 @@ def _corrected(
         for one in first.get(labels[at], ()):
             stop = at + len(one.labels)
             if labels[at:stop] == one.labels and one.fits(
-                sounds, starts[at], starts[stop], written
+                sounds, starts[at], starts[stop], written, following
             ):
                 mark = next((mark for mark in marks[at:stop] if mark is not None), None)
                 yield from ((label, None if n else mark) for n, label in enumerate(one.to))

@@ -93,7 +93,8 @@ class Expansions:
                 if not bare and any(map(is_spaced, beside)):
                     continue
                 number = roman(one["numeral"])
-                read = ordinals[number - 1] if 0 < number <= len(ordinals) else str(number)
+                ordinal = 0 < number <= len(ordinals)
+                read = ordinals[number - 1] if ordinal else self._keys.respelled(str(number))
                 named = not bare or not one[0][0].islower()
                 word = one["numeral"] in self._forms.numeral_words and _IN_SENTENCE.match(
                     text, one.end("numeral")

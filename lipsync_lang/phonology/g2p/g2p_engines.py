@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import starmap, zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -57,6 +58,8 @@ class Correction(NamedTuple):
     """A regular expression that must be found in the word as it is written."""
     timings: bool = False
     """True to correct labels of timings too, which no engine wrote."""
+    next_word: str = ""
+    """A regular expression that must match the first label of the next word, before any pause."""
 
 
 class MissingReaderError(SpeechError):
@@ -142,7 +145,8 @@ def engine(name: str, settings: Settings) -> G2PEngine:
 
     def corrected(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for words in read(texts):
-            yield tuple(map(mend, words))
+            firsts = (word.labels[:1] for word in words[1:])
+            yield tuple(starmap(mend, zip_longest(words, firsts, fillvalue=())))
 
     return corrected
 

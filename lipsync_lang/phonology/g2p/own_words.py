@@ -3,8 +3,7 @@
 An entry serves the word and its inflected forms: `Shepardowi` is `Shepard` and `owi`, and a
 language may have prefixes, too. A hyphen or an apostrophe may part the two. An ending that replaces
 another, as `ę` does the `a` of `Anna`, replaces as many sounds as it has letters. An entry with a
-capital serves inflected forms with a capital alone: names are short, and other words begin like
-them.
+capital serves words with a capital alone: names are short, and other words begin like them.
 """
 
 import re
@@ -57,6 +56,7 @@ class OwnWords:
         }
         self._words = prefixed | own
         self._names = {plain(word) for word in forms.words if word[0].isupper()}
+        self._small = {*prefixed, *(word for word in forms.words if not word[0].isupper())}
         self._endings = forms.endings
         lost = max(map(len, forms.endings), default=0)
         self._starts = {word[: min(max(len(word) - lost, 1), 3)] for word in self._words}
@@ -90,7 +90,7 @@ class OwnWords:
 
     def _find(self, written: str) -> OwnWord | None:
         word = plain(written)
-        if word in self._words:
+        if word in self._words and (written[0].isupper() or word in self._small):
             return self._words[word]
         for cut in range(len(word) - 1, max(len(word) - self._longest, 1) - 1, -1):
             stem, rest = word[:cut], word[cut:].lstrip("'-")

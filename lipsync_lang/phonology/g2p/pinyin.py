@@ -7,17 +7,17 @@ wherever they stand, so that there is no ``y`` and no ``w``: 我 is ``uo``, 月 
 Words are the phrases that pypinyin knows, else characters. It knows them in simplified
 characters; OpenCC turns traditional ones into these, to be read, and only to be read.
 
-What is not hanzi: digits are read as Chinese numbers. Latin letters with tone marks or tone digits
-are pinyin; without tones they are where no hanzi stands beside them. Other Latin words are
-said as the voice says them; where it cannot, they are spelled by their letters. What is none
-of these is left over, and named.
+What is not hanzi: Latin letters with tone marks or tone digits are pinyin; without tones they are
+where nothing but numbers in hanzi stands beside them. Other Latin words are said as another voice
+says them. Digits are read one by one, where the pack has no words for a number. What is none of
+these is left over, and named.
 
 `respelled` is pinyin with tone digits, ``v`` for ü and no spaces, as eSpeak NG's voice for pinyin
 reads it: one word to the voice as well.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
@@ -26,9 +26,14 @@ from unicodedata import category, normalize
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
-from lipsync_lang.phonology.g2p.rules import StatedReading, compiled_readings, stated_syllables
+from lipsync_lang.phonology.g2p.rules import (
+    ForeignReader,
+    StatedReading,
+    compiled_readings,
+    foreign_reader,
+    stated_syllables,
+)
 from lipsync_lang.phonology.g2p.tokens import PAUSES
-from lipsync_lang.phonology.labels import normalise
 
 if TYPE_CHECKING:
     from opencc import OpenCC
@@ -42,33 +47,24 @@ _FULL_WIDTH = {0xFEE0 + c: c for c in range(0x21, 0x7F)}
 _TEXT_PART = re.compile(
     rf"""
       (?P<hanzi>[{HANZI}]+)
-    | (?P<number>(?:(?<![0-9A-Za-z.])-)?[0-9]+(?:,[0-9]{{3}})*(?:\.[0-9]+)?[%‰]?)
+    | (?P<number>[0-9]+)
     | (?P<roman>[{LATIN}](?:[{LATIN}]
         |[0-5](?![0-9])|(?<=[nlNL][uU]):(?=[0-5eanEAN])|['’-](?=[{LATIN}]))*)
-    | (?P<sign>[+=&×÷℃°])
     | (?P<pause>[{re.escape("".join(sorted(PAUSES)))}]+)
     | (?P<symbol>\S)
     """,
     re.VERBOSE,
 )
-_SPOKEN_SIGNS = {
-    "+": "加",
-    "=": "等于",
-    "&": "和",
-    "×": "乘",
-    "÷": "除以",
-    "℃": "摄氏度",
-    "°": "度",
-}
+_NUMERALS = "零一二三四五六七八九十百千万亿点负两"
+"""Signs of numbers in hanzi, the digits first."""
 
 
 class _TextChunk(NamedTuple):
-    """A part of a text of one kind: the user's spelling, plain letters, next character."""
+    """A part of a text of one kind: the user's spelling, and plain letters."""
 
     kind: str
     text: str
     plain: str
-    following: str
 
 
 @G2P_ENGINES.register("pypinyin")
@@ -81,13 +77,12 @@ def engine(settings: Settings) -> G2PEngine:
         )
 
     readings = compiled_readings(settings.readings)
+    foreign = foreign_reader(settings)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
-        cut = [list(_text_parts(text)) for text in texts]
-        foreign = {piece.plain for parts in cut for piece in parts if piece.kind == "foreign"}
-        heard = _heard(sorted(foreign), settings) if foreign else {}
-        for parts in cut:
-            yield tuple(said for piece in parts for said in _read(piece, heard, readings))
+        for text in texts:
+            parts = _text_parts(text)
+            yield tuple(said for piece in parts for said in _read(piece, foreign, readings))
 
     return read
 
@@ -96,10 +91,10 @@ def _text_parts(text: str) -> Iterator[_TextChunk]:
     """Cut a text into hanzi, numbers, pinyin, foreign words, pauses and symbols."""
     text = normalize("NFC", text)
     narrow = text.translate(_FULL_WIDTH)
-    among_hanzi = re.search(f"[{HANZI}]", narrow) is not None
+    among_hanzi = re.search(f"(?![{_NUMERALS}])[{HANZI}]", narrow) is not None
     for found in _TEXT_PART.finditer(narrow):
         start, end = found.span()
-        piece = _TextChunk(found.lastgroup or "", text[start:end], found[0], narrow[end : end + 1])
+        piece = _TextChunk(found.lastgroup or "", text[start:end], found[0])
         if piece.kind == "roman":
             letters = piece.plain.rstrip("012345")
             paper = among_hanzi and len(letters) == 1 and letters.isupper()  # A4纸
@@ -108,7 +103,7 @@ def _text_parts(text: str) -> Iterator[_TextChunk]:
                 continue
             for part in re.finditer(r"[0-9]+|[^0-9]+", piece.plain):
                 kind = "number" if part[0].isdigit() else "foreign"
-                yield _TextChunk(kind, piece.text[slice(*part.span())], _bare(part[0]), "")
+                yield _TextChunk(kind, piece.text[slice(*part.span())], _bare(part[0]))
         elif piece.kind != "symbol" or (
             category(piece.plain)[0] in "LNS" and piece.plain not in LENGTHENING_SIGNS
         ):
@@ -121,24 +116,22 @@ def _bare(word: str) -> str:
 
 
 def _read(
-    piece: _TextChunk, heard: Mapping[str, tuple[str, ...]], readings: Sequence[StatedReading]
+    piece: _TextChunk, foreign: ForeignReader, readings: Sequence[StatedReading]
 ) -> Iterator[SpokenWord]:
     match piece.kind:
         case "hanzi":
             yield from (said(*word) for word in words_of(piece.text, readings))
-        case "number" | "sign":
-            counted = _SPOKEN_SIGNS.get(piece.plain) or number(piece.plain, piece.following)
-            yield said(piece.text, [s for _, word in words_of(counted) for s in word])
+        case "number":
+            digits = "".join(_NUMERALS[int(digit)] for digit in piece.plain)
+            yield said(piece.text, [s for _, word in words_of(digits) for s in word])
         case "spelled":
             yield said(piece.text, spelled(piece.plain, toneless=True))
-        case "foreign" if piece.plain in heard:
-            yield SpokenWord(piece.text, heard[piece.plain], piece.plain)
-        case "foreign":
-            yield said(
-                piece.text, [s for c in piece.plain.upper() for s in LETTER_SYLLABLES.get(c, ())]
-            )
-        case kind:
-            yield said(piece.text, ()) if kind == "symbol" else SpokenWord(piece.text, ())
+        case "foreign" if labels := foreign(piece.plain):
+            yield SpokenWord(piece.text, labels, piece.plain)
+        case "pause":
+            yield SpokenWord(piece.text, ())
+        case _:
+            yield said(piece.text, ())
 
 
 def said(text: str, syllables: Sequence[str]) -> SpokenWord:
@@ -292,78 +285,3 @@ def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, i
         ):
             return (here, *rest)
     return ()
-
-
-HANZI_DIGITS = "零一二三四五六七八九"
-MAX_QUANTITY_DIGITS = 10
-"""Maximum digits of a quantity; longer numbers without separators are read digit by digit."""
-
-_COUNTED_AS_PAIR = re.compile("[个個只隻条條张張件本次天位人家点點种種块塊杯倍]")
-_POWERS_OF_TEN = ("", "十", "百", "千")
-_MYRIADS = ("", "万", "亿", "万")
-_ZEROS = (("零[十百千]", "零"), ("零+", "零"), ("零(?=[万亿])", ""), ("亿万", "亿"), ("零$", ""))
-
-
-def number(digits: str, following: str = "") -> str:
-    """Return a number in hanzi: 12 as 十二, 3.5% as 百分之三点五, years digit by digit.
-
-    The character `following` it tells years, and 两 from 二.
-    """
-    whole, _, decimals = digits.strip("-%‰").partition(".")
-    year = len(whole) == len("2024") and following == "年"
-    if whole == "2" and not decimals and _COUNTED_AS_PAIR.match(following):
-        counted = "两"
-    elif year or re.fullmatch(rf"0[0-9]+|[0-9]{{{MAX_QUANTITY_DIGITS + 1},}}", whole):
-        counted = _one_by_one(whole)
-    else:
-        counted = _cardinal(whole.replace(",", ""))
-    sign = "负" if digits[0] == "-" else ""
-    share = {"%": "百分之", "‰": "千分之"}.get(digits[-1], "")
-    return sign + share + counted + (f"点{_one_by_one(decimals)}" if decimals else "")
-
-
-def _one_by_one(digits: str) -> str:
-    return "".join(HANZI_DIGITS[int(digit)] for digit in digits)
-
-
-def _cardinal(digits: str) -> str:
-    if len(digits) > len(_POWERS_OF_TEN) * len(_MYRIADS):
-        return _one_by_one(digits)
-    said = ""
-    for place, digit in enumerate(reversed(digits)):
-        said = HANZI_DIGITS[int(digit)] + (_POWERS_OF_TEN[place % 4] or _MYRIADS[place // 4]) + said
-    for pattern, to in _ZEROS:
-        said = re.sub(pattern, to, said)
-    return re.sub("^二(?=[千万亿])", "两", re.sub("^一十", "十", said)) or "零"
-
-
-_PINYIN_OF_IPA = dict(sound.split() for sound in ("j y", "uː u", "v f", "x h", "z s"))
-"""IPA labels and their replacements: the same sound in pinyin, or one of the same mouth shape."""
-
-_SPELLED = """ei1,bi4,xi1,di4,yi4,ai2 fu5,ji4,ai2 chi5,ai4,zhei4,kei4,ai2 lou5,ai2 mu5,en1,ou1,pi4,
-qiu1,a4 er5,ai2 si5,ti4,you1,wei1,da2 bu5 liu5,ai4 ke5 si5,wai4,zei4"""
-LETTER_SYLLABLES = {
-    letter: tuple(name.split())
-    for letter, name in zip("ABCDEFGHIJKLMNOPQRSTUVWXYZ", _SPELLED.split(","), strict=True)
-}
-"""Names of Latin letters, as syllables."""
-
-
-def _heard(words: Sequence[str], settings: Settings) -> dict[str, tuple[str, ...]]:
-    """Return the sounds of those foreign words that the voice reads and the notation covers."""
-    from lipsync_lang.phonology.g2p.espeak_g2p import known_as
-    from lipsync_lang.phonology.g2p.g2p_engines import engine as engine_named
-
-    labels = frozenset(map(normalise, settings.labels))
-    if not settings.voice:
-        return {}
-    try:
-        read = list(engine_named("espeak", Settings(settings.language, settings.voice))(words))
-    except SpeechError:
-        return {}
-    found: dict[str, tuple[str, ...]] = {}
-    for word, saids in zip(words, read, strict=True):
-        sounds = tuple(_PINYIN_OF_IPA.get(label, label) for said in saids for label in said.labels)
-        if sounds and all(known_as(label, labels) for label in sounds):
-            found[word] = sounds
-    return found

@@ -38,8 +38,7 @@ QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
 ForeignReader = Callable[[str], tuple[str, ...]]
 
-_LATIN_WORD = re.compile("(?=.*[a-zß-ɏ])[A-Za-zÀ-ɏ][A-Za-zÀ-ɏ'-]+")
-"""A word with a small letter; capitals alone are an abbreviation."""
+_LATIN_WORD = re.compile("[A-Za-zÀ-ɏ][A-Za-zÀ-ɏ'-]*")
 
 CACHED_WORDS = 20_000
 """Maximum number of cached readings of words."""
@@ -125,7 +124,8 @@ def engine(settings: Settings) -> G2PEngine:
             yield tuple(_read(text))
 
     def _read_word(word: str) -> SpokenWord:
-        labels = () if settings.readings else foreign(word)
+        abbreviation = word.upper() == word or len(word) == 1
+        labels = () if settings.readings or abbreviation else foreign(word)
         return SpokenWord(word, labels) if labels else rewriter.read(word)
 
     def _read(text: str) -> Iterator[SpokenWord]:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.g2p.abbreviation_keys import Replacement, respelled
+from lipsync_lang.phonology.g2p.abbreviation_keys import Replacement, is_spaced, respelled
 from lipsync_lang.phonology.g2p.drawn_out import (
     MAX_STUTTER_CHARS,
     ElongatedWord,
@@ -35,6 +35,9 @@ _LEAD = frozenset((*PAUSES, *" \t\r\n\u00a0\u202f\u3000-·"))
 
 _STUTTER_SIGN = re.compile(r"[-\u2010\u2011…]|\.\.|(\w)\1\1", re.IGNORECASE)
 """Signs of a stutter or of a word drawn out."""
+
+_LONE_LETTER = re.compile(r"(?<![\w'’])[^\W\d_](?=[ \u00a0]$)")
+"""A word of one letter, such as the Russian `в`, at the end of a part."""
 
 MAX_HALTS = 10
 """Maximum number of starts of a word, each with an ellipsis."""
@@ -119,6 +122,13 @@ class Utterances:
                 parts += _filled(open_part, text, at, start, replaced)
             at, open_part = start, part
             if part.said is not None:
+                last = parts[-1] if parts else open_part
+                lone = _LONE_LETTER.search(last.text)
+                covered = max((one.stop for one in last.replacements), default=0)
+                if lone and covered <= lone.start() and is_spaced(lone[0]):
+                    # an engine would name a letter without a word or a hyphen behind it
+                    hyphen = Replacement(lone.end(), lone.end(), "\u2010")
+                    parts[-1] = last._replace(replacements=(*last.replacements, hyphen))
                 parts.append(part)
                 at, open_part = stop, UtterancePart("")
         if at < len(text) or not parts:

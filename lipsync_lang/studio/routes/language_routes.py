@@ -10,7 +10,6 @@ from lipsync_lang.authoring.new_pack import (
     check_name,
     head,
     pack_bytes,
-    scalar,
     write_new,
 )
 from lipsync_lang.authoring.sound_table import SoundMemory, SoundTable
@@ -20,6 +19,7 @@ from lipsync_lang.json_object import Json
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.language_models import TAG_PATTERN
+from lipsync_lang.packs.yaml.value_text import as_scalar
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.studio.routes.line_routes import MAX_TYPED_CHARS, whole
@@ -65,8 +65,8 @@ def begin(workshop: Workshop, request: StudioRequest) -> Json:
     tag = request.text("tag").strip() or library.language(base).model.tag
     if not re.fullmatch(TAG_PATTERN, tag):
         raise LipsyncError(f"'{tag[:20]}' is no language code; write one such as 'sw' or 'pt-BR'")
-    title = scalar(PackWish(name).heading)
-    lines = head("language", name, tag=scalar(tag), title=title, extends=scalar(base))
+    title = as_scalar(PackWish(name).heading)
+    lines = head("language", name, tag=as_scalar(tag), title=title, extends=as_scalar(base))
     files = {path: pack_bytes(lines)}
     Library(workshop.paths, workshop.project, unsaved=files).language(name)  # refuses a faulty pack
     refuse_outside(path, workshop.project)

@@ -140,8 +140,8 @@ def voice_mean(cepstra: Floats, power: Floats) -> Floats:
     noise = np.percentile(power, QUIET_PERCENT)
     quiet = power < max(NOTHING_ELSE_RATIO * noise, PAUSE_RATIO * power.max())
     # A steady sound, such as a held vowel, is all as loud as its noise: no part of it is a pause.
-    voiced = np.count_nonzero(~quiet) or len(quiet)
-    most = PAUSE_SHARE / (1 - PAUSE_SHARE) * voiced / max(np.count_nonzero(quiet), 1)
+    voiced = int((~quiet).sum()) or len(quiet)
+    most = PAUSE_SHARE / (1 - PAUSE_SHARE) * voiced / max(int(quiet.sum()), 1)
     weights = np.where(quiet, min(most, 1.0), 1.0)
     mean: Floats = np.average(cepstra, axis=0, weights=weights)
     return mean
