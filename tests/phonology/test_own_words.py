@@ -194,6 +194,15 @@ def test_a_shared_name_with_a_capital_needs_one_and_that_of_a_pack_does_not():
     assert small.phonemes == capital.phonemes
 
 
+@pytest.mark.parametrize(
+    ("name", "word", "vowel"),
+    [("hausa", "game", "aa"), ("romanian", "game", "aa"), ("dutch", "loot", "oc")],
+)
+def test_a_shared_loanword_leaves_a_word_of_the_language_alone(name, word, vowel):
+    (found,) = Speaker.of(name).transcribe_many([word])
+    assert found.phonemes[1] == vowel
+
+
 def test_a_pack_reads_a_shared_name_its_own_way():
     french = LIBRARY.language("french").model
     assert "YouTube" not in forms_of(french, LIBRARY.common().model, "ipa").words
