@@ -64,10 +64,7 @@ def merge(options: Namespace) -> int:
     takes = merged(options.parts)
     write_takes(options.output, takes)
     tell_written(options.output)
-    print(
-        f"{count(len(takes), 'take')} of {count(len(options.parts), 'part')}",
-        file=sys.stderr,
-    )
+    print(f"{count(len(takes), 'take')} of {count(len(options.parts), 'part')}", file=sys.stderr)
     return SOUND
 
 
