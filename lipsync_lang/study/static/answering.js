@@ -86,19 +86,25 @@ function randomRater() {
 // What is kept in the browser
 
 /**
- * The answers given before a reload. The tab's history holds them too: a page that is reloaded at once, or that
- * may not use the store, can find the store empty.
+ * The answers given before a reload. The tab's history holds them too: a page that is reloaded at once can find an
+ * older state in the store, and a page that may not use the store finds none.
  * @returns {Submission | null}
  */
 function kept() {
-  let found = history.state;
+  const own = whole(history.state);
+  let stored = null;
   try {
-    found = JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? found;
+    stored = whole(JSON.parse(localStorage.getItem(KEPT) ?? "null"));
   } catch {
     // the history is left
   }
-  const sound = found?.study === asked.study && /^[0-9a-f]{16}$/.test(found.rater) && Array.isArray(found.answers);
-  return sound ? found : null;
+  if (!stored || stored.rater === history.state?.forgotten) return own;
+  return stored.rater === own?.rater && (own.finished || own.answers.length > stored.answers.length) ? own : stored;
+}
+
+/** @param {any} found @returns {Submission | null} answers to this study, or nothing */
+function whole(found) {
+  return found?.study === asked.study && /^[0-9a-f]{16}$/.test(found.rater) && Array.isArray(found.answers) ? found : null;
 }
 
 function keep() {
@@ -356,7 +362,7 @@ function another() {
     one.textContent = sure;
     return;
   }
-  history.replaceState(null, "");
+  history.replaceState({ forgotten: given?.rater }, "");
   try {
     localStorage.removeItem(KEPT);
   } catch {
