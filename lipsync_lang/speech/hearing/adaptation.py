@@ -25,7 +25,7 @@ from lipsync_lang.speech.hearing.sphinx.adapting import (
     means_of,
 )
 from lipsync_lang.speech.hearing.sphinx.folder import Models
-from lipsync_lang.speech.hearing.sphinx.line_search import laid
+from lipsync_lang.speech.hearing.sphinx.line_search import best_heard
 from lipsync_lang.speech.hearing.sphinx.scheduling import line_confidence, prepared
 from lipsync_lang.speech.results import raised
 from lipsync_lang.speech.sound import read_audio
@@ -96,7 +96,7 @@ def adapt(speaker: Speaker, lines: Sequence[SpokenFile], models: Models) -> Adap
 
     A line whose text does not fit is left out. With fewer than `MIN_LINES` it is a `SpeechError`.
     """
-    before = after = 0.0
+    first, held = models.model, dict[Path, AlignedFrames]()
     for turn in range(len(LEAST_CONFIDENCES)):
         fitting, left_out = _frames(speaker, lines, models, turn)
         if len(fitting) < MIN_LINES:
@@ -104,51 +104,57 @@ def adapt(speaker: Speaker, lines: Sequence[SpokenFile], models: Models) -> Adap
                 f"{len(fitting)} of {len(lines)} lines fit their text, and adaptation needs "
                 f"{MIN_LINES}; {'; '.join(left_out) or 'add more lines'}"
             )
-        held = fitting[::HELD_OUT]
-        before = before or float(np.mean([*map(GaussianSums(models.model).add, held)]))
+        held = held or {path: fitting[path] for path in [*fitting][::HELD_OUT]}
         evidence = GaussianSums(models.model)
-        for number, line in enumerate(fitting):
-            if number % HELD_OUT:
+        for path, line in fitting.items():
+            if path not in held:
                 evidence.add(line)
         model = evidence.adapted()
         models = replace(models, given=model)
-    after = float(np.mean([*map(GaussianSums(model).add, held)]))
-    for line in held:
-        evidence.add(line)
+    before, after = (
+        float(np.mean([*map(GaussianSums(one).add, held.values())])) for one in (first, model)
+    )
+    for path in held:
+        if path in fitting:
+            evidence.add(fitting[path])
     return Adaptation(evidence.adapted(), before, after, len(fitting), tuple(left_out))
 
 
 def _frames(
     speaker: Speaker, lines: Sequence[SpokenFile], models: Models, turn: int
-) -> tuple[list[AlignedFrames], list[str]]:
+) -> tuple[dict[Path, AlignedFrames], list[str]]:
     """Return the frames of the lines that fit, and those that do not with the reason."""
-    fitting: list[AlignedFrames] = []
+    fitting: dict[Path, AlignedFrames] = {}
     left_out: list[str] = []
     read = speaker.transcripts([line.text for line in lines])
     reader = WordReader(models, speaker, [x for x in read if not isinstance(x, SpeechError)])
     for number, (line, one) in enumerate(zip(lines, read, strict=True)):
         progress.tell(turn * len(lines) + number, len(LEAST_CONFIDENCES) * len(lines))
         try:
-            fitting.append(_fitting(reader, line.path, raised(one), LEAST_CONFIDENCES[turn]))
+            found = _fitting(reader, line.path, raised(one), LEAST_CONFIDENCES[turn])
         except SpeechError as error:
             left_out.append(f"{line.path.name}: {error}")
+        else:
+            fitting[line.path] = found
     return fitting, left_out
 
 
 def _fitting(
     reader: WordReader, path: Path, transcript: "Transcript", least: float
 ) -> AlignedFrames:
-    """Return the frames of a line with their states; a text that does not fit is an error."""
-    model = reader.models.model
+    """Return the frames of a line with their states; a text that does not fit is an error.
+
+    They are those in which the line is aligned: noise that is taken away there is no part of a
+    voice.
+    """
     ways = [one.ways for one in reader.sayings(transcript.words)]
     audio = read_audio(path)
-    features = model.front_end(prepared(audio))
-    heard = laid(reader.models, features, ways) if ways else None
-    if heard is None:
+    heard, features = best_heard(reader.models, prepared(audio), ways)
+    if not (ways and heard):
         raise SpeechError(unfit(audio, len(transcript.labels)))
     if (sure := line_confidence(heard)) < least:
         raise SpeechError(f"the text hardly fits (confidence {sure:.2f})")
-    return aligned_frames(model, features, heard)
+    return aligned_frames(reader.models.model, features, heard)
 
 
 def write_adapted(models: Models, adapted: AcousticModel, folder: Path) -> None:

@@ -90,9 +90,7 @@ def found_line(models: "Models", sound: Floats, words: Sequence[Pronunciations])
 
 
 def _found(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
-    hearings = models.model.front_end.hearings(sound)
-    tries = [(laid(models, one, words) or [], one) for one in hearings]
-    heard, features = max(tries, key=lambda one: line_confidence(one[0]))
+    heard, features = best_heard(models, sound, words)
     sure = line_confidence(heard)
     if sure < DOUBTFUL or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
         return FoundLine(heard, sure)
@@ -100,6 +98,15 @@ def _found(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> 
     moved = errors.moved_word()
     sure = sure if moved is None else min(sure, MOVED_CONFIDENCE)
     return FoundLine(heard, sure, moved, tuple(errors.unwritten()))
+
+
+def best_heard(
+    models: "Models", sound: Floats, words: Sequence[Pronunciations]
+) -> tuple[list[HeardPhoneme], Floats]:
+    """Align words, as `laid` does, in the features of the sound that fit best; return both."""
+    hearings = models.model.front_end.hearings(sound)
+    tries = [(laid(models, one, words) or [], one) for one in hearings]
+    return max(tries, key=lambda one: line_confidence(one[0]))
 
 
 def sound_parts(features: Floats) -> Iterator[tuple[int, int]]:
