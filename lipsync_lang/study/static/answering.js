@@ -86,8 +86,8 @@ function randomRater() {
 // What is kept in the browser
 
 /**
- * The answers given before a reload. The tab's history holds them too: a page that is reloaded at once can find an
- * older state in the store, and a page that may not use the store finds none.
+ * The answers given before a reload. The tab's history holds them too. A page that is reloaded at once can find an
+ * older state in the store. A page that may not use the store finds none.
  * @returns {Submission | null}
  */
 function kept() {
