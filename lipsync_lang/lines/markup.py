@@ -30,7 +30,7 @@ from unicodedata import normalize
 
 from lipsync_lang.lines.asides import is_aside
 from lipsync_lang.lines.choices import chosen
-from lipsync_lang.phonology.g2p.tokens import PAUSES
+from lipsync_lang.phonology.g2p.tokens import PAUSES, UNSPACED
 
 UNUSUAL = re.compile(
     "(?:["
@@ -58,8 +58,8 @@ APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 """The name of a variable; it ends where a word of another script begins."""
 LATIN_CHARS = "A-Za-z0-9À-ɏ"
-UNSPACED = "\u0e00-\u0eff\u1000-\u109f\u1780-\u17ff\u3000-\u9fff\uac00-\ud7af"
-"""Letters and marks of scripts that put words beside an address without a space."""
+BESIDE_ADDRESS = f"{UNSPACED}\uac00-\ud7af"
+"""Characters of scripts that put words beside an address without a space, Hangul among them."""
 NO_PERCENTAGE = r"(?<!\d)(?<!\d )%"
 """A percent sign that does not follow a number, as in `5%des` and `5 %des`."""
 NO_SHARE = r"(?![\d%]|[.,]\d|['’](?!s\b))"
@@ -155,7 +155,7 @@ UNSURE_FORMS = {
 """Examples of markup that may be text: its kind, its pattern, and its proof elsewhere in a line."""
 SILENT_KINDS = frozenset({"code", "tag", "sign", "wave", "face"})
 ADDRESS = (
-    rf"(?i:https?://|www\.)[^\s<>\"\[\]{{}}{UNSPACED}]*[^\s<>\"\[\]{{}}{UNSPACED}.,;:!?)]"
+    rf"(?i:https?://|www\.)[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}]*[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}.,;:!?)]"
     rf"|(?<![{LATIN_CHARS}_.+-])[{LATIN_CHARS}_+-]{{1,64}}(?:\.[{LATIN_CHARS}_+-]{{1,64}}){{0,4}}"
     rf"@[{LATIN_CHARS}-]{{1,64}}(?:\.[{LATIN_CHARS}-]{{1,64}}){{1,4}}"
 )

@@ -5,6 +5,7 @@ reader joins to its neighbour, or splits unlike the file, is read alone. The pho
 their proportions, estimated or found in a recording, and fill the word's time.
 """
 
+import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,6 +16,7 @@ import numpy as np
 
 from lipsync_lang.errors import SpeechError, shortlist
 from lipsync_lang.packs.finding import Paths
+from lipsync_lang.phonology.g2p.tokens import UNSPACED
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS, Audio, Schedule, Word
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords
 from lipsync_lang.speech.hearing.alignment import align_many
@@ -31,14 +33,7 @@ PHRASE_MARGIN_SECONDS = 0.05
 MAX_MUTE_WORDS = 5
 """Words shown in a remark."""
 
-UNSPACED_BLOCKS = (
-    (0x0E00, 0x109F),
-    (0x1780, 0x17FF),
-    (0x3005, 0x312F),
-    (0x3400, 0x9FFF),
-    (0xF900, 0xFAFF),
-)
-"""Blocks of Unicode whose scripts have no spaces between words, first and last code point."""
+_UNSPACED = re.compile(f"[{UNSPACED}]")
 
 WordPhonemes = Schedule | SpeechError | None
 """Phonemes of one given word, to fill its time; None if the word must be read alone."""
@@ -86,7 +81,7 @@ def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = N
             phrases.append([word])
             texts.append(word.text)
         else:
-            dense = _is_unspaced(texts[-1][-1]) and _is_unspaced(word.text[0])
+            dense = _UNSPACED.match(texts[-1][-1]) and _UNSPACED.match(word.text)
             phrases[-1].append(word)
             texts[-1] += word.text if dense else f" {word.text}"
     whole: list[Schedule | SpeechError]
@@ -105,10 +100,6 @@ def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = N
         told += f" ({unfit} of {len(phrases)} phrases did not fit it and are estimated)"
     made = _filled_schedule(timed, found, told)
     return made if sound is None else with_sound(made, sound)
-
-
-def _is_unspaced(character: str) -> bool:
-    return any(first <= ord(character) <= last for first, last in UNSPACED_BLOCKS)
 
 
 def _heard(

@@ -11,6 +11,9 @@ from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
 INNER = frozenset("'’‘-·־\u00ad")
 """Within a word, and nothing by themselves."""
 
+UNSPACED = "\u0e00-\u109f\u1780-\u17ff\u3000-\u9fff\uf900-\ufaff"
+"""Characters of scripts without spaces between words: Thai to Burmese, Khmer, kana and hanzi."""
+
 PAUSES = frozenset(".!?…,;:—–、。，！？；：।॥؟،؛።፣፤၊။")
 """Marks at which the voice rests."""
 
