@@ -89,6 +89,20 @@ def test_parts_are_searched_where_speech_is_unwritten(of_part, kept, monkeypatch
     assert line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)]) is surely
 
 
+def test_the_sound_around_a_part_is_no_place_for_a_word_of_it(monkeypatch):
+    margins = []
+
+    def found(*_, margin=line_search.ORDER_MARGIN_FRAMES):
+        margins.append(margin)
+        return line_search.FoundLine([], 0.2)
+
+    monkeypatch.setattr(line_search, "_found", found)
+    models = SimpleNamespace(model=SimpleNamespace(front_end=lambda _: np.zeros((800, 3, 13))))
+    line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)])
+    assert margins[0] == line_search.ORDER_MARGIN_FRAMES
+    assert {*margins[1:]} == {0}
+
+
 @given(
     st.lists(st.integers(120, 300), min_size=2, max_size=3),
     st.integers(0, 2**32 - 1),

@@ -25,6 +25,7 @@ from lipsync_lang.speech.hearing.sphinx.forced import (
 from lipsync_lang.speech.hearing.sphinx.scheduling import line_confidence, logistic
 from lipsync_lang.speech.hearing.sphinx.text_errors import (
     MIN_WORDS,
+    ORDER_MARGIN_FRAMES,
     MovedWord,
     TextErrors,
     UnwrittenSpeech,
@@ -89,12 +90,17 @@ def found_line(models: "Models", sound: Floats, words: Sequence[Pronunciations])
     return max([whole, *alone], key=lambda one: one.sure)
 
 
-def _found(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
+def _found(
+    models: "Models",
+    sound: Floats,
+    words: Sequence[Pronunciations],
+    margin: int = ORDER_MARGIN_FRAMES,
+) -> FoundLine:
     heard, features = best_heard(models, sound, words)
     sure = line_confidence(heard)
     if sure < DOUBTFUL or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
         return FoundLine(heard, sure)
-    errors = TextErrors(models.model, centred(features, heard), words, heard)
+    errors = TextErrors(models.model, centred(features, heard), words, heard, margin)
     moved = errors.moved_word()
     sure = sure if moved is None else min(sure, MOVED_CONFIDENCE)
     return FoundLine(heard, sure, moved, tuple(errors.unwritten()))
@@ -149,7 +155,8 @@ def _alone(
     """Search for words in a part of a sound; the rest is other sound."""
     first, stop = part
     samples = sound[first * HOP_SAMPLES : stop * HOP_SAMPLES]
-    found = _found(models, samples, words)
+    # the sound around the words of a part is not theirs
+    found = _found(models, samples, words, margin=0)
     left_out = any(one.phone == OUTSIDE != one.word for one in found.heard)
     if left_out or found.sure < DOUBTFUL:
         return FoundLine([], 0.0)

@@ -57,7 +57,6 @@ MARGIN_FRAMES = 60
 ORDER_MARGIN_FRAMES = 20
 """The same for another order of the words: music is more like some of them."""
 
-
 PAUSE = Node(OUTSIDE, 0, WordPosition.INSIDE)
 SPEECH = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
 """Speech without words; both have the context and the states of silence."""
@@ -103,6 +102,7 @@ class TextErrors:
     features : (T, ...) of the sound, less the mean of the voice
     words : pronunciations in the order of the text
     heard : phonemes that `lay` found
+    margin : frames before and after the words that are searched for another order
     """
 
     def __init__(
@@ -111,6 +111,7 @@ class TextErrors:
         features: Floats,
         words: Sequence[Pronunciations],
         heard: Sequence[HeardPhoneme],
+        margin: int = ORDER_MARGIN_FRAMES,
     ) -> None:
         self._model = model
         self._said = [one for one in heard if OUTSIDE not in (one.word, one.phone)]
@@ -129,8 +130,7 @@ class TextErrors:
         if not all(ways):
             first = self._start = 0
             stop = end = len(features)
-        first, stop = first - ORDER_MARGIN_FRAMES - self._start, stop + ORDER_MARGIN_FRAMES
-        self._within = slice(max(first, 0), stop - self._start)
+        self._within = slice(max(first - margin - self._start, 0), stop + margin - self._start)
         self._sound = Listening(model, features[self._start : end])
         self._alone = self._sound.scores(model.alone)
         speech = [n for n in range(len(model.alone)) if n not in model.fillers]
