@@ -127,34 +127,27 @@ class WorstRow:
         return [figure.name for state, figure in self.shown if state != "s0"]
 
 
-class PageReport:
-    """The page of a build, with links from its folder to the pages of lines (`-o line.html`)."""
-
-    def __init__(self, heading: BuildHeading, folder: Path, pages: MakePages | None) -> None:
-        self._heading, self._folder, self._pages = heading, folder, pages
-
-    def write(self, out: TextIO, tally: BuildTally) -> None:
-        """Write the page."""
-        worst = tally.worst
-        pages = self._pages(worst) if self._pages is not None else {}
-        rows = [WorstRow(one, pages.get(one.line.key), self._folder) for one in worst]
-        figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))
-        languages, characters = (sorted(set(part)) for part in zip(*tally.pairs, strict=True)) if (
-            tally.pairs
-        ) else ((), ())  # fmt: skip
-        values = {
-            "heading": self._heading,
-            "tally": tally,
-            "rows": rows,
-            "figures": figures,
-            "charts": [figure_bars(one) for one in figures],
-            "confidence": confidence_bars(tally.confidence, tally.aligned),
-            "languages": languages,
-            "characters": characters,
-            "names": sorted({name for row in rows for name in row.names}),
-            "contacts": [one for one in figures if one.name.startswith("contacts")],
-        }
-        out.write(REPORT_ENVIRONMENT.page("report.html", values, "report.css", "report.js"))
+def write_page(
+    heading: BuildHeading, folder: Path, pages: MakePages | None, out: TextIO, tally: BuildTally
+) -> None:
+    """Write the page of a build, with links from its folder to the pages of lines."""
+    worst = tally.worst
+    linked = pages(worst) if pages is not None else {}
+    rows = [WorstRow(one, linked.get(one.line.key), folder) for one in worst]
+    figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))
+    values = {
+        "heading": heading,
+        "tally": tally,
+        "rows": rows,
+        "figures": figures,
+        "charts": [figure_bars(one) for one in figures],
+        "confidence": confidence_bars(tally.confidence, tally.aligned),
+        "languages": sorted({language for language, _ in tally.pairs}),
+        "characters": sorted({character for _, character in tally.pairs}),
+        "names": sorted({name for row in rows for name in row.names}),
+        "contacts": [one for one in figures if one.name.startswith("contacts")],
+    }
+    out.write(REPORT_ENVIRONMENT.page("report.html", values, "report.css", "report.js"))
 
 
 def figure_bars(figure: FigureTally) -> Bars:
