@@ -169,7 +169,10 @@ class BuildTally:
         self._worst = [every[-int(number)] for number in worst]
 
     def _add(self, heading: str, lines: Sequence[CountedLine]) -> tuple[Floats, Floats, Floats]:
-        """Count (L,) lines of a pair with the same figures; return their `badness`."""
+        """Count (L,) lines of a pair with the same figures; return their order, (L,) each.
+
+        Failed lines come first, then unsure ones by confidence, then others by their worst figures.
+        """
         values, limits, heads = unpacked_figures(heading, [one.figures for one in lines])
         failed = np.array([one.failed for one in lines])
         stated = [nan if one.confidence is None else one.confidence for one in lines]
@@ -230,16 +233,6 @@ class BuildTally:
     def passed(self) -> bool:
         """Return False if a line failed or exceeds a limit: the build fails."""
         return not self.failed and not self.over
-
-
-def badness(line: BuiltLine) -> tuple[float, float, float]:
-    """Return an order of lines: failed ones, unsure ones by confidence, then by worst figures."""
-    failed = line.failed
-    confidence = 1.0 if line.confidence is None else line.confidence
-    most = max(map(share_of_limit, failed or line.figures), default=0.0)
-    if line.unsure and line.outcome != "failed":
-        return 2.0, 1 - confidence, most
-    return 3.0 if line.outcome == "failed" else 1.0 if failed else 0.0, most, 1 - confidence
 
 
 def share_of_limit(figure: JudgedFigure) -> float:

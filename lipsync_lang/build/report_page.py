@@ -17,7 +17,6 @@ from lipsync_lang.build.build_tally import (
     BuildTally,
     FigureTally,
     Histogram,
-    badness,
     share_of_limit,
 )
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
@@ -101,12 +100,6 @@ class WorstRow:
         """Confidence of the alignment in percent."""
         known = self.built.confidence
         return "–" if known is None else f"{100 * known:.0f}{NBSP}%"
-
-    @property
-    def badness(self) -> float:
-        """Number by which rows are sorted."""
-        rank, first, then = badness(self.built)
-        return rank * 1e6 + min(first, 1e5) + min(then, 1.0) * 1e-3
 
     @cached_property
     def shown(self) -> list[tuple[str, JudgedFigure]]:
