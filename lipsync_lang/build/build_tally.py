@@ -46,7 +46,6 @@ class BuildHeading:
     built: int
     """Lines made by this build."""
     up_to_date: int
-    failed: int
     kept: tuple[str, ...] = ()
     """Outputs that were left alone, because somebody changed them."""
     seconds: float = 0.0

@@ -248,7 +248,6 @@ class LineMaker:
             float(animation.times[-1] - animation.times[0]),
             schedule.confidence,
             figures,
-            {file.path: file.digest for file in files},
         )
         return MadeLine(built, tuple(files), contents, needs, remarks)
 

@@ -29,7 +29,7 @@ from lipsync_lang.files.quoting import shell_command
 from lipsync_lang.schedules.schedule import DOUBTFUL
 
 LANGUAGES, CHARACTERS = ("english", "german"), ("facefx", "crab", "arkit")
-HEADING = BuildHeading("The Long Night", 3, 17, 1, ("takes/kept.csv",), 12.5)
+HEADING = BuildHeading("The Long Night", 3, 17, ("takes/kept.csv",), 12.5)
 
 
 def made(number=0, *, lips=0.0, speed=10.0, confidence=None, failed=False, **plan):
@@ -289,7 +289,7 @@ def test_no_text_of_a_script_becomes_markup(report, field):
 
 
 def test_a_page_of_no_lines_and_of_sound_lines_says_so(report):
-    assert "The project has no lines." in report([], heading=BuildHeading("x", 0, 0, 0))
+    assert "The project has no lines." in report([], heading=BuildHeading("x", 0, 0))
     text = report([made()])
     assert "Every line is made and within its limits. The build passes." in text
 
