@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import NamedTuple, TextIO
 from urllib.parse import quote
 
+from lipsync_lang.arrays import Ints
 from lipsync_lang.build.build_tally import (
     BINS,
     BuildHeading,
     BuildTally,
     FigureTally,
-    Histogram,
     share_of_limit,
 )
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
@@ -156,29 +156,29 @@ def figure_bars(figure: FigureTally) -> Bars:
         ends = (("0", 0.5 / BINS), ("more", 0.5), ("1", 1.0))
     elif known is not None:
         ends = (("0", 0.0), (_number(known), 0.5), (_number(2 * known), 1.0))
-    within, over = _paths(figure.histogram, figure.within)
+    within, over = _paths(figure.bars, figure.within)
     return Bars(figure.name, words, within, over, figure.within / BINS, ends)
 
 
-def confidence_bars(histogram: Histogram, aligned: int) -> Bars:
+def confidence_bars(counts: Ints, aligned: int) -> Bars:
     """Draw the confidence of all aligned lines."""
     parts = [
         f"{number:,} at {100 * n // BINS} to {100 * (n + 1) // BINS}{NBSP}%"
-        for n, number in enumerate(histogram.counts)
+        for n, number in enumerate(counts.tolist())
         if number
     ]
-    half = sum(histogram.counts[: BINS // 2])
+    half = counts[: BINS // 2].sum()
     words = f"{count(aligned, 'line')} aligned with recordings, {half:,} of them below 50{NBSP}%"
-    path, _ = _paths(histogram, BINS)
+    path, _ = _paths(counts, BINS)
     ends = (("0", 0.0), (f"50{NBSP}%", 0.5), (f"100{NBSP}%", 1.0))
     return Bars("Confidence", words, path, "", None, ends, f"{words}: {', '.join(parts)}")
 
 
-def _paths(histogram: Histogram, within: int) -> tuple[str, str]:
+def _paths(counts: Ints, within: int) -> tuple[str, str]:
     """Return the SVG paths of the bars within a limit and beyond it; a bar is 10 wide."""
-    most = max(histogram.counts) or 1
+    most = counts.max() or 1
     pieces: tuple[list[str], list[str]] = ([], [])
-    for number, lines in enumerate(histogram.counts):
+    for number, lines in enumerate(counts.tolist()):
         if lines:
             height = max(LEAST_BAR, round(CHART_HEIGHT * lines / most))
             piece = f"M{10 * number + 1} {CHART_HEIGHT}v-{height}h8v{height}z"

@@ -125,10 +125,10 @@ def test_every_line_is_counted_and_the_worst_are_the_worst(lines, most):
     assert tally.failed == sum(line.outcome == "failed" for line in lines)
     assert tally.over == sum(bool(line.failed) for line in lines)
     for figure in tally.figures.values():
-        counts = figure.histogram.counts
+        counts = figure.bars
         assert sum(counts) == figure.judged
         assert sum(counts[figure.within :]) == figure.over
-    assert sum(tally.confidence.counts) == tally.aligned
+    assert sum(tally.confidence) == tally.aligned
     expected = sorted(lines, key=badness, reverse=True)[:most]
     assert list(map(badness, tally.worst)) == list(map(badness, expected))
 
