@@ -111,10 +111,7 @@ def _make(
     if not path.exists():
         replace_file(made, path)
     shutil.rmtree(made.parent)
-    kept = sorted((one for one in path.parent.iterdir() if one.is_dir()), key=_age)
+    folders = (one for one in path.parent.iterdir() if one.is_dir())
+    kept = sorted(folders, key=lambda one: one.stat().st_mtime)
     for old in kept[:-MAX_KEPT_MODELS]:
         shutil.rmtree(old, ignore_errors=True)
-
-
-def _age(path: Path) -> float:
-    return path.stat().st_mtime

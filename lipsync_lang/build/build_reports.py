@@ -41,7 +41,6 @@ def report(
             project.project.name if named else project.folder.name,
             sum(one.outcome == "built" for one in outcome.built.values()),
             len(outcome.plan.steps) - len(outcome.plan.stale),
-            sum(one.outcome == "failed" for one in (*outcome.built.values(), *refused)),
             tuple(outcome.kept),
             outcome.seconds,
         )

@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from multiprocessing import parent_process
 from pathlib import Path
 from shutil import copyfileobj, rmtree
@@ -145,10 +145,15 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     _sweep(maker.folder, stale)
     keeper = OutputKeeper(maker.folder, records, {step.line.key: step for step in stale})
     done = 0
+
+    @cache  # one object for the same characters, which each worker receives once
+    def cast(language: str, characters: tuple[str, ...]) -> dict[str, PairNeeds]:
+        return {one: needs[language, one] for one in characters}
+
     running = run_batches(
         maker,
         _batches(stale, workers or POOL_BATCHES_PER_WORKER),
-        shared=_Casts(needs).of,
+        shared=lambda batch: cast(batch.language, batch.characters),
         workers=workers,
         scheduler=scheduler,
         folder=maker.folder,
@@ -244,21 +249,6 @@ def _tell_line(tell: Tell, built: BuiltLine, step: PlannedStep) -> None:
             "place": line.place,
         },
     )
-
-
-@dataclass
-class _Casts:
-    """The needs of the characters of each batch; equal characters share one object."""
-
-    needs: Needs
-    known: dict[tuple[str, tuple[str, ...]], dict[str, PairNeeds]] = field(default_factory=dict)
-
-    def of(self, batch: LineBatch) -> dict[str, PairNeeds]:
-        """Return the needs of a batch by character."""
-        key = batch.language, batch.characters
-        if key not in self.known:
-            self.known[key] = {one: self.needs[batch.language, one] for one in batch.characters}
-        return self.known[key]
 
 
 def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.build.planned_line import (
     LIMIT_FACTOR,
     LIMIT_STEP,
@@ -46,7 +46,6 @@ class BuildHeading:
     built: int
     """Lines made by this build."""
     up_to_date: int
-    failed: int
     kept: tuple[str, ...] = ()
     """Outputs that were left alone, because somebody changed them."""
     seconds: float = 0.0
@@ -72,16 +71,9 @@ class CountedLine(NamedTuple):
         )
 
 
-@dataclass
-class Histogram:
-    """Counts of lines by value."""
-
-    counts: list[int] = field(default_factory=lambda: [0] * BINS)
-
-    def add(self, bars: Floats) -> None:
-        """Count lines by the numbers of their bars; values beyond the range are in the last one."""
-        more = np.bincount(bars.clip(0, BINS - 1).astype(int), minlength=BINS)
-        self.counts = [count + one for count, one in zip(self.counts, more.tolist(), strict=True)]
+def histogram(bars: Floats) -> Ints:
+    """Count lines by their bars, (BINS,); numbers beyond the range are of the last bar."""
+    return np.bincount(bars.clip(0, BINS - 1).astype(int), minlength=BINS)
 
 
 @dataclass
@@ -95,7 +87,8 @@ class FigureTally:
     worst: float = -inf
     worst_line: PlannedLine | None = None
     limits: set[float] = field(default_factory=set)
-    histogram: Histogram = field(default_factory=Histogram)
+    bars: Ints = field(default_factory=lambda: np.zeros(BINS, np.intp))
+    """(BINS,) lines by their distance from the limit."""
 
     @property
     def limit(self) -> float | None:
@@ -122,7 +115,7 @@ class FigureTally:
             bars = np.where(passed, np.minimum(bars, MIDDLE - 1), np.maximum(bars, MIDDLE))
         else:
             bars = np.where(passed, 0, 1 + np.floor(values * (BINS - 1)))
-        self.histogram.add(bars)
+        self.bars += histogram(bars)
 
 
 @dataclass
@@ -144,7 +137,8 @@ class BuildTally:
         self.lines = self.failed = self.over = self.doubtful = 0
         self.pairs: dict[tuple[str, str], PairTally] = {}
         self.figures: dict[tuple[str, bool], FigureTally] = {}
-        self.confidence = Histogram()
+        self.confidence: Ints = np.zeros(BINS, np.intp)
+        """(BINS,) aligned lines by confidence."""
         groups: dict[tuple[str, str, str], list[tuple[int, CountedLine]]] = {}
         for one in lines:
             key = one.line.language, one.line.character, one.heading
@@ -169,7 +163,10 @@ class BuildTally:
         self._worst = [every[-int(number)] for number in worst]
 
     def _add(self, heading: str, lines: Sequence[CountedLine]) -> tuple[Floats, Floats, Floats]:
-        """Count (L,) lines of a pair with the same figures; return their `badness`."""
+        """Count (L,) lines of a pair with the same figures; return their order, (L,) each.
+
+        Failed lines come first, then unsure ones by confidence, then others by their worst figures.
+        """
         values, limits, heads = unpacked_figures(heading, [one.figures for one in lines])
         failed = np.array([one.failed for one in lines])
         stated = [nan if one.confidence is None else one.confidence for one in lines]
@@ -199,7 +196,7 @@ class BuildTally:
         self.failed += int(failed.sum())
         self.over += int(beyond.sum())
         self.doubtful += int((over.any(axis=1) & ~failed & ~beyond).sum())
-        self.confidence.add(np.ceil(confidence[aligned] * BINS) - 1)
+        self.confidence += histogram(np.ceil(confidence[aligned] * BINS) - 1)
         most = np.where(bad | ~beyond[:, None], share, 0.0).max(axis=1, initial=0.0)
         doubt = 1 - np.where(aligned, confidence, 1.0)
         unsure = ~failed & (doubt > 1 - DOUBTFUL)
@@ -219,7 +216,7 @@ class BuildTally:
     @property
     def unsure(self) -> int:
         """Number of lines whose recording may not hold their text."""
-        return sum(self.confidence.counts[:MIDDLE])
+        return int(self.confidence[:MIDDLE].sum())
 
     @property
     def mean_confidence(self) -> float | None:
@@ -230,16 +227,6 @@ class BuildTally:
     def passed(self) -> bool:
         """Return False if a line failed or exceeds a limit: the build fails."""
         return not self.failed and not self.over
-
-
-def badness(line: BuiltLine) -> tuple[float, float, float]:
-    """Return an order of lines: failed ones, unsure ones by confidence, then by worst figures."""
-    failed = line.failed
-    confidence = 1.0 if line.confidence is None else line.confidence
-    most = max(map(share_of_limit, failed or line.figures), default=0.0)
-    if line.unsure and line.outcome != "failed":
-        return 2.0, 1 - confidence, most
-    return 3.0 if line.outcome == "failed" else 1.0 if failed else 0.0, most, 1 - confidence
 
 
 def share_of_limit(figure: JudgedFigure) -> float:

@@ -1,5 +1,6 @@
 """Digests of values, contents and files: equal digests stand for equal values."""
 
+import hashlib
 import json
 from dataclasses import asdict, is_dataclass
 from hashlib import blake2b
@@ -54,11 +55,8 @@ def output_file_digest(path: Path) -> str:
 
 def file_digest(path: Path) -> str:
     """Return the digest of a file's content."""
-    whole = blake2b(digest_size=CONTENT_BYTES)
     with path.open("rb") as stream:
-        while block := stream.read(BLOCK_BYTES):
-            whole.update(block)
-    return whole.hexdigest()
+        return hashlib.file_digest(stream, lambda: blake2b(digest_size=CONTENT_BYTES)).hexdigest()
 
 
 def _plain(value: object) -> Any:

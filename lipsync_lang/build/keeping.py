@@ -136,8 +136,6 @@ def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> Bu
             JudgedFigure(name, value, unit, limit, at, words, binding)
             for (name, unit, binding), value, limit, (at, words) in rows
         ]
-        written = {path: one.digest for path, one in record.outputs.items()}
-        kept = outcome, message, seconds, record.confidence, tuple(figures)
-        return BuiltLine(line, *kept, written)
+        return BuiltLine(line, outcome, message, seconds, record.confidence, tuple(figures))
     except (TypeError, ValueError):
         raise unusable() from None

@@ -20,13 +20,13 @@ from zlib import crc32
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.archives import split_archive
-from lipsync_lang.build.digests import file_digest, output_digest
+from lipsync_lang.build.digests import digest, file_digest, output_digest
 from lipsync_lang.build.faces import face_file
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.output_paths import recorded_path
 from lipsync_lang.build.planned_line import CONFIDENCE, BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.timing import ScheduleOrError, attempt, schedules
-from lipsync_lang.build.timing_cache import TimingCache
+from lipsync_lang.build.timing_cache import TIMERS, TimingCache
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.files.targets import read_only, refuse_locked
@@ -34,6 +34,7 @@ from lipsync_lang.files.temporary import temporary_name, this_process
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.quality.figures import Quality
+from lipsync_lang.resolver.cache import compiler
 from lipsync_lang.schedules.schedule import DOUBTFUL, Schedule
 
 MAX_FINDINGS = 3
@@ -129,8 +130,9 @@ class LineMaker:
 
     def cache(self, pair: PairNeeds) -> TimingCache:
         """Return the cache for the timings of a pair's lines."""
-        speaker, engine = pair.performer.speaker, self.settings.tts
-        return TimingCache.of(self.folder, pair.speech, speaker, engine, reuse=self.reuse)
+        cleaning, engine = pair.performer.speaker.cleaning, self.settings.tts
+        reading = digest(pair.speech.hex(), cleaning, engine, compiler(TIMERS))
+        return TimingCache(self.folder, reading.hex(), self.reuse)
 
     def _timed(
         self, lines: Sequence[PlannedLine], pairs: Mapping[str, PairNeeds]
@@ -248,7 +250,6 @@ class LineMaker:
             float(animation.times[-1] - animation.times[0]),
             schedule.confidence,
             figures,
-            {file.path: file.digest for file in files},
         )
         return MadeLine(built, tuple(files), contents, needs, remarks)
 

@@ -4,15 +4,15 @@ The column of ids is the one whose cells name the most recordings; without recor
 the column tells. Folders that are called like languages or speakers become placeholders.
 """
 
+import json
 import os
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from lipsync_lang.build.project_folder import starter
-from lipsync_lang.build.project_text import ProjectLayout, project_text
+from lipsync_lang.build.project_folder import from_template, starter
 from lipsync_lang.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.files.names import folded_name
 from lipsync_lang.lines.columns import NAME_COLUMNS, SPEAKER_COLUMNS, first_column, text_column
@@ -40,6 +40,8 @@ LEAST_SHARE = 0.3
 
 SHOWN_FILES = 4
 """Maximum number of examples of each kind in a message."""
+
+SHOWN_SPEAKERS = 20
 
 
 class FoundRecording(NamedTuple):
@@ -128,16 +130,23 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     if not characters:
         known = sorted({one.name for kind in FACE_KINDS for one in finder.names(kind)})
         raise LipsyncError(f"the character is missing; name one of: {shortlist(known, MAX_KNOWN)}")
-    layout = ProjectLayout(
-        lines=table.resolve().relative_to(folder.resolve()).as_posix(),
-        audio="/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
-        columns={"id": cells.head[ids.column], **text}
-        | ({"speaker": cells.head[speaker]} if speaker >= 0 else {}),
-        languages=languages,
-        characters=list(characters),
-        speakers=[name for name, _ in Counter(cells.at(speaker)).most_common()],
-    )
-    return NewProject(project_text(layout), _matches(found, cells.at(ids.column), ids, matching))
+    columns = {"id": cells.head[ids.column], **text}
+    columns |= {"speaker": cells.head[speaker]} if speaker >= 0 else {}
+    spoken = Counter(cells.at(speaker)).most_common(SHOWN_SPEAKERS)
+    several = "{language}/" if len(languages) > 1 else ""
+    same = all(name == word for name, word in languages.items())
+    drafted: dict[str, Any] = {
+        "lines": table.resolve().relative_to(folder.resolve()).as_posix(),
+        "columns": columns,
+        "languages": list(languages) if same else languages,
+        "audio": "/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
+        "usual_audio": f"vo/{several}{{id}}.wav",
+        "characters": list(characters),
+        "speakers": [json.dumps(name, ensure_ascii=False) for name, _ in spoken],
+        "outputs": f"takes/{several}{{character}}/{{id}}.csv",
+    }
+    matches = _matches(found, cells.at(ids.column), ids, matching)
+    return NewProject(from_template("script.yaml", drafted), matches)
 
 
 # What there is

@@ -1,7 +1,7 @@
 """Lines of a build, before and after they are made."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -87,8 +87,6 @@ class BuiltLine:
     confidence: float | None = None
     """Fit of the timings to the recording, in [0, 1]; None if nothing was aligned."""
     figures: tuple[JudgedFigure, ...] = ()
-    written: Mapping[str, str] = field(default_factory=dict)
-    """Digest of the content of each output, by its path from the project's folder."""
 
     @property
     def verdict(self) -> Verdict:

@@ -127,21 +127,23 @@ def project_files(
     }
     character_file = f"{FOLDERS['character']}/{defaults.name}.yaml"
     made = {
-        "README.md": _filled("README.md", known),
-        FILE: _filled(FILE, known),
+        "README.md": from_template("README.md", known),
+        FILE: from_template(FILE, known),
         "lines.csv": script.getvalue(),
-        character_file: _filled("character.yaml", known),
-        ".gitignore": _filled("gitignore", known),
+        character_file: from_template("character.yaml", known),
+        ".gitignore": from_template("gitignore", known),
     }
     return {path: text for path, text in made.items() if own or path != character_file}
 
 
-def _filled(name: str, known: dict[str, Any]) -> str:
+def from_template(name: str, known: dict[str, Any]) -> str:
+    """Return a file of a new project; `yaml` writes a value of its template on one line."""
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(  # noqa: S701 plain text, no HTML
         undefined=StrictUndefined, keep_trailing_newline=True
     )
+    environment.filters["yaml"] = on_one_line
     return environment.from_string(_template(f"{name}.jinja")).render(known)
 
 

@@ -3,10 +3,11 @@
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Protocol, TextIO, runtime_checkable
+from typing import TextIO
 
 from lipsync_lang.build.build_tally import BuildHeading, BuildTally, CountedLine
 from lipsync_lang.build.planned_line import BuiltLine
@@ -19,21 +20,6 @@ MakePages = Callable[[Sequence[BuiltLine]], Mapping[Key, Path]]
 """Makes pages of lines, and returns them by the line's key."""
 
 BUILD_FORMAT = "lipsync-lang build 1"
-
-
-class ReportForm(Protocol):
-    """A form of a report."""
-
-    def write(self, out: TextIO, tally: BuildTally) -> None:
-        """Write the whole report, with the counts over all lines."""
-
-
-@runtime_checkable
-class RowReport(ReportForm, Protocol):
-    """A form with each line: it gets all of them, then is written."""
-
-    def add(self, line: BuiltLine) -> None:
-        """Take a line."""
 
 
 def write_report(
@@ -57,32 +43,34 @@ def write_report(
     OutputError
         A suffix is none of these, or a file cannot be written.
     """
-    forms: list[tuple[Path, ReportForm]] = []
+    writers: list[tuple[Path, Callable[[TextIO, BuildTally], None]]] = []
+    adders: list[Callable[[BuiltLine], None]] = []
     for path in paths:
         suffix = path.suffix.lower()
         if suffix == ".html":
-            from lipsync_lang.build.report_page import PageReport
+            from lipsync_lang.build.report_page import write_page
 
-            forms.append((path, PageReport(heading, path.parent, pages)))
+            writers.append((path, partial(write_page, heading, path.parent, pages)))
         elif suffix in {".xml", ".json"}:
-            forms.append((path, (JunitReport if suffix == ".xml" else JsonReport)(heading)))
+            form = (JunitReport if suffix == ".xml" else JsonReport)(heading)
+            writers.append((path, form.write))
+            adders.append(form.add)
         else:
             raise OutputError(
                 f"{path}: a report cannot be written as '{suffix}'; use .html, .xml or .json"
             )
-    full = [form.add for _, form in forms if isinstance(form, RowReport)]
-    for line in lines if full else ():
+    for line in lines if adders else ():
         whole = line.whole()
-        for add in full:
+        for add in adders:
             add(whole)
-    for path, form in forms:
+    for path, write in writers:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise cannot_write(path.parent, error) from None
         with atomic(path) as out:
             text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
-            form.write(text, tally)
+            write(text, tally)
             text.flush()
             text.detach()
 

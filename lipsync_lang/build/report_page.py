@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import NamedTuple, TextIO
 from urllib.parse import quote
 
+from lipsync_lang.arrays import Ints
 from lipsync_lang.build.build_tally import (
     BINS,
     BuildHeading,
     BuildTally,
     FigureTally,
-    Histogram,
-    badness,
     share_of_limit,
 )
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
@@ -102,12 +101,6 @@ class WorstRow:
         known = self.built.confidence
         return "–" if known is None else f"{100 * known:.0f}{NBSP}%"
 
-    @property
-    def badness(self) -> float:
-        """Number by which rows are sorted."""
-        rank, first, then = badness(self.built)
-        return rank * 1e6 + min(first, 1e5) + min(then, 1.0) * 1e-3
-
     @cached_property
     def shown(self) -> list[tuple[str, JudgedFigure]]:
         """The figures over their limits with a state; else the one that is nearest to its own."""
@@ -127,34 +120,27 @@ class WorstRow:
         return [figure.name for state, figure in self.shown if state != "s0"]
 
 
-class PageReport:
-    """The page of a build, with links from its folder to the pages of lines (`-o line.html`)."""
-
-    def __init__(self, heading: BuildHeading, folder: Path, pages: MakePages | None) -> None:
-        self._heading, self._folder, self._pages = heading, folder, pages
-
-    def write(self, out: TextIO, tally: BuildTally) -> None:
-        """Write the page."""
-        worst = tally.worst
-        pages = self._pages(worst) if self._pages is not None else {}
-        rows = [WorstRow(one, pages.get(one.line.key), self._folder) for one in worst]
-        figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))
-        languages, characters = (sorted(set(part)) for part in zip(*tally.pairs, strict=True)) if (
-            tally.pairs
-        ) else ((), ())  # fmt: skip
-        values = {
-            "heading": self._heading,
-            "tally": tally,
-            "rows": rows,
-            "figures": figures,
-            "charts": [figure_bars(one) for one in figures],
-            "confidence": confidence_bars(tally.confidence, tally.aligned),
-            "languages": languages,
-            "characters": characters,
-            "names": sorted({name for row in rows for name in row.names}),
-            "contacts": [one for one in figures if one.name.startswith("contacts")],
-        }
-        out.write(REPORT_ENVIRONMENT.page("report.html", values, "report.css", "report.js"))
+def write_page(
+    heading: BuildHeading, folder: Path, pages: MakePages | None, out: TextIO, tally: BuildTally
+) -> None:
+    """Write the page of a build, with links from its folder to the pages of lines."""
+    worst = tally.worst
+    linked = pages(worst) if pages is not None else {}
+    rows = [WorstRow(one, linked.get(one.line.key), folder) for one in worst]
+    figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))
+    values = {
+        "heading": heading,
+        "tally": tally,
+        "rows": rows,
+        "figures": figures,
+        "charts": [figure_bars(one) for one in figures],
+        "confidence": confidence_bars(tally.confidence, tally.aligned),
+        "languages": sorted({language for language, _ in tally.pairs}),
+        "characters": sorted({character for _, character in tally.pairs}),
+        "names": sorted({name for row in rows for name in row.names}),
+        "contacts": [one for one in figures if one.name.startswith("contacts")],
+    }
+    out.write(REPORT_ENVIRONMENT.page("report.html", values, "report.css", "report.js"))
 
 
 def figure_bars(figure: FigureTally) -> Bars:
@@ -170,29 +156,29 @@ def figure_bars(figure: FigureTally) -> Bars:
         ends = (("0", 0.5 / BINS), ("more", 0.5), ("1", 1.0))
     elif known is not None:
         ends = (("0", 0.0), (_number(known), 0.5), (_number(2 * known), 1.0))
-    within, over = _paths(figure.histogram, figure.within)
+    within, over = _paths(figure.bars, figure.within)
     return Bars(figure.name, words, within, over, figure.within / BINS, ends)
 
 
-def confidence_bars(histogram: Histogram, aligned: int) -> Bars:
+def confidence_bars(counts: Ints, aligned: int) -> Bars:
     """Draw the confidence of all aligned lines."""
     parts = [
         f"{number:,} at {100 * n // BINS} to {100 * (n + 1) // BINS}{NBSP}%"
-        for n, number in enumerate(histogram.counts)
+        for n, number in enumerate(counts.tolist())
         if number
     ]
-    half = sum(histogram.counts[: BINS // 2])
+    half = counts[: BINS // 2].sum()
     words = f"{count(aligned, 'line')} aligned with recordings, {half:,} of them below 50{NBSP}%"
-    path, _ = _paths(histogram, BINS)
+    path, _ = _paths(counts, BINS)
     ends = (("0", 0.0), (f"50{NBSP}%", 0.5), (f"100{NBSP}%", 1.0))
     return Bars("Confidence", words, path, "", None, ends, f"{words}: {', '.join(parts)}")
 
 
-def _paths(histogram: Histogram, within: int) -> tuple[str, str]:
+def _paths(counts: Ints, within: int) -> tuple[str, str]:
     """Return the SVG paths of the bars within a limit and beyond it; a bar is 10 wide."""
-    most = max(histogram.counts) or 1
+    most = counts.max() or 1
     pieces: tuple[list[str], list[str]] = ([], [])
-    for number, lines in enumerate(histogram.counts):
+    for number, lines in enumerate(counts.tolist()):
         if lines:
             height = max(LEAST_BAR, round(CHART_HEIGHT * lines / most))
             piece = f"M{10 * number + 1} {CHART_HEIGHT}v-{height}h8v{height}z"

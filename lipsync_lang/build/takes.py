@@ -48,7 +48,6 @@ class TakesFile(NamedTuple):
     """Content of `.keys` files by name; empty for one that a patch removes."""
     patch: tuple[int, int] | None
     """Checksums of the archive that a patch changes, and of the result; None for an archive."""
-    checksum: int
 
 
 def name_hash(name: bytes) -> int:
@@ -106,9 +105,7 @@ def _decoded(path: Path, data: mmap) -> TakesFile:
     found = dict(_records(data, index, slots, names))
     if len(found) != count:
         raise ValueError(f"it has {len(found):,} takes of {count:,}")
-    return TakesFile(
-        dict(sorted(found.items())), (base, result) if kind == PATCH_KIND else None, head
-    )
+    return TakesFile(dict(sorted(found.items())), (base, result) if kind == PATCH_KIND else None)
 
 
 def _head_crc(head: bytes) -> int:

@@ -32,30 +32,25 @@ def schedules(
     from lipsync_lang.speech.hearing.recognition import recognise_many
 
     out: dict[int, ScheduleOrError] = {}
-    told: list[tuple[int, Path, str]] = []
-    heard: list[tuple[int, Path]] = []
-    silent: list[tuple[int, str]] = []
+    told: dict[int, tuple[Path, str]] = {}
+    heard: dict[int, Path] = {}
+    silent: dict[int, str] = {}
     for at, line in enumerate(lines):
         if line.timings is not None:
             out[at] = attempt(partial(_from_timings, speaker, folder, line, cache))
         elif cache is not None and (known := cache.load(line)):
             out[at] = known
-        elif line.audio is not None:
-            audio = folder / line.audio
-            if line.text:
-                told.append((at, audio, line.text))
-            else:
-                heard.append((at, audio))
+        elif line.audio is None:
+            silent[at] = line.text
+        elif line.text:
+            told[at] = folder / line.audio, line.text
         else:
-            silent.append((at, line.text))
-    aligned = align_many(speaker, ((audio, text) for _, audio, text in told))
-    recognised = recognise_many(speaker, (audio for _, audio in heard))
-    spoken = speaker.speak_many([text for _, text in silent], engine=engine)
-    out |= zip((at for at, *_ in told), aligned, strict=True)
-    out |= zip((at for at, _ in heard), recognised, strict=True)
-    out |= zip((at for at, _ in silent), spoken, strict=True)
+            heard[at] = folder / line.audio
+    out |= zip(told, align_many(speaker, told.values()), strict=True)
+    out |= zip(heard, recognise_many(speaker, heard.values()), strict=True)
+    out |= zip(silent, speaker.speak_many(silent.values(), engine=engine), strict=True)
     if cache is not None:
-        for at in [at for at, *_ in told] + [at for at, _ in (*heard, *silent)]:
+        for at in (*told, *heard, *silent):
             cache.save(lines[at], out[at])
     return [out[at] for at in range(len(lines))]
 

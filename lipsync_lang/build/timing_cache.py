@@ -17,10 +17,9 @@ from lipsync_lang.build.digests import digest, file_digest
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.writing import atomic
-from lipsync_lang.resolver.cache import compiler, delete_oldest, folder, sealed, unsealed
+from lipsync_lang.resolver.cache import delete_oldest, folder, sealed, unsealed
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 from lipsync_lang.speech.sound import read_audio
-from lipsync_lang.speech.speaking.speaker import Speaker
 
 MARK = b"lipsync-lang timings, version 2\n"
 
@@ -47,14 +46,6 @@ class TimingCache:
     folder: Path
     reading: str
     reuse: bool = True
-
-    @classmethod
-    def of(
-        cls, folder: Path, speech: bytes, speaker: Speaker, engine: str | None, *, reuse: bool
-    ) -> "TimingCache":
-        """Return the cache for a language; `speech` is its digest in `PairNeeds`."""
-        reading = digest(speech.hex(), speaker.cleaning, engine, compiler(TIMERS))
-        return cls(folder, reading.hex(), reuse)
 
     def has(self, line: PlannedLine) -> bool:
         """Return True if the timings of a line are in the cache, to be checked when loaded."""

@@ -7,7 +7,6 @@ another neutral face; the weights of a capture during silence are subtracted bef
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
 
 import numpy as np
 
@@ -25,7 +24,6 @@ from lipsync_lang.capture.fit_lines import CapturedLine, ShownLine, fit_rate, la
 from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.capture.judging import outlying_lines
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.extras import install_line
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.resolver.retouch import OpenPair
 
@@ -113,11 +111,9 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
 
     The performer is of the same pair. In a script, more than one worker process requires
     `if __name__ == "__main__":`. `progress` is called with a phrase for each step;
-    `set_aside` are lines that were left out before. Raises LipsyncError if there are no lines, no
-    signal of them shows a pose, or scipy is missing.
+    `set_aside` are lines that were left out before. Raises LipsyncError if there are no lines, or
+    none of their signals shows a pose.
     """
-    if find_spec("scipy") is None:
-        raise LipsyncError(f"a fit needs scipy: {install_line('capture')}")
     progress("fitting all lines")
     task, full, strays = _without_strays(pair, performer, captured, set_aside)
     parts = folds(task.lines)

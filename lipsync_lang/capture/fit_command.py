@@ -13,6 +13,7 @@ from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_pair
 from lipsync_lang.errors import LipsyncError, count
+from lipsync_lang.extras import install_line
 from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.reports.text_table import columns
 from lipsync_lang.terminal import progress, wipe
@@ -101,8 +102,11 @@ def _writer(text: str) -> Callable[[BinaryIO], object]:
 
 
 def _fitted(options: Namespace) -> "CaptureFit":
+    try:
+        from lipsync_lang.capture.fit_captures import fit_captures
+    except ImportError:
+        raise LipsyncError(f"a fit needs scipy: {install_line('capture')}") from None
     from lipsync_lang.capture.capture_reading import read_captures
-    from lipsync_lang.capture.fit_captures import fit_captures
     from lipsync_lang.capture.judging import judge_captures
     from lipsync_lang.packs.library import Library
     from lipsync_lang.performing.performer import Performer

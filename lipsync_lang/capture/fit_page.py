@@ -5,7 +5,7 @@ available width, with the phonemes as text above them.
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -42,8 +42,8 @@ WIDTH, HEIGHT = 1_000, 100
 """Width and height of a drawing in its own units; it stretches."""
 
 
-def fit_page(lines: Sequence[ShownLine], proposal: FitProposal | None = None) -> str:
-    """Return a fit as one self-contained HTML page; None is for a page of lines only."""
+def fit_page(lines: Sequence[ShownLine], proposal: FitProposal) -> str:
+    """Return a fit as one self-contained HTML page."""
     environment = PageEnvironment(__package__, "page_templates")
     environment.filters["number"] = lambda value: "–" if value is None else f"{value:.3f}"
     environment.filters["value"] = _value
@@ -54,20 +54,19 @@ def fit_page(lines: Sequence[ShownLine], proposal: FitProposal | None = None) ->
         "MAX_DRAWN_SIGNALS": MAX_DRAWN_SIGNALS,
     }
     worst = sorted(lines, key=lambda line: (-line.rms_after, line.name))
-    items = () if proposal is None else proposal.items
-    both = ("before", "after")
+    items = sorted(proposal.items, key=lambda one: (-one.confidence * one.occurrences, one.item))
     values = {
         "lines": worst,
         "proposal": proposal,
-        "items": sorted(items, key=lambda one: (-one.confidence * one.occurrences, one.item)),
+        "items": items,
         "drawings": [_drawing(line) for line in worst[:MAX_DRAWN_LINES]],
-        "r": [_mean([getattr(line, f"r_{when}") for line in worst]) for when in both],
-        "rms": [_mean([getattr(line, f"rms_{when}") for line in worst]) for when in both],
+        "r": [_mean(line.r_before for line in lines), _mean(line.r_after for line in lines)],
+        "rms": [_mean(line.rms_before for line in lines), _mean(line.rms_after for line in lines)],
     }
     return environment.page("fit.html", values, "fit.css")
 
 
-def _mean(values: Sequence[float | None]) -> float | None:
+def _mean(values: Iterable[float | None]) -> float | None:
     known = [value for value in values if value is not None]
     return sum(known) / len(known) if known else None
 

@@ -22,6 +22,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import lsmr
 
 from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.banks.draft import TIMES, Target, shape
@@ -78,9 +80,6 @@ def solve(
     values, `errors` returns the (O,) errors of the full pipeline, and `slopes` the sparse (O, K)
     matrix of slopes.
     """
-    from scipy import sparse
-    from scipy.sparse.linalg import lsmr
-
     low, high = np.minimum(bounds[0], start), np.maximum(bounds[1], start)
     now, found = start.copy(), errors(start)
     cost = robust_cost(found)
@@ -110,16 +109,12 @@ def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -
 
     Rows include lost values, in the order of lines, frames and signals.
     """
-    from scipy import sparse
-
     tables, motion = face.moved(values), face.motion(values)
     parts = [_line_slopes(face, tables, motion, line) for line in lines]
     return sparse.vstack(parts, format="csr")
 
 
 def _line_slopes(face: FitFace, tables: Tables, motion: Motion, line: FitLine) -> Sparse:
-    from scipy import sparse
-
     made = line.perform(tables, motion)
     stages = {stage.name: stage.curves.T for stage in made.stages(0, line.frames.count)}
     stitched = stages["stitch"]
@@ -149,8 +144,6 @@ def _line_slopes(face: FitFace, tables: Tables, motion: Motion, line: FitLine) -
 
 def _raw_slopes(face: FitFace, tables: Tables, line: FitLine, track: Any, level: Floats) -> Sparse:
     """Return slopes of stitched curves against control values: (T P, R P n)."""
-    from scipy import sparse
-
     place = locate(track, line.frames.times())
     row, position = positions(tables.neutral, track, place)
     count, poses, points = len(place.phoneme), len(tables.priority), len(TIMES)
@@ -179,8 +172,6 @@ def _raw_slopes(face: FitFace, tables: Tables, line: FitLine, track: Any, level:
 
 def _kernel_matrix(blurs: Any, poses: int, count: int) -> Sparse:
     """Return the matrix that smooths (T P,) curves."""
-    from scipy import sparse
-
     reach = max(len(blur.kernel) // 2 for blur in blurs)
     taps = np.zeros((2 * reach + 1, poses))
     taps[reach] = 1
@@ -206,8 +197,6 @@ def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
     They are differences of drafts. A pose of a row depends only on that pose of its two targets.
     Each step of either target therefore needs one draft of all poses and rows.
     """
-    from scipy import sparse
-
     targets = face.targets(values)
     now = face.drafted(targets, targets)
     rows, poses, points = now.shape

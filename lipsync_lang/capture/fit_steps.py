@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
+from scipy import sparse
+from scipy.optimize import minimize_scalar
 
 from lipsync_lang.arrays import Bools, Floats, Ints
 from lipsync_lang.banks.draft import TIMES
@@ -103,8 +105,6 @@ class TargetParameters:
 
     def prior(self, strength: float, before: FitValues) -> Any:
         """Return the matrix of the prior for `solve`; `strength` is the strength for a weight."""
-        from scipy import sparse
-
         shares = self.parts(HEIGHT_SHARE, 1.0, DOMINANCE_SHARE)
         out = sparse.diags(np.sqrt(strength * shares)).tolil()
         poses = np.nonzero(self.weights)[2]
@@ -118,8 +118,6 @@ class TargetParameters:
 
 def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> FitValues:
     """Fit the targets of a face; `base` has motion, bigrams, and poses added to targets."""
-    from scipy import sparse
-
     parameters = TargetParameters.of(face, base, seen_poses(lines))
     known = face.start.mentioned
     before = replace(
@@ -166,8 +164,6 @@ def fit_motion(
 
     `soft` and `ahead` are groups of poses with one softness, and with anticipation.
     """
-    from scipy.optimize import minimize_scalar
-
     seen = seen_poses(lines)
     changes = [
         *(("softness", poses, 0.0, MOST_SOFTNESS) for poses in soft if seen[poses].any()),
@@ -200,8 +196,6 @@ def _changed(values: FitValues, name: str, poses: Ints, value: float) -> FitValu
 
 def fit_bigrams(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> FitValues:
     """Return values with fitted curves for bigrams with enough occurrences."""
-    from scipy import sparse
-
     spoken = np.concatenate([line.track.rows for line in lines])
     counts = np.bincount(spoken, minlength=len(face.tables.curves))
     often = counts[face.rows] >= ENOUGH_OCCURRENCES
@@ -242,7 +236,5 @@ def seen_poses(lines: Sequence[FitLine]) -> Bools:
 
 def seen_rows(lines: Sequence[FitLine], matrix: Any) -> Any:
     """Return slopes with rows of 0 for lost values."""
-    from scipy import sparse
-
     seen = np.concatenate([line.seen.ravel() for line in lines]).astype(float)
     return sparse.diags(seen) @ matrix

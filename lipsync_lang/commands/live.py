@@ -94,6 +94,7 @@ def live(options: Namespace) -> int:
     from lipsync_lang.live.addresses import STANDARD_OUTPUT, parse_address
     from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
     from lipsync_lang.live.live_voice import LiveVoice
+    from lipsync_lang.live.sound_sources import is_microphone
     from lipsync_lang.live.web_socket import Session
     from lipsync_lang.performing.gesturing import ALL
     from lipsync_lang.speech.sound import SPEECH_RATE
@@ -108,8 +109,8 @@ def live(options: Namespace) -> int:
         awaited = options.delay if delay is None else delay
         return performer.listen(rate, awaited, fps, poses=stream.poses)
 
-    source, live_source = _source(options)
-    voice = LiveVoice(listen, fps, _complain, paced=not live_source)
+    source = _source(options)
+    voice = LiveVoice(listen, fps, _complain, paced=not is_microphone(options.audio))
     delay = stream.delay
     if source is not None or options.page:  # a model that is missing is told here
         delay = listen(options.rate or SPEECH_RATE).delay
@@ -212,22 +213,21 @@ def _renamed(stated: list[str], poses: "Sequence[str]") -> dict[str, str]:
     return renamed
 
 
-def _source(options: Namespace) -> "tuple[Iterator[Pcm] | None, bool]":
-    """Open the source of sound; and tell whether it keeps its own time."""
+def _source(options: Namespace) -> "Iterator[Pcm] | None":
+    """Open the source of sound; None without one."""
     from lipsync_lang.live.sound_bytes import checked_form
-    from lipsync_lang.live.sound_sources import is_microphone, open_source
+    from lipsync_lang.live.sound_sources import open_source
 
     form = checked_form(options.rate, options.format)
     if options.audio is None:
         if options.rate is not None or options.format is not None:
             raise LipsyncError("--rate and --format are of sound; give a source with --audio")
-        return None, False
+        return None
     for name, given in (("a TEXT", options.text), ("--tts", options.tts),
                           ("--style", options.styles), ("--dial", options.dials)):  # fmt: skip
         if given:
             raise LipsyncError(f"{name} is for speech of a text; leave it out with --audio")
-    source = open_source(options.audio, form, options.rate, _complain)
-    return source, is_microphone(options.audio)
+    return open_source(options.audio, form, options.rate, _complain)
 
 
 def _list_microphones() -> int:

@@ -27,39 +27,24 @@ class Add(Protocol):
 
 AddCommand = Callable[[Add], None]
 
+SHARED_MODULES = {
+    "languages": "packs", "posesets": "packs", "characters": "packs", "voices": "listing",
+    "formats": "listing",
+}  # fmt: skip
+"""Modules of the commands that share one; each of the others has one of its own name."""
+
 COMMANDS: Extensions[AddCommand] = Extensions(
     "commands",
     "command",
     modules={
-        name: f"{__package__}.{module}"
-        for name, module in (
-            ("new", "new"),
-            ("doctor", "doctor"),
-            ("run", "run"),
-            ("transcribe", "transcribe"),
-            ("explain", "explain"),
-            ("stills", "stills"),
-            ("live", "live"),
-            ("studio", "studio"),
-            ("resolve", "resolve"),
-            ("validate", "validate"),
-            ("schema", "schema"),
-            ("coverage", "coverage"),
-            ("check", "check"),
-            ("build", "build"),
-            ("archive", "archive"),
-            ("languages", "packs"),
-            ("posesets", "packs"),
-            ("characters", "packs"),
-            ("bank", "bank"),
-            ("models", "models"),
-            ("heads", "heads"),
-            ("voices", "listing"),
-            ("formats", "listing"),
-            ("completion", "completion"),
+        name: f"{__package__}.{SHARED_MODULES.get(name, name)}"
+        for name in (
+            "new", "doctor", "run", "transcribe", "explain", "stills", "live", "studio", "resolve",
+            "validate", "schema", "coverage", "check", "build", "archive", "languages", "posesets",
+            "characters", "bank", "models", "heads", "voices", "formats", "completion",
         )
     },
-)
+)  # fmt: skip
 """Functions that add commands, by the names of the commands, in the order of the help."""
 
 

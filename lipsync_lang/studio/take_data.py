@@ -84,14 +84,13 @@ def take_data(
 def curves_data(animation: Animation, pack: ArrayPack) -> Json:
     """Return the names of an animation's columns, their ranges, and their scaled values."""
     rows = []
-    for number, curve in enumerate(animation.weights.T):
+    for curve in animation.weights.T:
         low, high = min(0.0, float(curve.min())), max(1.0, float(curve.max()))
         rows.append(
             {
                 "low": low,
                 "high": high,
                 "moves": bool(np.ptp(curve) > VISIBLE),
-                "bone": animation.columns[number].node is not None,
                 "values": pack.add((curve - low) / (high - low), "u2", WEIGHT_STEPS),
             }
         )
@@ -117,8 +116,7 @@ class _Stages:
     def __init__(
         self, animation: Animation, performer: Performer, performance: Performance
     ) -> None:
-        self._performer = performer
-        self._performance, self._schedule = performance, animation.schedule
+        self._performer, self._performance = performer, performance
         frames = performance.frames
         first = round((float(animation.times[0]) - float(frames.times(0, 1)[0])) * frames.fps)
         self._first, self._stop = max(0, first), min(frames.count, max(0, first) + len(animation))

@@ -517,7 +517,6 @@ class Workshop:
                 for name, pose in poseset.poses.items()
             ],
             "phonemes": list(compiled.phonemes),
-            "shades": compiled.shades,
             "measures": compiled.measures,
             "regions": compiled.regions,
             "styles": list(compiled.style_names),
@@ -527,7 +526,6 @@ class Workshop:
                 for line in self._stated.values()
                 if "text" in line and line.get("language") == compiled.language
             ],
-            "warnings": list(compiled.report.warnings),
             "text": self.text,
             "settings": asdict(self.settings),
             "line": self.line is not None,

@@ -5,18 +5,17 @@ An existing clip is never rendered again, so a new run continues an interrupted 
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed
-from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from hashlib import blake2b
 from io import BytesIO
 from pathlib import Path
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.build.workers import LostBatch, run_batches
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files import atomic
-from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
 CLIP_SIDE = 480
 """Side of a clip in pixels."""
@@ -90,40 +89,26 @@ def render_clips(
     missing = {path: clip for path, clip in wanted.items() if not path.is_file()}
     # A container may give this process fewer cores than the machine has.
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    count = min(len(missing), workers or usable or 1)
+    count = max(1, min(len(missing), workers or usable or 1))
     told(0, len(missing))
-    if count <= 1:
-        for number, (path, clip) in enumerate(missing.items(), 1):
-            _render(clip, path)
+    rendering = run_batches(partial(_render, folder), missing.values(), workers=count)
+    with closing(rendering):  # type: ignore[type-var]  # a generator
+        for number, found in enumerate(rendering, 1):
+            if isinstance(found, LostBatch):
+                raise OutputError(
+                    "a process that rendered clips died (out of memory?); start again, with one "
+                    "worker (`workers=1`), and it goes on with the clips that are left"
+                )
             told(number, len(missing))
-        return len(missing)
-    pool = child_pool(count)
-    try:
-        with deaf_to_interrupts():
-            futures = [pool.submit(_render, clip, path) for path, clip in missing.items()]
-        for number, future in enumerate(as_completed(futures), 1):
-            future.result()
-            told(number, len(missing))
-        return len(missing)
-    except BrokenProcessPool:
-        raise OutputError(
-            "a process that rendered clips died (out of memory?); start again, with one worker "
-            "(`workers=1`), and it goes on with the clips that are left"
-        ) from None
-    except BaseException:
-        for process in list((pool._processes or {}).values()):  # noqa: SLF001 public from 3.14 on
-            process.kill()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
+    return len(missing)
 
 
-def _render(clip: Clip, path: Path) -> None:
+def _render(folder: Path, clip: Clip) -> None:
     from lipsync_lang.render.video import film
 
     content = BytesIO()
     film(clip.animation, content, "mp4", size=CLIP_SIDE, codec=CLIP_CODEC, framing=clip.framing)
-    with atomic(path) as stream:
+    with atomic(clip.path(folder)) as stream:
         stream.write(content.getvalue())
 
 

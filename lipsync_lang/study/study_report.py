@@ -100,19 +100,13 @@ def report_study(
             places = [*answer_files([beside]), inside]
         except LipsyncError:  # all answers are in the folder of answers
             places = [inside]
-    return report_answers(known, answer_files(places), rules)
-
-
-def report_answers(
-    study: Study, files: Sequence[Path], rules: SortingRules | None = None
-) -> StudyReport:
-    """Report a study from files of answers."""
+    files = answer_files(places)
     rules = rules or SortingRules()
-    answers = sort_answers(files, study, rules)
-    comparisons = tuple(compared(answers.choices, study.methods))
-    rankings = tuple(ranked(answers.choices, study.methods))
-    names, notes = tuple(map(str, files)), tuple(_notes(study, answers, comparisons))
-    return StudyReport(study, names, rules, answers, comparisons, rankings, notes)
+    told = sort_answers(files, known, rules)
+    comparisons = tuple(compared(told.choices, known.methods))
+    rankings = tuple(ranked(told.choices, known.methods))
+    names, notes = tuple(map(str, files)), tuple(_notes(known, told, comparisons))
+    return StudyReport(known, names, rules, told, comparisons, rankings, notes)
 
 
 def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Comparison]) -> list[str]:

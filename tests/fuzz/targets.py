@@ -48,7 +48,7 @@ from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.study.preference_page import report_page
 from lipsync_lang.study.study_file import Submission, parsed, read_study, texts_of
-from lipsync_lang.study.study_report import report_answers
+from lipsync_lang.study.study_report import report_study
 from lipsync_lang.study.study_text import report_text
 
 HERE = Path(__file__).parent
@@ -272,7 +272,7 @@ def _answers(path: Path) -> None:
 
 
 def _report(path: Path) -> None:
-    report = report_answers(read_study(HERE / "seeds/study/key/study.json"), [path])
+    report = report_study(HERE / "seeds/study/key/study.json", [path])
     whole = sum(one.submissions for one in report.answers.set_aside)
     assert report.answers.submissions == report.answers.raters + whole
     _plain(report_text(report) + report_page(report))

@@ -57,9 +57,9 @@ def drawn(monkeypatch):
     """Write tokens instead of videos, and return the digests of rendered clips."""
     seen = []
 
-    def render(clip, path):
+    def render(folder, clip):
         seen.append(clip.digest)
-        path.write_bytes(f"clip {clip.digest}".encode() + b"x" * (len(seen) % 3))
+        clip.path(folder).write_bytes(f"clip {clip.digest}".encode() + b"x" * (len(seen) % 3))
 
     monkeypatch.setattr(study_clips, "_render", render)
     return seen
@@ -344,10 +344,10 @@ def test_the_key_is_read_and_its_digest_follows_the_clips(tmp_path, drawn, monke
 def test_a_killed_run_goes_on_where_it_stopped(tmp_path, drawn, monkeypatch):
     render = study_clips._render  # noqa: SLF001 of the module under test
 
-    def dying(clip, path):
+    def dying(folder, clip):
         if len(drawn) == 2:
             raise KeyboardInterrupt
-        render(clip, path)
+        render(folder, clip)
 
     monkeypatch.setattr(study_clips, "_render", dying)
     with pytest.raises(KeyboardInterrupt):

@@ -63,7 +63,6 @@
 
   const value = {
     rank: (row) => Number(row.cells[0].textContent),
-    badness: (row) => -Number(row.dataset.badness),
     number: (row, column) => parseFloat(row.cells[column].textContent),
     text: (row, column) => row.cells[column].textContent,
   };

@@ -146,30 +146,28 @@ def model(workshop: Workshop, request: StudioRequest) -> Json:
     by its name, or declines it with an empty one.
     """
     chosen = request.query.get("rig")
-    with TemporaryDirectory() as folder:
-        path = _glb(request, Path(folder))
-        with _without_folder(folder):
-            better = None if chosen == "" else _better_rig(workshop, read_model(path))
-            if better is not None and better.rig != chosen:
-                shown = {"rig": better.rig, "shown": better.shown, "poses": len(better.poses)}
-                return {"offer": shown}
-            if better is None:
-                names, missing = _channels(workshop.performer, path)
-            else:
-                _draw_match(better, path)
-                missing = list(better.missing)
-                names = [*better.found.places, *missing]
-        pack, _ = workshop.editable("character")
-        target = pack.with_name(path.name)
+    with _sent_model(request) as path:
+        better = None if chosen == "" else _better_rig(workshop, read_model(path))
+        if better is not None and better.rig != chosen:
+            shown = {"rig": better.rig, "shown": better.shown, "poses": len(better.poses)}
+            return {"offer": shown}
+        if better is None:
+            names, missing = _channels(workshop.performer, path)
+        else:
+            _draw_match(better, path)
+            missing = list(better.missing)
+            names = [*better.found.places, *missing]
         content = path.read_bytes()
-        workshop.refuse_link(target)
-        if not target.exists():
-            target.parent.mkdir(parents=True, exist_ok=True)
-            write_all({target: lambda stream: stream.write(content)}, durable=True)
-        elif target.read_bytes() != content:
-            raise LipsyncError(
-                f"{target.name}: the project has another model with this name; rename your file"
-            )
+    pack, _ = workshop.editable("character")
+    target = pack.with_name(path.name)
+    workshop.refuse_link(target)
+    if not target.exists():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        write_all({target: lambda stream: stream.write(content)}, durable=True)
+    elif target.read_bytes() != content:
+        raise LipsyncError(
+            f"{target.name}: the project has another model with this name; rename your file"
+        )
     return {
         "name": target.name,
         "shown": len(names) - len(missing),
@@ -203,13 +201,11 @@ def drafted(workshop: Workshop, request: StudioRequest) -> Json:
     """Draft a character from a model, with the pose set and the rig that fit it best."""
     from lipsync_lang.authoring.character_draft import CharacterWish, draft
 
-    with TemporaryDirectory() as folder:
-        path = _glb(request, Path(folder))
+    with _sent_model(request) as path:
         name = request.query.get("as", "") or _NOT_IN_A_NAME.sub("-", path.stem).strip("-")
-        with _without_folder(folder):
-            made = draft(workshop.library(), CharacterWish(name, path), workshop.project)
-            _draw_match(made.match, path)
-            made.write()
+        made = draft(workshop.library(), CharacterWish(name, path), workshop.project)
+        _draw_match(made.match, path)
+        made.write()
     workshop.open(workshop.language, workshop.character)  # to find the new packs
     return {
         "name": name,
@@ -219,26 +215,25 @@ def drafted(workshop: Workshop, request: StudioRequest) -> Json:
     }
 
 
-def _glb(request: StudioRequest, folder: Path) -> Path:
-    """Write a sent model into a folder; only GLB has all parts in one file."""
-    path = sent_file(request, folder)
-    if not path.name.lower().endswith(WHOLE_MODELS):
-        raise LipsyncError(
-            f"{path.name}: export the model as GLB, which contains all parts in one file"
-        )
-    stem = _NOT_IN_A_NAME.sub("-", path.stem).strip("-") or "model"
-    model = path.with_name(f"{stem}.glb")
-    replace_file(path, model)
-    return model
-
-
 @contextmanager
-def _without_folder(folder: str) -> Iterator[None]:
-    """Leave a temporary folder out of messages about a model."""
-    try:
-        yield
-    except LipsyncError as error:
-        raise LipsyncError(str(error).replace(f"{folder}/", "")) from None
+def _sent_model(request: StudioRequest) -> Iterator[Path]:
+    """Write a sent model into a temporary folder, which messages about the model leave out.
+
+    Only GLB has all parts in one file.
+    """
+    with TemporaryDirectory() as folder:
+        path = sent_file(request, Path(folder))
+        if not path.name.lower().endswith(WHOLE_MODELS):
+            raise LipsyncError(
+                f"{path.name}: export the model as GLB, which contains all parts in one file"
+            )
+        stem = _NOT_IN_A_NAME.sub("-", path.stem).strip("-") or "model"
+        model = path.with_name(f"{stem}.glb")
+        replace_file(path, model)
+        try:
+            yield model
+        except LipsyncError as error:
+            raise LipsyncError(str(error).replace(f"{folder}/", "")) from None
 
 
 def _draw_match(match: Match, path: Path) -> None:

@@ -90,16 +90,13 @@ def _report_data(report: CoverageReport) -> Json:
         kinds[0] += 1
         kinds[1] += row.count
     soon = report.next_hour
-    return {
-        "lines": report.lines,
-        "words": report.words,
-        "occurrences": report.occurrences,
+    alike: Json = report.model_dump(
+        include={"lines", "words", "occurrences", "authored", "left", "needed"}
+    )
+    return alike | {
         "kinds": len(report.bigrams),
         "status": status,
-        "authored": report.authored.model_dump(),
-        "left": report.left.model_dump(),
         "next_hour": {"bigrams": len(soon.bigrams), "percent": soon.percent},
-        "needed": report.needed,
         "plan": [_need(row) for row in missing[:MAX_PLANNED]],
         "silence": [_need(row) for row in report.silence if not row.authored][:MAX_PLANNED],
         "unread": _tallies(report.unread),
