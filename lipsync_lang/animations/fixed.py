@@ -109,6 +109,12 @@ def late(animation: Animation, program: str) -> Iterator[str]:
         )
 
 
+def shapes_from_zero(animation: Animation, program: str, *, head: bool = False) -> Iterator[str]:
+    """Yield warnings about bones and a delayed sound, for formats that have neither."""
+    yield from boneless(animation, program, head=head)
+    yield from late(animation, program)
+
+
 def _lost(animation: Animation, columns: list[int], program: str) -> Iterator[str]:
     if np.any(animation.weights[:, columns]):  # all are named, so that a build says it once
         lost = [animation.poses[number] for number in columns]
