@@ -24,7 +24,7 @@ from lipsync_lang.arrays import Floats
 from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
 from lipsync_lang.rigs.head_turn import HeadTurn
-from lipsync_lang.rigs.shape_matching import places
+from lipsync_lang.rigs.shape_matching import placed
 
 VRM_ANIMATION = "VRMC_vrm_animation"
 FLOAT_TYPE = 5126
@@ -95,7 +95,7 @@ def _expressions(animation: Animation) -> list[KeyedCurve]:
     """Return the keyframes of each expression; of two columns for a preset, the larger counts."""
     columns = shape_columns(animation)
     channels = [animation.columns[column] for column in columns]
-    presets = places(channels, names("vrm.txt").shapes)
+    presets = placed(channels, names("vrm.txt").shapes).shapes
     sums: dict[str, Floats] = {}
     for number, column in enumerate(columns):
         values = animation.weights[:, column].clip(0.0, 1.0)
