@@ -117,11 +117,3 @@ def read_animation(path: str | Path) -> Recording:
         what = f"is no {' or '.join(one.name for one in chosen)}"
         fail(path, what, "check the program that wrote it")
     return fits[0].read(path, content)
-
-
-def text_of(path: Path, content: bytes) -> str:
-    """Decode the text of a file, or raise an error."""
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        fail(path, f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")

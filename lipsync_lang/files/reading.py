@@ -44,8 +44,13 @@ def input_text(
     path: Path, max_bytes: int, *, error: type[LipsyncError] = LipsyncError, mend: str
 ) -> str:
     """Return the text of a file in UTF-8, or of standard input, as `read_input` does."""
+    return utf8_text(path, read_input(path, max_bytes, error=error, mend=mend), error)
+
+
+def utf8_text(path: Path, content: bytes, error: type[LipsyncError] = LipsyncError) -> str:
+    """Decode the content of a file, with or without a byte-order mark; `path` is for messages."""
     try:
-        return read_input(path, max_bytes, error=error, mend=mend).decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as fault:
         what = f"is not UTF-8 text (byte {fault.start}); save it as UTF-8"
         raise error(f"{path}: {what}") from None
