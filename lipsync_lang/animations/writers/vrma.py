@@ -88,7 +88,7 @@ def write_vrma(animation: Animation, out: BinaryIO) -> None:
         "buffers": [{"byteLength": sizes[-1]}],
     }
     text = json.dumps(document, ensure_ascii=False).encode("utf-8", "backslashreplace")
-    write_parts(out, [(JSON_CHUNK, [text, b" " * (-len(text) % 4)]), (BINARY_CHUNK, blocks)])
+    write_parts(out, [(JSON_CHUNK, [text]), (BINARY_CHUNK, blocks)])
 
 
 def _expressions(animation: Animation) -> list[KeyedCurve]:
