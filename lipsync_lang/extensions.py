@@ -198,6 +198,7 @@ class Format:
 
 
 F = TypeVar("F", bound=Format)
+D = TypeVar("D", bound=Callable[..., object])
 
 
 class Formats(Extensions[F]):
@@ -215,16 +216,25 @@ class Formats(Extensions[F]):
         """Return all known suffixes, sorted."""
         return sorted({suffix for one in self.values() for suffix in one.suffixes})
 
+    def adding(self, make: Callable[[str, D], F]) -> Callable[[D], D]:
+        """Return a decorator that adds the format made of a function's title and the function.
+
+        The title is the first line of its docstring.
+        """
+
+        def add(function: D) -> D:
+            title = (function.__doc__ or function.__name__).strip().splitlines()[0]
+            made = make(title, function)
+            self.add(made.name, made, function.__module__)
+            return function
+
+        return add
+
 
 def _ending(path: Path, formats: Mapping[str, F]) -> list[F]:
     name = path.name.lower()
     found = [(s, one) for one in formats.values() for s in one.suffixes if name.endswith(s)]
     return [one for _, one in sorted(found, key=lambda pair: -len(pair[0]))]
-
-
-def summary(described: Callable[..., object]) -> str:
-    """Return the first line of a function's docstring, as the title of its extension."""
-    return (described.__doc__ or described.__name__).strip().splitlines()[0]
 
 
 def _load(entry_point: EntryPoint) -> None:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import AnimationError
-from lipsync_lang.extensions import Format, Formats, summary
+from lipsync_lang.extensions import Format, Formats
 from lipsync_lang.files import read_input
 from lipsync_lang.schedules.schedule import Schedule
 
@@ -94,13 +94,9 @@ def reader(
     Among formats with the same suffix, the first with a positive `fits` test reads the file. A
     format without `fits` is the fallback.
     """
-
-    def register(read: ReadAnimation) -> ReadAnimation:
-        made = AnimationReader(name, (suffix,), summary(read), read, fits)
-        ANIMATION_READERS.add(name, made, read.__module__)
-        return read
-
-    return register
+    return ANIMATION_READERS.adding(
+        lambda title, read: AnimationReader(name, (suffix,), title, read, fits)
+    )
 
 
 def read_animation(path: str | Path) -> Recording:
@@ -117,11 +113,3 @@ def read_animation(path: str | Path) -> Recording:
         what = f"is no {' or '.join(one.name for one in chosen)}"
         fail(path, what, "check the program that wrote it")
     return fits[0].read(path, content)
-
-
-def text_of(path: Path, content: bytes) -> str:
-    """Decode the text of a file, or raise an error."""
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        fail(path, f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
-from lipsync_lang.extensions import Format, Formats, summary
+from lipsync_lang.extensions import Format, Formats
 from lipsync_lang.files import STANDARD_STREAM, argument_path, atomic
 
 WriteText = Callable[[Animation, TextIO], None]
@@ -46,18 +47,16 @@ def writer(  # noqa: PLR0913 the settings of a format
 ) -> Callable[[WriteText], WriteText]:
     """Register ``(animation, text stream) -> None`` as the writer of a text format."""
 
-    def register(write: WriteText) -> WriteText:
-        def encoded(animation: Animation, out: BinaryIO) -> None:
-            text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
-            write(animation, text)
-            text.flush()
-            text.detach()
+    def encoded(write: WriteText, animation: Animation, out: BinaryIO) -> None:
+        text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
+        write(animation, text)
+        text.flush()
+        text.detach()
 
-        made = Writer(name, (suffix,), summary(write), encoded, remarks, reasons, shows, refuse)
-        WRITERS.add(name, made, write.__module__)
-        return write
-
-    return register
+    settings = remarks, reasons, shows, refuse
+    return WRITERS.adding(
+        lambda title, write: Writer(name, (suffix,), title, partial(encoded, write), *settings)
+    )
 
 
 def binary_writer(
@@ -69,13 +68,8 @@ def binary_writer(
     refuse: Refuse = lambda _: None,
 ) -> Callable[[WriteBytes], WriteBytes]:
     """Register ``(animation, byte stream) -> None`` as the writer of a binary format."""
-
-    def register(write: WriteBytes) -> WriteBytes:
-        made = Writer(name, (suffix,), summary(write), write, remarks, shows=shows, refuse=refuse)
-        WRITERS.add(name, made, write.__module__)
-        return write
-
-    return register
+    settings = remarks, False, shows, refuse
+    return WRITERS.adding(lambda title, write: Writer(name, (suffix,), title, write, *settings))
 
 
 def find_writer(path: Path, name: str | None = None) -> Writer:

@@ -18,7 +18,7 @@ from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.head_turn import HEAD_ANGLES, HeadTurn, head_angles
 from lipsync_lang.rigs.model import some
-from lipsync_lang.rigs.shape_matching import places
+from lipsync_lang.rigs.shape_matching import placed
 
 
 class FormatNames(NamedTuple):
@@ -45,7 +45,7 @@ class FixedColumns:
     """
 
     def __init__(self, columns: Sequence[Channel], held: FormatNames, program: str) -> None:
-        found = places(columns, held.shapes)
+        found = placed(columns, held.shapes).shapes
         if not found:
             raise OutputError(
                 f"{program} holds ARKit's shapes alone ({', '.join(held.shapes[:2])}, ...), and "
@@ -75,7 +75,7 @@ def _head(columns: Sequence[Channel], held: FormatNames) -> HeadTurn:
 def doubts(animation: Animation, file: str, program: str) -> Iterator[str]:
     """Yield warnings about omitted channels and a delayed sound, for a name list."""
     columns, held = animation.columns, names(file)
-    found = {*places(columns, held.shapes), *_head(columns, held).columns}
+    found = {*placed(columns, held.shapes).shapes, *_head(columns, held).columns}
     yield from _lost(animation, [n for n in range(len(animation.poses)) if n not in found], program)
     yield from late(animation, program)
 
@@ -107,6 +107,12 @@ def late(animation: Animation, program: str) -> Iterator[str]:
             f"{program} has no time below zero, so the sound begins {animation.begins:.3f} s into "
             "the file: start it so much later, or leave out what comes before it (`cut`)"
         )
+
+
+def shapes_from_zero(animation: Animation, program: str, *, head: bool = False) -> Iterator[str]:
+    """Yield warnings about bones and a delayed sound, for formats that have neither."""
+    yield from boneless(animation, program, head=head)
+    yield from late(animation, program)
 
 
 def _lost(animation: Animation, columns: list[int], program: str) -> Iterator[str]:

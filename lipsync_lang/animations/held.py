@@ -23,6 +23,9 @@ HOLD_SECONDS = 0.1
 REST_WEIGHT = 0.25
 """Weight of the neutral face; weaker poses are not shown."""
 
+NEUTRAL_DRAWING = "rest"
+"""Usual name of the neutral drawing."""
+
 FRAME_TOLERANCE = 1e-6
 """Tolerance for equal times, in frames."""
 
@@ -35,7 +38,7 @@ class HeldShape(NamedTuple):
     end: float
 
 
-def held(animation: Animation, rest: str) -> list[HeldShape]:
+def held(animation: Animation, rest: str = NEUTRAL_DRAWING) -> list[HeldShape]:
     """Return the sequence of shapes from 0 to the end of the sound.
 
     Spans have no gaps, and neighbours differ. Movement before 0 s and after the sound is cut. An

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.fixed import boneless, late, shape_columns
+from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import KeyedCurve
 from lipsync_lang.arrays import Floats
 from lipsync_lang.rigs.model import is_index, known_model
@@ -77,8 +77,7 @@ def unshown(animation: Animation, program: str) -> Iterator[str]:
     from lipsync_lang.animations.writers.glb import unplaced
 
     yield from unplaced(animation)
-    yield from boneless(animation, program)
-    yield from late(animation, program)
+    yield from shapes_from_zero(animation, program)
 
 
 def node_paths(animation: Animation) -> dict[str, list[str]]:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.files.reading import MIB_BYTES, read_input
+from lipsync_lang.files.reading import MIB_BYTES, read_input, utf8_text
 
 ID_COLUMNS = ("InventoryID", "inventory_id")
 SEGMENT = ("Phoneme", "phoneme_raw", "phoneme", "segment")
@@ -84,12 +84,9 @@ def _text(path: Path) -> str:
             if len(raw) > MAX_INVENTORY_BYTES:
                 size = f"{MAX_INVENTORY_BYTES // MIB_BYTES} MB"
                 raise LipsyncError(f"{path}: unpacks to more than {size}; {mend}")
-        return raw.decode("utf-8-sig")
     except (EOFError, OSError, zlib.error):
         raise LipsyncError(f"{path}: is a broken gzip file; download it again") from None
-    except UnicodeDecodeError as error:
-        what = f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-        raise LipsyncError(what) from None
+    return utf8_text(path, raw)
 
 
 def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:

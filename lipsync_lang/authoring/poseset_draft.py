@@ -29,7 +29,7 @@ from lipsync_lang.packs.yaml.value_text import as_scalar
 from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.rigs.driver import bare
 from lipsync_lang.rigs.model import read_model
-from lipsync_lang.rigs.shape_matching import places
+from lipsync_lang.rigs.shape_matching import placed
 
 STRONG = 0.8
 """Weight of a guessed pose at the sounds assigned to it."""
@@ -160,7 +160,8 @@ def _called(names: Sequence[str], known: models.PoseSet) -> dict[str, str]:
     moved = {pose for step in steps for pose, weight in step.weights.items() if weight > 0}
     poses = tuple(pose for pose in known.poses if pose in moved)
     called: dict[str, str] = {}
-    for number, shapes in sorted(places(bare(poses, pose_names(known)), names).items()):
+    found = placed(bare(poses, pose_names(known)), names).shapes
+    for number, shapes in sorted(found.items()):
         for name in shapes:
             called.setdefault(name, poses[number])
     return {name: called[name] for name in names if name in called}

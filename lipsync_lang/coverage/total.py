@@ -86,42 +86,43 @@ def total_of(
     """Return the total of reports, with minutes per bigram; a language without a weight has 1."""
     stated = weights or {}
     full = {report.language: float(stated.get(report.language, 1)) for report in reports}
-    ranking = _ranking(reports, full)
     faces: dict[str, list[CoverageReport]] = {}
     for report in reports:
         faces.setdefault(report.character, []).append(report)
     totals: list[FaceTotal] = []
     for character, own in faces.items():
-        figures = _figures(own, minutes, _ranking(own, full), full)
+        figures, _ = _figures(own, minutes, full)
         totals.append(FaceTotal(**figures, character=character, poseset=own[0].poseset))
-    figures = _figures(reports, minutes, ranking, full)
+    figures, ranking = _figures(reports, minutes, full)
     return Total(**figures, weights=full, faces=tuple(totals), ranking=tuple(ranking))
 
 
 def _figures(
-    reports: "Sequence[CoverageReport]",
-    minutes: float,
-    ranking: Sequence[WorkItem],
-    weights: Mapping[str, float],
-) -> dict[str, object]:
-    """Return the fields of `TotalFigures`."""
+    reports: "Sequence[CoverageReport]", minutes: float, weights: Mapping[str, float]
+) -> tuple[dict[str, object], list[WorkItem]]:
+    """Return the fields of `TotalFigures`, and the work that is left, the largest gain first."""
+    worth = _worth(reports, weights)
+    done = sum(need.covered * worth[one.language] for one in reports for need in one.bigrams)
+    ranking = _ranking(reports, worth, done)
     needed = {piece_of(report, need) for report in reports for need in report.bigrams}
     soon = ranking[: plan.affordable(minutes)]
-    done, left = _authored(reports, weights), len(ranking)
+    left = len(ranking)
     gain = round(max(soon[-1].reaches - done, 0.0), 4) if soon else 0.0
     is_all = not any(item.percent for item in ranking)
-    return {
+    figures: dict[str, object] = {
         "languages": tuple(dict.fromkeys(report.language for report in reports)),
         "needed": len(needed),
         "authored": AuthoredShare(bigrams=len(needed) - left, percent=rounded(done, is_all=is_all)),
         "left": WorkLeft(bigrams=left, hours=round(left * minutes / 60, 2)),
         "next_hour": NextHour(bigrams=tuple(item.bigram for item in soon), percent=gain),
     }
+    return figures, ranking
 
 
-def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> list[WorkItem]:
-    """Rank the work that is left, the largest gain first."""
-    worth = _worth(reports, weights)
+def _ranking(
+    reports: "Sequence[CoverageReport]", worth: Mapping[str, float], reached: float
+) -> list[WorkItem]:
+    """Rank the work that is left from the percentage `reached` on, the largest gain first."""
     gains: defaultdict[WorkKey, float] = defaultdict(float)
     counts: Counter[WorkKey] = Counter()
     serves: dict[WorkKey, list[CoverageReport]] = {}
@@ -133,7 +134,6 @@ def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) 
                 counts[piece] += missing
                 serves.setdefault(piece, []).append(report)
     items: list[WorkItem] = []
-    reached = _authored(reports, weights)
     for piece in sorted(serves, key=lambda one: (-round(gains[one], 9), one)):
         reached += gains[piece]
         items.append(
@@ -165,11 +165,3 @@ def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) ->
         language: WHOLE_PERCENT * weights[language] / (whole * number) if number and whole else 0.0
         for language, number in heard.items()
     }
-
-
-def _authored(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> float:
-    """Return the authored share of the speech."""
-    worth = _worth(reports, weights)
-    return sum(
-        need.covered * worth[report.language] for report in reports for need in report.bigrams
-    )

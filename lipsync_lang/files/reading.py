@@ -1,5 +1,6 @@
 """Read inputs up to a size limit, even from endless pipes and devices."""
 
+import codecs
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,6 +10,14 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.targets import STANDARD_STREAM
 
 MIB_BYTES = 2**20
+
+WIDE_MARKS = {
+    codecs.BOM_UTF32_LE: "utf-32",
+    codecs.BOM_UTF32_BE: "utf-32",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+"""Byte-order marks with their encodings. Those of UTF-32 come first: they begin with UTF-16's."""
 
 
 def read_input(
@@ -44,11 +53,21 @@ def input_text(
     path: Path, max_bytes: int, *, error: type[LipsyncError] = LipsyncError, mend: str
 ) -> str:
     """Return the text of a file in UTF-8, or of standard input, as `read_input` does."""
+    return utf8_text(path, read_input(path, max_bytes, error=error, mend=mend), error)
+
+
+def utf8_text(path: Path, content: bytes, error: type[LipsyncError] = LipsyncError) -> str:
+    """Decode the content of a file, with or without a byte-order mark; `path` is for messages."""
     try:
-        return read_input(path, max_bytes, error=error, mend=mend).decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as fault:
         what = f"is not UTF-8 text (byte {fault.start}); save it as UTF-8"
         raise error(f"{path}: {what}") from None
+
+
+def marked_encoding(content: bytes) -> str | None:
+    """Return the encoding of which a file has the byte-order mark; None for UTF-8 or no mark."""
+    return next((name for mark, name in WIDE_MARKS.items() if content.startswith(mark)), None)
 
 
 def _blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:

@@ -4,7 +4,6 @@ The encoding is the one given, or UTF-16 or UTF-32 if the file has their byte-or
 Line ends may be mixed.
 """
 
-import codecs
 from collections.abc import Callable, Iterator
 from functools import partial
 from io import TextIOWrapper
@@ -12,14 +11,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from lipsync_lang.errors import LipsyncError
-
-WIDE_MARKS = {
-    codecs.BOM_UTF32_LE: "utf-32",
-    codecs.BOM_UTF32_BE: "utf-32",
-    codecs.BOM_UTF16_LE: "utf-16",
-    codecs.BOM_UTF16_BE: "utf-16",
-}
-"""Byte-order marks, longest first, with their encodings."""
+from lipsync_lang.files.reading import marked_encoding
 
 MAX_LINE_CHARS = 1_000_000
 """Maximum length of a line, in characters."""
@@ -39,10 +31,7 @@ def numbered(
     """
     try:
         with opened() as stream:
-            head = stream.read(4)
-        marks = WIDE_MARKS.items()
-        marked = next((name for mark, name in marks if head.startswith(mark)), "utf-8-sig")
-        chosen = encoding or marked
+            chosen = encoding or marked_encoding(stream.read(4)) or "utf-8-sig"
         with opened() as stream, TextIOWrapper(stream, chosen, newline=None) as text:
             lines = iter(partial(text.readline, MAX_LINE_CHARS), "")
             for number, line in enumerate(lines, 1):

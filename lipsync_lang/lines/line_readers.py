@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple, Self
 
 from lipsync_lang.errors import MAX_KNOWN, LipsyncError, ScheduleError, shortlist
-from lipsync_lang.extensions import Format, Formats, summary
+from lipsync_lang.extensions import Format, Formats
 from lipsync_lang.files import STANDARD_STREAM, argument_path
 from lipsync_lang.files.reach import refuse_outside
 from lipsync_lang.files.reading import MIB_BYTES, read_input
@@ -100,13 +100,9 @@ def reader(
     name: str, *, suffixes: Sequence[str], table: OpenTable | None = None
 ) -> Callable[[ReadLines], ReadLines]:
     """Register a function ``(source) -> lines`` as the reader of a format."""
-
-    def register(read: ReadLines) -> ReadLines:
-        made = LineReader(name, tuple(suffixes), summary(read), read, table)
-        LINE_READERS.add(name, made, read.__module__)
-        return read
-
-    return register
+    return LINE_READERS.adding(
+        lambda title, read: LineReader(name, tuple(suffixes), title, read, table)
+    )
 
 
 @cache

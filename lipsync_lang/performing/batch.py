@@ -93,7 +93,7 @@ def _effort(
         emphasis_dial(stated, schedule, poses),
     ]
     if schedule.audio is not None or intensity is not None:
-        classes = labels.classes(sounds.ids, sounds.source, len(schedule))
+        classes = labels.classes(sounds, len(schedule))
         compiled = performer.compiled
         dials.append(loudness_dial(compiled, schedule, classes, intensity, motion, poses))
     return tuple(dial for dial in dials if dial is not None)

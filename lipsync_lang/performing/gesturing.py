@@ -380,7 +380,7 @@ def _vowel_facts(
     vowels = [number for number, stress in enumerate(stresses) if stress == PRIMARY]
     marked = bool(vowels)
     if not stresses:  # a language without marks: any vowel may stand out
-        kinds = labels.classes(sounds.ids, sounds.source, len(schedule))
+        kinds = labels.classes(sounds, len(schedule))
         vowels = [number for number, kind in enumerate(kinds) if kind == VOWEL]
     times = schedule.times.tolist()
     begins, ends = [times[n] for n in vowels], [times[n + 1] for n in vowels]

@@ -98,8 +98,8 @@ class Intake:
         self, text: str, start: float, end: float | None, value: "Value", mark: int | None
     ) -> HeardLabel:
         reader = self.performer.labels
-        sounds = tuple((reader.number(name), share) for name, share in value)
-        kind = reader.kind(sounds[0][0]) if sounds else ""
+        sounds = tuple((reader.numbers[name], share) for name, share in value)
+        kind = reader.kinds[sounds[0][0]] if sounds else ""
         return HeardLabel(start, end, sounds, kind, mark, text=text)
 
     def _word(

@@ -221,27 +221,10 @@ class LabelReader:
         compiled = self.compiled
         return bool(compiled.words and schedule.words) and schedule.language == compiled.language
 
-    def classes(self, ids: Ints, source: Ints, count: int) -> list[str]:
-        """Return the sound class of the first sound of each label; empty for silence.
-
-        Parameters
-        ----------
-        ids, source : common phonemes and their labels, as from `common_phonemes`
-        count : number of labels
-        """
-        firsts = np.zeros(count, np.intp)
-        # backwards: of several sounds to a label, the first is written last, and stays
-        firsts[source[::-1]] = ids[::-1]
-        kinds = self._classes
-        return [kinds[number] for number in firsts.tolist()]
-
-    def kind(self, number: int) -> str:
-        """Return the sound class of a common phoneme; empty for silence."""
-        return self._classes[number]
-
-    def number(self, name: str) -> int:
-        """Return the number of a common phoneme."""
-        return self._numbers[name]
+    def classes(self, sounds: LabelSounds, count: int) -> list[str]:
+        """Return the sound class of the first sound of each label; empty for silence."""
+        kinds = self.kinds
+        return [kinds[number] for number in sounds.firsts(count).tolist()]
 
     def stresses(self, sounds: LabelSounds) -> Ints:
         """Return the stress of each vowel: 0 for none, 1 or 2; empty if nothing marks any.
@@ -259,10 +242,7 @@ class LabelReader:
         # one read of the pair: another thread may replace it
         known, found = self._stressed[0]
         if known is not sounds:
-            firsts = np.zeros(len(marks), np.intp)
-            # backwards, so that the first sound of a label is written last, and stays
-            firsts[sounds.source[::-1]] = sounds.ids[::-1]
-            found = stresses_of(marks, self.manners[firsts])
+            found = stresses_of(marks, self.manners[sounds.firsts(len(marks))])
             self._stressed[0] = sounds, found
         return found
 
@@ -325,8 +305,8 @@ class LabelReader:
         return self.near or among_shared(self.compiled.phonemes[1:], self.paths)
 
     @cached_property
-    def _classes(self) -> list[str]:
-        """Sound class of each common phoneme; silence, the first, has none."""
+    def kinds(self) -> list[str]:
+        """Sound class of each common phoneme; empty for silence, the first."""
         kinds = self.compiled.manner["kinds"]
         return ["", *(kinds.get(name) or "sound" for name in self.compiled.phonemes[1:])]
 
@@ -334,11 +314,11 @@ class LabelReader:
     def manners(self) -> Ints:
         """(N,) of each common phoneme: 0 for silence, 2 for a vowel, 1 for other sounds."""
         manners = {"": SILENT_MANNER, VOWEL: VOWEL_MANNER}
-        return np.array([manners.get(kind, CONSONANT_MANNER) for kind in self._classes], np.intp)
+        return np.array([manners.get(kind, CONSONANT_MANNER) for kind in self.kinds], np.intp)
 
     @cached_property
     def _sounds(self) -> ValueTable:
-        return ValueTable(self._numbers)
+        return ValueTable(self.numbers)
 
     @cached_property
     def _tables(self) -> dict[int, LabelTable]:
@@ -346,7 +326,8 @@ class LabelReader:
         return {}
 
     @cached_property
-    def _numbers(self) -> dict[str, int]:
+    def numbers(self) -> dict[str, int]:
+        """Number of each common phoneme."""
         return self.compiled.numbers(shades=self.shades)
 
     @cached_property

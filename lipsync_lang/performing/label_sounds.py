@@ -29,6 +29,13 @@ class LabelSounds(NamedTuple):
     marks: Ints
     """(n,) mark of stress of each label; (0,) if no label in the batch has one."""
 
+    def firsts(self, count: int) -> Ints:
+        """Return the first common phoneme of each of `count` labels; silence, 0, for a mute one."""
+        firsts = np.zeros(count, np.intp)
+        # backwards: of several sounds to a label, the first is written last, and stays
+        firsts[self.source[::-1]] = self.ids[::-1]
+        return firsts
+
 
 class ValueTable:
     """Values of labels by number, and their sounds as arrays.

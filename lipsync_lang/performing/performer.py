@@ -346,7 +346,7 @@ class Performer:
         LipsyncError
             The animation has different poses.
         """
-        driver, count = self._driver, len(self.poses)
+        driver, count = self.driver, len(self.poses)
         if driver is None or animation.channels[: len(driver.channels)] == driver.channels:
             return animation
         if animation.poses[:count] != self.poses:
@@ -375,7 +375,7 @@ class Performer:
 
         Without a rig, the channels are the poses.
         """
-        driver = self._driver
+        driver = self.driver
         if driver is None:
             return weights
         rows = [drive(row[None], driver.rig, 1.0) for row in weights]
@@ -513,7 +513,7 @@ class Performer:
         return np.isin(np.arange(len(self.poses)), poses)
 
     @cached_property
-    def _driver(self) -> "Driver | None":
+    def driver(self) -> "Driver | None":
         """Driver of the character's model; None without a rig."""
         from lipsync_lang.rigs.driver import Driver
 

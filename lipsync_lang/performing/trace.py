@@ -3,7 +3,6 @@
 A performance records no trace. The explanation recomputes the stages for the frames near the time.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,16 +12,14 @@ from lipsync_lang.animations.explanation import BigramAt, Explanation, PoseAt, S
 from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.pipeline.levels import shares
-from lipsync_lang.pipeline.perform import Performance, Stage
+from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.warp import locate
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performed_line import PerformedLine
     from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.pipeline.track import Track
-    from lipsync_lang.pipeline.warp import FramePlace
-    from lipsync_lang.resolver.compiled import CompiledPair
+    from lipsync_lang.schedules.schedule import Schedule
 
 VISIBLE = 5e-4
 """Minimum change of weight for an explanation."""
@@ -58,7 +55,7 @@ def explain(line: "PerformedLine", animation: "Animation", seconds: float) -> Ex
         )
     performance = line.performance(animation)
     frame = int(np.abs(performance.frames.times() - seconds).argmin())
-    found = _explain_frame(animation, line.performer, performance, frame)
+    found = _TracedFrame(line.performer, performance, frame).explained(animation.schedule)
     if not line.settings.get("gestures"):
         return found
     from lipsync_lang.performing.gesturing import explained
@@ -68,176 +65,137 @@ def explain(line: "PerformedLine", animation: "Animation", seconds: float) -> Ex
     return replace(found, poses=(*found.poses, *moved))
 
 
-def _explain_frame(
-    animation: "Animation", performer: "Performer", performance: Performance, frame: int
-) -> Explanation:
-    track, schedule = performance.track, animation.schedule
-    # the halo is the whole line where a frame may depend on any other frame
-    halo = performance.halo()
-    begin, stop = max(0, frame - halo), min(performance.frames.count, frame + halo + 1)
-    now = performance.frames.times(frame, frame + 1)
-    place = locate(track, now)
-    values = [v[0] for v in performance.bigrams(place, now)]
-    stages = [
-        Stage(name, curves[:, frame - begin : frame - begin + 1])
-        for name, curves in performance.stages(begin, stop)
-    ]
-    at = int(place.phoneme[0])
-    index = int(track.source[at])
-    word = schedule.word_at(index) if index >= 0 else None
-    common = performer.compiled.phonemes[int(track.ids[at])]
-    heard: dict[str, float] = {}
-    if performance.blends:
-        parts = shares(performance.blends, now)[1:, 0].tolist()
-        names = performer.compiled.style_names
-        both = zip(performance.blends, parts, strict=True)
-        heard = {names[blend.style]: part for blend, part in both if part > 0}
-    covering = _bigrams(performer, performance, place, heard)
-    poses = [channel.name for channel in performer.shown_channels(performance.tables)]
-    return Explanation(
-        seconds=float(now[0]),
-        frame=frame,
-        phoneme=schedule.labels[index] if index >= 0 else performer.compiled.phonemes[0],
-        index=index if index >= 0 else None,
-        common=common,
-        start=float(track.bounds[at]),
-        end=float(track.bounds[at + 1]),
-        word=word.text if word else None,
-        bigrams=tuple(b for b in covering if b is not None),
-        poses=tuple(
-            _pose(
-                performer,
-                performance,
-                (number, name, _postures(performer.compiled, heard, number)),
-                frame,
-                stages,
-                values,
-                covering,
-            )
-            for number, name in enumerate(poses)
-        ),
-        shade_of=performer.compiled.shades.get(common),
-        likely=schedule.likely[index] if schedule.likely and index >= 0 else (),
-    )
+class _TracedFrame:
+    """A frame of a performance, with its place in the line, its bigrams and its styles."""
 
+    def __init__(self, performer: "Performer", performance: Performance, frame: int) -> None:
+        self.performer, self.performance, self.frame = performer, performance, frame
+        self.compiled, self.track = performer.compiled, performance.track
+        self.now = performance.frames.times(frame, frame + 1)
+        self.place = locate(self.track, self.now)
+        self.values = [v[0] for v in performance.bigrams(self.place, self.now)]
+        # the halo is the whole line where a frame may depend on any other frame
+        halo = performance.halo()
+        begin, stop = max(0, frame - halo), min(performance.frames.count, frame + halo + 1)
+        self.stages = {
+            name: curves[:, frame - begin] for name, curves in performance.stages(begin, stop)
+        }
+        self.styles: dict[str, float] = {}
+        if performance.blends:
+            parts = shares(performance.blends, self.now)[1:, 0].tolist()
+            both = zip(performance.blends, parts, strict=True)
+            names = self.compiled.style_names
+            self.styles = {names[blend.style]: part for blend, part in both if part > 0}
+        self.covering = self._bigrams()
 
-def _postures(compiled: "CompiledPair", heard: Mapping[str, float], pose: int) -> list[str]:
-    """Return what the posture of each style adds to a pose, in words."""
-    drafts = compiled.style_drafts
-    added = {s: share * drafts[s]["posture"][pose] for s, share in heard.items() if s in drafts}
-    return [f"the posture of {style} adds {one:.3f}" for style, one in added.items() if one]
-
-
-def _bigrams(
-    performer: "Performer",
-    performance: Performance,
-    place: "FramePlace",
-    heard: Mapping[str, float],
-) -> tuple[BigramAt | None, BigramAt | None]:
-    """Return the bigrams that end and begin with the phoneme of the frame.
-
-    In the middle of a trigram, both are its halves, and only the second is returned.
-    """
-    at, track = int(place.phoneme[0]), performance.track
-    found: list[BigramAt | None] = [None, None]
-    boundary = track.boundary(performer.compiled.tables.neutral)
-    if at > 0 and place.coming[0] <= 1:
-        pin = boundary[at - 1]
-        found[0] = _bigram(
-            performer, track, at - 1, float(pin + (1 - pin) * place.coming[0]), heard
+    def explained(self, schedule: "Schedule") -> Explanation:
+        """Explain the poses of speech."""
+        at, track = int(self.place.phoneme[0]), self.track
+        index = int(track.source[at])
+        word = schedule.word_at(index) if index >= 0 else None
+        common = self.compiled.phonemes[int(track.ids[at])]
+        channels = self.performer.shown_channels(self.performance.tables)
+        return Explanation(
+            seconds=float(self.now[0]),
+            frame=self.frame,
+            phoneme=schedule.labels[index] if index >= 0 else self.compiled.phonemes[0],
+            index=index if index >= 0 else None,
+            common=common,
+            start=float(track.bounds[at]),
+            end=float(track.bounds[at + 1]),
+            word=word.text if word else None,
+            bigrams=tuple(b for b in self.covering if b is not None),
+            poses=tuple(self._pose(number, one.name) for number, one in enumerate(channels)),
+            shade_of=self.compiled.shades.get(common),
+            likely=schedule.likely[index] if schedule.likely and index >= 0 else (),
         )
-    if at < len(track.rows) and place.going[0] >= 0:
-        found[1] = _bigram(performer, track, at, float(boundary[at] * place.going[0]), heard)
-    if found[1] is not None and at - 1 in track.trigrams:
-        found[0] = None
-    return found[0], found[1]
 
+    def _bigrams(self) -> tuple[BigramAt | None, BigramAt | None]:
+        """Return the bigrams that end and begin with the phoneme of the frame.
 
-def _bigram(
-    performer: "Performer", track: "Track", number: int, position: float, heard: Mapping[str, float]
-) -> BigramAt:
-    compiled = performer.compiled
-    origin = compiled.origins[int(track.rows[number])]
-    first, count = number, 2
-    if origin.triple is not None:
-        first, count = number - (number not in track.trigrams), 3
-        position = _in_trigram(compiled, track, first, position, later=first < number)
-    names = tuple(compiled.phonemes[int(i)] for i in track.ids[first : first + count])
-    styles = []
-    for style, share in heard.items():
-        own = compiled.style_origins.get(style, {}).get(str(track.rows[number]))
-        draft = compiled.style_drafts.get(style)
-        if own is not None:
-            styles.append(StyleAt(style, share, own.layer, own.status, own.places))
-        elif draft is not None:  # without a draft, the style plays the neutral row
-            styles.append(StyleAt(style, share, "draft", "drafted", (draft["place"],)))
-    drawn = origin.triple or origin.pair
-    finer = drawn != names and origin.layer != "gap"
-    return BigramAt(
-        names,
-        position,
-        origin.layer,
-        origin.status,
-        origin.places,
-        origin.word,
-        tuple(styles),
-        drawn if finer else None,
-    )
+        In the middle of a trigram, both are its halves, and only the second is returned.
+        """
+        at, track, place = int(self.place.phoneme[0]), self.track, self.place
+        before = after = None
+        boundary = track.boundary(self.compiled.tables.neutral)
+        if at > 0 and place.coming[0] <= 1:
+            pin = boundary[at - 1]
+            before = self._bigram(at - 1, float(pin + (1 - pin) * place.coming[0]))
+        if at < len(track.rows) and place.going[0] >= 0:
+            after = self._bigram(at, float(boundary[at] * place.going[0]))
+        return None if after is not None and at - 1 in track.trigrams else before, after
 
+    def _bigram(self, number: int, position: float) -> BigramAt:
+        compiled, track = self.compiled, self.track
+        origin = compiled.origins[int(track.rows[number])]
+        first, count = number, 2
+        if origin.triple is not None:
+            first, count = number - (number not in track.trigrams), 3
+            position = self._in_trigram(first, position, later=first < number)
+        names = tuple(compiled.phonemes[int(i)] for i in track.ids[first : first + count])
+        styles = []
+        for style, share in self.styles.items():
+            own = compiled.style_origins.get(style, {}).get(str(track.rows[number]))
+            draft = compiled.style_drafts.get(style)
+            if own is not None:
+                styles.append(StyleAt(style, share, own.layer, own.status, own.places))
+            elif draft is not None:  # without a draft, the style plays the neutral row
+                styles.append(StyleAt(style, share, "draft", "drafted", (draft["place"],)))
+        drawn = origin.triple or origin.pair
+        finer = drawn != names and origin.layer != "gap"
+        told = origin.layer, origin.status, origin.places, origin.word
+        return BigramAt(names, position, *told, tuple(styles), drawn if finer else None)
 
-def _in_trigram(
-    compiled: "CompiledPair", track: "Track", first: int, position: float, *, later: bool
-) -> float:
-    """Return the normalised time in a trigram of a position in one of its halves."""
-    rows = track.rows[first : first + 2]
-    before, after = (float(one) for one in compiled.tables.boundary[rows])
-    # solves the two boundaries of the halves for the boundaries of the whole trigram
-    end = after / (1 - before + before * after)  # of its second phoneme
-    start = before * end
-    return start + (1 - start) * position if later else end * position
+    def _in_trigram(self, first: int, position: float, *, later: bool) -> float:
+        """Return the normalised time in a trigram of a position in one of its halves."""
+        rows = self.track.rows[first : first + 2]
+        before, after = (float(one) for one in self.compiled.tables.boundary[rows])
+        # solves the two boundaries of the halves for the boundaries of the whole trigram
+        end = after / (1 - before + before * after)  # of its second phoneme
+        start = before * end
+        return start + (1 - start) * position if later else end * position
 
+    def _pose(self, pose: int, name: str) -> PoseAt:
+        steps: list[StageAt] = []
+        for stage, weights in self.stages.items():
+            weight, before = float(weights[pose]), steps[-1].weight if steps else 0.0
+            visible = abs(weight - before) > VISIBLE
+            why = self._reason(stage, pose, weight - before) if visible else ""
+            steps.append(StageAt(stage, weight, why))
+        pairs = zip(self.values, self.covering, strict=True)
+        own = tuple(float(value[pose]) for value, bigram in pairs if bigram is not None)
+        return PoseAt(name, steps[-1].weight, own, tuple(steps))
 
-def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
-    performer: "Performer",
-    performance: Performance,
-    which: tuple[int, str, list[str]],
-    frame: int,
-    stages: list[Stage],
-    values: list[Floats],
-    covering: tuple[BigramAt | None, BigramAt | None],
-) -> PoseAt:
-    pose, name, postures = which
-    weights = [float(s.curves[pose, 0]) for s in stages]
-    steps = []
-    for number, (stage, weight) in enumerate(zip(stages, weights, strict=True)):
-        before = weights[number - 1] if number else 0.0
-        why = ""
-        if abs(weight - before) > VISIBLE:
-            why = DONE.get(stage.name, "")
-            if stage.name == "stitch":
-                given = [
-                    f"{'-'.join(bigram.pair)} gives {value[pose]:.3f}"
-                    for bigram, value in zip(covering, values, strict=True)
-                    if bigram is not None
-                ]
-                why = ", ".join([*given, *postures])
-            elif stage.name == "dial":
-                now = performance.frames.times(frame, frame + 1)
-                dials = [one for one in performance.dials if one.poses[pose : pose + 1].any()]
-                factors = [(one.name, float(one.level.at(now)[0])) for one in dials]
-                moved = (f"{n} x {f:.2f}" for n, f in factors if abs(f - 1) > VISIBLE)
-                why = f"scaled by {', '.join(moved)}"
-            elif stage.name == "bend":
-                why = f"the line's own keys add {weight - before:+.3f}"
-            elif stage.name == "hold":
-                why = held_reason(performer, performance, pose, frame)
-            elif stage.name == "constrain":
-                why = constraint_reason(performer, performance, pose, stage.curves[:, 0])
-        steps.append(StageAt(stage.name, weight, why))
-    own = tuple(
-        float(v[pose]) for v, bigram in zip(values, covering, strict=True) if bigram is not None
-    )
-    return PoseAt(name, weights[-1], own, tuple(steps))
+    def _reason(self, stage: str, pose: int, change: float) -> str:
+        """Return why a stage changed the weight of a pose."""
+        if stage == "stitch":
+            given = [
+                f"{'-'.join(bigram.pair)} gives {value[pose]:.3f}"
+                for bigram, value in zip(self.covering, self.values, strict=True)
+                if bigram is not None
+            ]
+            drafts = self.compiled.style_drafts
+            added = {
+                style: share * drafts[style]["posture"][pose]
+                for style, share in self.styles.items()
+                if style in drafts
+            }
+            postures = (
+                f"the posture of {style} adds {one:.3f}" for style, one in added.items() if one
+            )
+            return ", ".join([*given, *postures])
+        if stage == "dial":
+            dials = [one for one in self.performance.dials if one.poses[pose : pose + 1].any()]
+            factors = [(one.name, float(one.level.at(self.now)[0])) for one in dials]
+            moved = (f"{n} x {f:.2f}" for n, f in factors if abs(f - 1) > VISIBLE)
+            return f"scaled by {', '.join(moved)}"
+        if stage == "bend":
+            return f"the line's own keys add {change:+.3f}"
+        if stage == "hold":
+            return held_reason(self.performer, self.performance, pose, self.frame)
+        if stage == "constrain":
+            return constraint_reason(self.performer, self.performance, pose, self.stages[stage])
+        return DONE.get(stage, "")
 
 
 def held_reason(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:

@@ -93,18 +93,10 @@ def check_all(
         scene = scene_of(animations[start : start + BLOCK_LINES], performer)
         for name, one in measures.items():
             for own, found in zip(figures[start:], one.find(scene), strict=False):
-                own += [
-                    Figure(
-                        f"{name} {of}" if of else name,
-                        value,
-                        one.unit,
-                        asked[name] if limit is None else limit,
-                        parts,
-                        findings,
-                        why,
-                    )
-                    for of, value, _, limit, parts, findings, why in found
-                ]
+                for figure in found:
+                    limit = asked[name] if figure.limit is None else figure.limit
+                    whole = f"{name} {figure.name}".rstrip()
+                    own.append(figure._replace(name=whole, unit=one.unit, limit=limit))
     return [
         Quality(_subject(animation, performer), tuple(own))
         for animation, own in zip(animations, figures, strict=True)

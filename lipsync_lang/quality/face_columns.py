@@ -6,7 +6,7 @@ columns are the same for all its animations, so they are derived once.
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -20,6 +20,7 @@ from lipsync_lang.pipeline.tables import Tables
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.pipeline.drive import Rig
     from lipsync_lang.resolver.compiled import CompiledPair
 
 FLOOR_SHARE = 0.9
@@ -152,13 +153,13 @@ def face_of(animation: "Animation", performer: "Performer") -> Face:
     Other columns raise `LipsyncError`.
     """
     known = _FACES.setdefault(performer, {})
-    columns, rig = animation.poses, performer.compiled.rig
+    columns, driver = animation.poses, performer.driver
     if columns in known:
         return known[columns]
     if columns == performer.poses:
         known[columns] = _posed(performer)
-    elif rig is not None and columns == tuple(one["name"] for one in rig["channels"]):
-        known[columns] = _rigged(performer, columns)
+    elif driver and columns == tuple(channel.name for channel in driver.channels):
+        known[columns] = _rigged(performer, driver.rig, columns)
     else:
         raise LipsyncError(
             f"the columns of the animation are not the poses of {performer.character}; read its "
@@ -189,7 +190,7 @@ def _posed(performer: "Performer") -> Face:
         for name, gains in compiled.measures.items()
     }
     alone = _alone(compiled)
-    roles = _roles(compiled, alone)
+    roles = _roles(compiled, performer.opening_poses, alone)
     opening = measures.get(APERTURE, roles.opening.astype(float))
     aperture = opening * _moving(performer, performer.poses)
     unit = np.ones(count)
@@ -201,7 +202,6 @@ def _posed(performer: "Performer") -> Face:
 
 def _moving(performer: "Performer", names: tuple[str, ...]) -> Bools:
     """Return False for poses, or channels, whose shapes move no point of the model: (C,)."""
-    from lipsync_lang.rigs.driver import Driver
     from lipsync_lang.rigs.model import known_model
     from lipsync_lang.rigs.read_outs import still_shapes
     from lipsync_lang.rigs.shape_matching import on_mesh
@@ -210,16 +210,15 @@ def _moving(performer: "Performer", names: tuple[str, ...]) -> Bools:
     still = still_shapes(model) if model else frozenset()
     if model is None or not still:
         return np.ones(len(names), bool)
-    compiled = performer.compiled
-    rig = compiled.rig and Driver.from_plain(compiled.rig, performer.poses, compiled.tables.floors)
-    channels = rig.channels if rig else performer.channels
+    driver = performer.driver
+    channels = driver.channels if driver else performer.channels
     found: dict[int, set[str]] = {}
     for mesh in model.meshes:
         for number, shapes in on_mesh(channels, mesh).shapes.items():
             found.setdefault(number, set()).update(shapes)
     moves = np.array([not (n in found and found[n] <= still) for n in range(len(channels))])
-    if rig and names == performer.poses:
-        moves = ((rig.rig.gains != 0) & moves[:, None]).any(axis=0)
+    if driver and names == performer.poses:
+        moves = ((driver.rig.gains != 0) & moves[:, None]).any(axis=0)
     return moves
 
 
@@ -265,11 +264,9 @@ def _vowels(compiled: "CompiledPair", aperture: Floats) -> Floats:
     return np.where(vowel & opens, least, np.nan)
 
 
-def _roles(compiled: "CompiledPair", alone: Floats) -> Roles:
+def _roles(compiled: "CompiledPair", opening: Bools, alone: Floats) -> Roles:
     """Derive roles from the bank, by the curves of each phoneme alone."""
-    tables, stated = compiled.tables, compiled.intensity or {"regions": ()}
-    own = [pose for region in stated["regions"] for pose in compiled.regions.get(region, ())]
-    opening = np.isin(np.arange(len(compiled.poses)), own)
+    tables = compiled.tables
     start = tables.boundary[tables.pairs[tables.silence]][:, None]
     early = np.linspace(0, 1, alone.shape[1])[None] <= (1 + start) / 2
     widest = alone[:, :, opening].sum(axis=2).max(axis=1)
@@ -282,12 +279,9 @@ def _roles(compiled: "CompiledPair", alone: Floats) -> Roles:
     return Roles(opening, tables.anticipate, opens, begins, blocks)
 
 
-def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
+def _rigged(performer: "Performer", rig: "Rig", names: tuple[str, ...]) -> Face:
     """Return the face of a rig's channels; gains transfer the bounds of contacts to channels."""
-    from lipsync_lang.rigs.driver import Driver
-
     compiled = performer.compiled
-    rig = Driver.from_plain(compiled.rig or {}, performer.poses, compiled.tables.floors).rig
     span = np.where(rig.span > 0, rig.span, 1.0)
     aperture, posed = (compiled.rig or {}).get("measures", {}).get(APERTURE), _posed(performer)
     if aperture is not None:
@@ -320,7 +314,7 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
     )  # fmt: skip
 
 
-def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
+def _bounds(rig: "Rig", floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
     """Return the lower and upper bound of every channel for poses within floors and ceilings."""
     up, down = np.maximum(rig.gains, 0), np.minimum(rig.gains, 0)
     low = np.clip(up @ floor + down @ ceiling, rig.low, rig.high)

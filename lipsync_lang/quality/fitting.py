@@ -12,7 +12,6 @@ from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.errors import AnimationError, shortlist
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.rigs.channel import Channel
-from lipsync_lang.rigs.driver import Driver
 from lipsync_lang.rigs.shape_matching import placed
 from lipsync_lang.schedules.schedule import Schedule
 
@@ -128,10 +127,8 @@ def placed_columns(
     AnimationError
         No column belongs to the face, or the frames are too uneven.
     """
-    compiled = performer.compiled
     faces = [(performer.channels, np.eye(len(performer.poses)))]
-    if compiled.rig is not None:
-        driver = Driver.from_plain(compiled.rig, performer.poses, compiled.tables.floors)
+    if (driver := performer.driver) is not None:
         faces.append((driver.channels, driver.rig.gains))
     if channels:
         faces = faces[1:]

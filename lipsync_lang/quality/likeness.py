@@ -8,7 +8,7 @@ The figures of the captures are over many lines of one face. Lines of a few seco
 vary widely around them, so each limit has a margin, which its measure states.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from statistics import median
 from typing import NamedTuple
@@ -145,12 +145,14 @@ def _jaws(scene: MeasuredScene) -> Jaws:
     return Jaws(whys, np.concatenate(times), np.concatenate(curves), np.cumsum(counts), lines, of)
 
 
-def _jaw_figures(scene: MeasuredScene, values: Iterable[float]) -> Iterator[list[Figure]]:
-    """Yield the mean over the jaws of each line; `values` has one for each jaw."""
+def _jaw_figures(
+    scene: MeasuredScene, value_of: Callable[[Floats], float]
+) -> Iterator[list[Figure]]:
+    """Yield the mean of a value over the jaws of each line."""
     jaws = _jaws(scene)
     own: list[list[float]] = [[] for _ in scene.spans]
-    for line, value in zip(jaws.of, values, strict=True):
-        own[line].append(value)
+    for line, (start, stop) in zip(jaws.of, pairwise(jaws.cuts.tolist()), strict=True):
+        own[line].append(value_of(jaws.curve[start:stop]))
     for why, found in zip(jaws.whys, own, strict=True):
         yield unjudged(why) if why else one(sum(found) / len(found))
 
@@ -190,9 +192,7 @@ def high_power(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
         value = power above 8 Hz / power,   Hann window, mean removed
     """
-    jaws = _jaws(scene)
-    curves = (jaws.curve[start:stop] for start, stop in pairwise(jaws.cuts.tolist()))
-    return _jaw_figures(scene, (statistics.high_share(curve, CAPTURE_FPS) for curve in curves))
+    return _jaw_figures(scene, lambda curve: statistics.high_share(curve, CAPTURE_FPS))
 
 
 @measure("shelves", "of open frames", limit=0.1)
@@ -240,9 +240,7 @@ def turns(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
         value = turns / seconds
     """
-    jaws = _jaws(scene)
-    curves = (jaws.curve[start:stop] for start, stop in pairwise(jaws.cuts.tolist()))
-    return _jaw_figures(scene, (CAPTURE_FPS * statistics.turns(c) / len(c) for c in curves))
+    return _jaw_figures(scene, lambda c: CAPTURE_FPS * statistics.turns(c) / len(c))
 
 
 @measure("lead_missing", "s", limit=0.05)

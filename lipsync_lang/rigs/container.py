@@ -173,8 +173,12 @@ def read_chunk(path: Path, chunk: Chunk) -> bytes:
 
 
 def write_parts(out: BinaryIO, parts: Iterable[tuple[int, Sequence[bytes]]]) -> None:
-    """Write the chunks of a GLB: a kind for each, with pieces that add up to full 32-bit words."""
-    known = [(kind, pieces, sum(map(len, pieces))) for kind, pieces in parts]
+    """Write the chunks of a GLB, a kind and pieces for each, filled up to full 32-bit words."""
+    known = []
+    for kind, pieces in parts:
+        length = sum(map(len, pieces))
+        filling = (b" " if kind == JSON_CHUNK else b"\0") * (-length % 4)
+        known.append((kind, [*pieces, filling], length + len(filling)))
     total = 12 + sum(8 + length for _, _, length in known)
     if total > LARGEST_WRITTEN:
         raise OutputError("the animation is too long for one GLB; write fewer frames per second")

@@ -45,14 +45,13 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Contents of a model file; `shapes` are the names of morph targets by mesh, in order.
+    """Contents of a model file.
 
     The document is the file's JSON, shared and therefore read-only: copy it before a change. Chunks
     are the parts of a GLB after its JSON.
     """
 
     path: Path
-    shapes: dict[str, tuple[str, ...]]
     nodes: tuple[str, ...]
     meshes: tuple[Mesh, ...]
     document: Json
@@ -87,9 +86,7 @@ def read_model(path: Path, *, bones: bool = False) -> Model:
             fail(path, f"the name of node {number} is not text")
         if "mesh" in node and not is_index(node["mesh"], len(document.get("meshes", ()))):
             fail(path, f"node {number} has a mesh that does not exist")
-    shapes = {mesh.name: mesh.shapes for mesh in meshes}
-    named = tuple(movable_nodes(document).values())
-    return Model(path, shapes, named, meshes, document, chunks)
+    return Model(path, tuple(movable_nodes(document).values()), meshes, document, chunks)
 
 
 def movable_nodes(document: Json) -> dict[int, str]:

@@ -320,4 +320,4 @@ def write_glb(
         "buffers": [{"byteLength": len(data)}],
     }
     text = json.dumps(document, separators=(",", ":")).encode()
-    write_parts(out, [(JSON_CHUNK, [text, b" " * (-len(text) % 4)]), (BINARY_CHUNK, [data])])
+    write_parts(out, [(JSON_CHUNK, [text]), (BINARY_CHUNK, [data])])

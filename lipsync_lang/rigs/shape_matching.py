@@ -63,11 +63,6 @@ class Placement:
     """Descriptions of ambiguous assignments."""
 
 
-def places(channels: Sequence[Channel], shapes: Sequence[str]) -> dict[int, list[str]]:
-    """Map each channel number to its shapes on one mesh."""
-    return placed(channels, shapes).shapes
-
-
 def placed(channels: Sequence[Channel], shapes: Sequence[str]) -> Placement:
     """Assign channels to the shapes of one mesh, bones left out, and describe ambiguities."""
     known = _Index(shapes)

@@ -47,6 +47,8 @@ class LabelRow(NamedTuple):
     start: float
     end: float
     line: int | None = None
+    confidence: float | None = None
+    """Probability that a word is said there, in [0, 1]; None if unknown."""
 
 
 def listed_rows(  # noqa: PLR0913 optional parts of a format

@@ -14,7 +14,7 @@ from lipsync_lang.errors import OutputError, did_you_mean, shortlist
 from lipsync_lang.files.xml_text import xml_text
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.schedules.timed_words import are_words, words_of_rows
+from lipsync_lang.schedules.timed_words import are_words, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings
 
@@ -120,7 +120,7 @@ def read_tiers(
     alike = "hold words" if all(tier.holds_words() for tier in found) else "look like phones"
     chosen = only(source, found, f"tiers {alike}")
     if chosen.holds_words():
-        return words_of_rows(source, chosen.rows, guess=guess, remarks=remarks)
+        return timed_words_of(source, chosen.rows, guess=guess, remarks=remarks)
     own = [tier for tier in tiers if tier.speaker == chosen.speaker]
     words = _sure([tier for tier in own if WORD_TIER_NAME.fullmatch(tier.role)])
     told = [] if chosen.spoken else [f"{source.path}: tier '{chosen.name}' has no labels"]

@@ -6,7 +6,8 @@ phonemes within each word depend on the language: `speech.filling` adds them.
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from operator import attrgetter
 from statistics import median
 from unicodedata import category
 
@@ -45,10 +46,7 @@ WORD_SCRIPTS = (("\u3400", "\u9fff"), ("\uac00", "\ud7a3"))
 
 @dataclass(frozen=True)
 class TimedWord:
-    """A word, or several with one pair of times, such as the text of a subtitle.
-
-    Times are in the file's unit for `timed_words_of`, and seconds in `TimedWords`.
-    """
+    """A word, or several with one pair of times, such as the text of a subtitle."""
 
     text: str
     start: float
@@ -98,29 +96,12 @@ def phones_or_words(
     """Make a schedule of phones and words; of words alone, timed words."""
     if phones or not words:
         return schedule_of(source, phones, words=words, rate=rate)
-    return timed_words_of(source, map(_timed_word, words), rate=rate)
-
-
-def words_of_rows(
-    source: TimingFile,
-    rows: Iterable[LabelRow],
-    *,
-    rate: float | None = None,
-    guess: bool = False,
-    remarks: Iterable[str] = (),
-) -> TimedWords:
-    """Make timed words of labels, as `timed_words_of` does."""
-    words = map(_timed_word, rows)
-    return timed_words_of(source, words, rate=rate, guess=guess, remarks=remarks)
-
-
-def _timed_word(row: LabelRow) -> TimedWord:
-    return TimedWord(row.label, row.start, row.end, line=row.line)
+    return timed_words_of(source, words, rate=rate)
 
 
 def timed_words_of(
     source: TimingFile,
-    words: Iterable[TimedWord],
+    words: Iterable[LabelRow],
     *,
     rate: float | None = None,
     guess: bool = False,
@@ -135,46 +116,48 @@ def timed_words_of(
     None for seconds. `guess` guesses the unit of a format that does not state one, and adds a
     remark.
     """
-    named = [replace(w, text=" ".join(UNIT_NAME.sub("", w.text, count=1).split())) for w in words]
-    spoken = [word for word in named if word.text and not SILENT_WORD.fullmatch(word.text)]
-    found = sorted(spoken, key=lambda word: (word.start, word.end))
+    named = [
+        row._replace(label=" ".join(UNIT_NAME.sub("", row.label, count=1).split())) for row in words
+    ]
+    spoken = [row for row in named if row.label and not SILENT_WORD.fullmatch(row.label)]
+    found = sorted(spoken, key=attrgetter("start", "end"))
     if not found:
         raise source.fault("has no words; check that the file is complete")
     rate, told = source.rate or rate, tuple(remarks)
     if rate is None and guess:
-        rows = [_row(word) for word in found]
-        rate, guessed = guessed_rate(source, rows, "words", TYPICAL_WORD_SECONDS, LONG_WORD_SECONDS)
+        usual = TYPICAL_WORD_SECONDS, LONG_WORD_SECONDS
+        rate, guessed = guessed_rate(source, found, "words", *usual)
         told += guessed
     if rate is not None:
-        found = [replace(w, start=w.start / rate, end=w.end / rate) for w in found]
-    return TimedWords(tuple(_parted(source, found)), str(source.path), told)
+        found = [row._replace(start=row.start / rate, end=row.end / rate) for row in found]
+    timed = (
+        TimedWord(row.label, row.start, row.end, row.confidence, row.line)
+        for row in _parted(source, found)
+    )
+    return TimedWords(tuple(timed), str(source.path), told)
 
 
-def _parted(source: TimingFile, words: list[TimedWord]) -> list[TimedWord]:
+def _parted(source: TimingFile, words: list[LabelRow]) -> list[LabelRow]:
     """Close overlaps due to rounding, and merge words without length with a neighbour."""
-    parted: list[TimedWord] = []
+    parted: list[LabelRow] = []
     texts: list[list[str]] = []
     for word in words:
-        check_span(source, _row(word))
+        check_span(source, word)
         before = parted[-1] if parted else None
         start = max(word.start, 0.0)
         if before is not None and start < before.end:
             if start < before.end - ROUNDING_SECONDS and word.end > word.start:
-                raise overlap(source, _row(word), _row(before))
+                raise overlap(source, word, before)
             start = max((start + before.end) / 2, before.start)
             if word.end > start > before.start:
-                parted[-1] = replace(before, end=start)
+                parted[-1] = before._replace(end=start)
         if before is not None and (before.end <= before.start or word.end <= start):
             end = max(word.end, before.end)
-            parted[-1] = replace(before, end=end)
-            texts[-1].append(word.text)
+            parted[-1] = before._replace(end=end)
+            texts[-1].append(word.label)
         else:
-            parted.append(replace(word, start=start))
-            texts.append([word.text])
+            parted.append(word._replace(start=start))
+            texts.append([word.label])
     if parted[-1].end <= parted[-1].start:
-        raise without_length(source, _row(parted[-1]))
-    return [replace(w, text=" ".join(all_of)) for w, all_of in zip(parted, texts, strict=True)]
-
-
-def _row(word: TimedWord) -> LabelRow:
-    return LabelRow(word.text, word.start, word.end, word.line)
+        raise without_length(source, parted[-1])
+    return [row._replace(label=" ".join(said)) for row, said in zip(parted, texts, strict=True)]

@@ -3,7 +3,6 @@
 import codecs
 import json
 import re
-from codecs import BOM_UTF16_BE, BOM_UTF16_LE, BOM_UTF32_BE, BOM_UTF32_LE
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,22 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import ScheduleError
-from lipsync_lang.files.reading import MIB_BYTES, read_input
+from lipsync_lang.files.reading import MIB_BYTES, marked_encoding, read_input
 from lipsync_lang.json_object import Json
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
-
-BYTE_ORDER_MARKS = {
-    BOM_UTF32_LE: "utf-32",
-    BOM_UTF32_BE: "utf-32",
-    BOM_UTF16_LE: "utf-16",
-    BOM_UTF16_BE: "utf-16",
-}
-"""Byte-order marks, longest first, with their encodings.
-
-The UTF-32 mark begins with that of UTF-16, so the order matters.
-"""
 
 MAX_TIMINGS_BYTES = 64 * MIB_BYTES
 
@@ -277,9 +265,8 @@ def timing_bytes(path: Path) -> bytes:
 
 
 def _encoding(content: bytes) -> str:
-    for mark, name in BYTE_ORDER_MARKS.items():
-        if content.startswith(mark):
-            return name
+    if marked := marked_encoding(content):
+        return marked
     if content[1:2] == b"\0" and content[:1] != b"\0":
         return "utf-16-le"
     if content[:1] == b"\0" and content[1:2] != b"\0":

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lipsync_lang.errors import ScheduleError
-from lipsync_lang.extensions import Format, Formats, summary
+from lipsync_lang.extensions import Format, Formats
 from lipsync_lang.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
@@ -54,13 +54,9 @@ def reader(
     ``source.document``, and without raising. Only with `tiers` may one be asked for.
     A `script` is counted line by line where scripts are, instead of as one line.
     """
-
-    def register(read: Read) -> Read:
-        made = ScheduleReader(name, suffixes, summary(read), sniff, read, tiers, script)
-        TIMING_READERS.add(name, made, read.__module__)
-        return read
-
-    return register
+    return TIMING_READERS.adding(
+        lambda title, read: ScheduleReader(name, suffixes, title, sniff, read, tiers, script)
+    )
 
 
 def read_schedule(  # noqa: PLR0913 facts that a file may lack

@@ -17,7 +17,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Pose, PoseSet
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.rigs.driver import bare
-from lipsync_lang.rigs.shape_matching import places
+from lipsync_lang.rigs.shape_matching import placed
 
 
 def new(cli, *arguments):
@@ -285,7 +285,7 @@ POSES = {
 )
 def test_a_name_is_known_however_it_is_spelled(name, pose):
     known = PoseSet(kind="poseset", format=1, name="known", poses=POSES)
-    found = places(bare([*POSES], pose_names(known)), [name])
+    found = placed(bare([*POSES], pose_names(known)), [name]).shapes
     assert next((list(POSES)[number] for number in sorted(found)), None) == pose
 
 

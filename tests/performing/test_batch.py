@@ -80,7 +80,7 @@ def test_labels_share_their_time_among_their_sounds(performer, data):
     for index, value in enumerate(values):
         at, length = schedule.times[index], schedule.times[index + 1] - schedule.times[index]
         for name, share in value:
-            ids.append(performer.labels.number(name))
+            ids.append(performer.labels.numbers[name])
             starts.append(at)
             source.append(index)
             at += share * length

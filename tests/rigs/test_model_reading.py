@@ -20,7 +20,7 @@ def test_names_are_read(put):
         {"name": "Hat", "primitives": [{"attributes": {}}]},
     )
     model = read_model(put(document_of(*rows) | {"nodes": [{}, {"name": "Jaw"}, {"name": "Jaw"}]}))
-    assert model.shapes == {
+    assert {mesh.name: mesh.shapes for mesh in model.meshes} == {
         "Face": SHAPES,
         "Teeth (mesh 1)": ("open",),
         "mesh 2": ("a", "b", "c"),
@@ -35,7 +35,7 @@ def test_the_binary_part_is_not_read_for_names(put, monkeypatch):
     from lipsync_lang.rigs import container
 
     monkeypatch.setattr(container, "read_chunk", None)
-    assert read_model(put(FACE)).shapes
+    assert read_model(put(FACE)).meshes
 
 
 # What is no model

@@ -297,7 +297,7 @@ def test_every_rig_drives_a_line_and_keeps_its_promises(rig):
     schedule = Schedule(SAID, TIMES, notation="arpabet")
     bare = performer.perform(schedule, fps=60)
     animation = performer.rigged(bare)
-    made = performer._driver.rig  # noqa: SLF001
+    made = performer.driver.rig
     assert animation.poses == tuple(channels_of(rig.model))
     assert animation.poses == tuple(channel.name for channel in animation.channels)
     assert np.array_equal(animation.times, bare.times)
@@ -409,7 +409,7 @@ def test_a_rig_is_kept_with_the_pair(folder, monkeypatch):
     first, second = (resolve("english", "anna", paths=[folder], gaps="rest") for _ in range(2))
     assert first.compiled.rig == second.compiled.rig
     assert first.model == second.model == (folder / "posesets/face/face.glb").resolve()
-    one, two = (performer._driver for performer in (first, second))  # noqa: SLF001
+    one, two = (performer.driver for performer in (first, second))
     assert one.channels == two.channels
     assert [(c.name, c.names) for c in one.channels] == [
         ("cornerL", ("Corner_Left", "Corner")),
@@ -458,7 +458,7 @@ def test_channels_of_a_pose_set_are_spelled_as_it_says(folder):
         "lost: {grin: no, press: no, wince: no}\n",
     )
     performer = resolve("english", "anna", paths=[folder], gaps="rest", cache=False)
-    driver = performer._driver  # noqa: SLF001
+    driver = performer.driver
     assert driver.channels[0].names == ("Own", "Grin", "smileLeft", "smileRight")
 
 

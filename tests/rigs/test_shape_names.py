@@ -10,7 +10,7 @@ from shipped import LIBRARY, POSESETS
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import Mesh
-from lipsync_lang.rigs.shape_matching import fits, folded, on_mesh, placed, places
+from lipsync_lang.rigs.shape_matching import fits, folded, on_mesh, placed
 
 SETS = {name: LIBRARY.poseset(name).model for name in POSESETS}
 
@@ -41,7 +41,7 @@ def channels(*names, **spelled):
 
 def called(some, shapes):
     """Map the channels that are found to their shapes."""
-    return {some[number].name: own for number, own in places(some, shapes).items()}
+    return {some[number].name: own for number, own in placed(some, shapes).shapes.items()}
 
 
 # One name
@@ -275,7 +275,7 @@ def test_a_channel_that_names_a_mesh_comes_first_there_and_is_nowhere_else():
 
 
 def test_bones_are_no_shapes():
-    assert places([Channel("jaw", node="jaw")], ["jaw"]) == {}
+    assert placed([Channel("jaw", node="jaw")], ["jaw"]).shapes == {}
 
 
 # Any spelling of any set

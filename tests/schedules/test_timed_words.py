@@ -12,7 +12,7 @@ from lipsync_lang.cli import main
 from lipsync_lang.errors import ScheduleError, SpeechError
 from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.phonology.g2p import SpokenWord
-from lipsync_lang.schedules import SILENCE, Schedule, TimedWord, TimedWords, read_schedule
+from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimedWord, TimedWords, read_schedule
 from lipsync_lang.schedules.timed_words import are_words, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import timings_of
@@ -24,7 +24,7 @@ TABLE = "word,start,end\nmy,0.1,0.3\nmaps,0.3,0.8\n"
 
 def made(*words, **asked):
     source = TimingFile(Path("words.csv"), b"", **asked)
-    return timed_words_of(source, [TimedWord(*word) for word in words])
+    return timed_words_of(source, [LabelRow(*word) for word in words])
 
 
 def spans(timed):
@@ -32,7 +32,7 @@ def spans(timed):
 
 
 def test_words_are_put_in_order_and_rounded_boundaries_meet():
-    words = made((" maps\n", 0.392, 0.8, 0.9), ("my", 0.1, 0.4), ("", 0.8, 0.9), rate=1.0)
+    words = made((" maps\n", 0.392, 0.8, None, 0.9), ("my", 0.1, 0.4), ("", 0.8, 0.9), rate=1.0)
     assert spans(words) == [("my", 0.1, 0.396), ("maps", 0.396, 0.8)]
     assert words.words[1].confidence == 0.9
     assert spans(made(("my", 100, 400), rate=1000)) == [("my", 0.1, 0.4)]
@@ -47,8 +47,8 @@ def test_a_word_without_length_shares_the_time_of_its_neighbour():
     ("words", "message"),
     [
         ([("", 0, 1)], "has no words"),
-        ([("a", 0, 0.5), ("b", 0.4, 0.9, None, 7)], "csv:7: 'b', 0.4 to 0.9 s, starts before 'a'"),
-        ([("a", 0.5, 0.2, None, 3)], "csv:3: 'a', 0.5 to 0.2 s, ends before it starts"),
+        ([("a", 0, 0.5), ("b", 0.4, 0.9, 7)], "csv:7: 'b', 0.4 to 0.9 s, starts before 'a'"),
+        ([("a", 0.5, 0.2, 3)], "csv:3: 'a', 0.5 to 0.2 s, ends before it starts"),
         ([("a", -1, 0.2)], "starts below 0"),
         ([("a", 0.3, 0.3)], "has no length"),
     ],
@@ -96,7 +96,7 @@ def speaker():
 
 
 def test_phonemes_fill_each_word_and_silence_what_is_between(speaker):
-    words = made(("pa", 0.1, 0.3), ("maps", 0.3, 0.8), ("=", 1.0, 1.2), ("ma", 1.5, 1.8, 0.7))
+    words = made(("pa", 0.1, 0.3), ("maps", 0.3, 0.8), ("=", 1.0, 1.2), ("ma", 1.5, 1.8, None, 0.7))
     schedule = filled(speaker, words)
     labels = (SILENCE, "p", "æ", "m", "æ", "p", "s", SILENCE, "m", "æ")
     assert schedule.labels == labels

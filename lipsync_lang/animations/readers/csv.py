@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.animation_readers import Recording, fail, reader, text_of
+from lipsync_lang.animations.animation_readers import Recording, fail, reader
 from lipsync_lang.arrays import Floats
+from lipsync_lang.errors import AnimationError
+from lipsync_lang.files.reading import utf8_text
 
 TIME_COLUMNS = dict.fromkeys(("ms", "timems", "milliseconds"), 1e-3) | dict.fromkeys(
     ("time", "times", "seconds", "sec", "t", "timestamp", "timeseconds", "timecode"), 1.0
@@ -27,7 +29,7 @@ def table_of(
     path: Path, content: bytes, *, gaps: bool = False
 ) -> tuple[Floats, tuple[str, ...], Floats]:
     """Read times (T,) in seconds, C names, and values (T, C); with `gaps`, blank cells are NaN."""
-    text = text_of(path, content)
+    text = utf8_text(path, content, AnimationError)
     first = text.partition("\n")[0]
     separator = max(SEPARATORS, key=first.count)
     try:

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.animations.animation_readers import Recording, fail, reader, text_of
+from lipsync_lang.animations.animation_readers import Recording, fail, reader
 from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.errors import AnimationError, ScheduleError
+from lipsync_lang.files.reading import utf8_text
 from lipsync_lang.schedules.schedule import Schedule
 
 ANIMATION_MARK = "lipsync-lang animation "
@@ -22,7 +23,7 @@ ANIMATION_FORM = (
 def read_json(path: Path, content: bytes) -> Recording:
     """The JSON that `-o line.json` writes, with the phonemes and words performed."""
     try:
-        document = json.loads(text_of(path, content))
+        document = json.loads(utf8_text(path, content, AnimationError))
     except json.JSONDecodeError as error:
         fail(f"{path}:{error.lineno}:{error.colno}", f"not JSON: {error.msg}", ANIMATION_FORM)
     except ValueError:  # a number with thousands of digits

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.animation_readers import Recording, fail, reader, text_of
+from lipsync_lang.animations.animation_readers import Recording, fail, reader
+from lipsync_lang.errors import AnimationError
+from lipsync_lang.files.reading import utf8_text
 
 TIMECODE_CELL = re.compile(r"(\d{1,6}):(\d{1,6}):(\d{1,6})[:;](\d{1,6}(?:\.\d+)?)")
 
@@ -33,7 +35,7 @@ def fits(content: bytes) -> bool:
 @reader("live-link-face", suffix=".csv", fits=fits)
 def read_live_link(path: Path, content: bytes) -> Recording:
     """Live Link Face: `Timecode,BlendShapeCount`, then a column for each shape; time from 0."""
-    rows = list(csv.reader(text_of(path, content).splitlines()))
+    rows = list(csv.reader(utf8_text(path, content, AnimationError).splitlines()))
     head, takes = [name.strip() for name in rows[0]], [row for row in rows[1:] if any(row)]
     codes = [_code(path, line, row, len(head)) for line, row in enumerate(takes, 2)]
     if not codes:

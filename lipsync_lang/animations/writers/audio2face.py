@@ -6,22 +6,14 @@ name, so each column keeps its own name; weights are not scaled.
 """
 
 import json
-from collections.abc import Iterator
+from functools import partial
 from typing import TextIO
 
-from lipsync_lang.animations.fixed import boneless, first_frame, late, shape_columns
+from lipsync_lang.animations.fixed import first_frame, shape_columns, shapes_from_zero
 from lipsync_lang.animations.writers import Animation, writer
 
-AUDIO2FACE = "Audio2Face"
 
-
-def remarks(animation: Animation) -> Iterator[str]:
-    """Yield warnings about omitted channels and a delayed sound."""
-    yield from boneless(animation, AUDIO2FACE)
-    yield from late(animation, AUDIO2FACE)
-
-
-@writer("audio2face", suffix=".a2f.json", remarks=remarks)
+@writer("audio2face", suffix=".a2f.json", remarks=partial(shapes_from_zero, program="Audio2Face"))
 def write_audio2face(animation: Animation, out: TextIO) -> None:
     """Audio2Face's weights: a list per frame, in the order of the shapes' names."""
     shapes = shape_columns(animation)

@@ -124,14 +124,9 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
         )
     take.finish(animation.title, {"audio_start": round(animation.begins, 6)})
     text = take.text().encode("utf-8", "backslashreplace")
-    chunks: list[tuple[int, list[bytes]]] = [
-        (JSON_CHUNK, [text, b" " * (-len(text) % 4)]),
-        (BINARY_CHUNK, [take.binary, *take.data]),
-    ]
-    for chunk in model.chunks[has_binary(model.chunks) :]:
-        pieces = [read_chunk(model.path, chunk), b"\0" * (-chunk.length % 4)]
-        chunks.append((chunk.kind, pieces))
-    write_parts(out, chunks)
+    own = (JSON_CHUNK, [text]), (BINARY_CHUNK, [take.binary, *take.data])
+    others = model.chunks[has_binary(model.chunks) :]
+    write_parts(out, [*own, *((one.kind, [read_chunk(model.path, one)]) for one in others)])
 
 
 class _NewAnimation:
@@ -151,23 +146,19 @@ class _NewAnimation:
         self._accessors: list[Json] = []
         self._lines = None if self.error else self._clock(times)
 
-    def _accessor(self, kind: str, values: npt.NDArray[np.float32]) -> Json:
-        """Append values to the binary data and return their accessor."""
+    def _add(self, kind: str, values: npt.NDArray[np.float32], **bounds: list[float]) -> int:
+        """Append values to the binary data and return the index of their accessor."""
         offset = sum(map(len, self.data))
         self.data.append(values.astype("<f4").tobytes())
         count = values.size if kind == "SCALAR" else len(values)
         view = len(self.model.document.get("bufferViews", ()))
-        place = {"bufferView": view, "byteOffset": offset}
-        return {**place, "componentType": FLOAT_COMPONENT, "count": count, "type": kind}
+        place = {"bufferView": view, "byteOffset": offset, "componentType": FLOAT_COMPONENT}
+        self._accessors.append({**place, "count": count, "type": kind, **bounds})
+        return len(self.model.document.get("accessors", ())) + len(self._accessors) - 1
 
     def _clock(self, times: npt.NDArray[np.float32]) -> int:
         """Append times and return the index of their accessor."""
-        bounds = {"min": [float(times[0])], "max": [float(times[-1])]}
-        return self._add(self._accessor("SCALAR", times) | bounds)
-
-    def _add(self, accessor: Json) -> int:
-        self._accessors.append(accessor)
-        return len(self.model.document.get("accessors", ())) + len(self._accessors) - 1
+        return self._add("SCALAR", times, min=[float(times[0])], max=[float(times[-1])])
 
     def sample(
         self, kind: str, values: Floats, span: float = 1.0, floors: Floats | None = None
@@ -183,7 +174,7 @@ class _NewAnimation:
             clock, way = self._clock(self.times[spline.frames].astype(np.float32)), "CUBICSPLINE"
             parts = (spline.arriving, spline.values, spline.leaving)
             rows = np.stack(parts, axis=1).reshape(-1, values.shape[1])
-        output = self._add(self._accessor(kind, rows.astype(np.float32)))
+        output = self._add(kind, rows.astype(np.float32))
         self.samplers.append({"input": clock, "output": output, "interpolation": way})
         return len(self.samplers) - 1
 

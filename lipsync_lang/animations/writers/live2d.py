@@ -11,8 +11,8 @@ parameters in this group.
 """
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, TextIO
 
@@ -20,7 +20,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
-from lipsync_lang.animations.fixed import boneless, late, shape_columns
+from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
 
 if TYPE_CHECKING:
@@ -32,13 +32,7 @@ LOWERS = "-"
 """End of the name of a column that lowers a parameter."""
 
 
-def doubts(animation: Animation) -> Iterator[str]:
-    """Yield warnings about bones and a delayed sound."""
-    yield from boneless(animation, "Live2D")
-    yield from late(animation, "Live2D")
-
-
-@writer("live2d", suffix=".motion3.json", remarks=doubts)
+@writer("live2d", suffix=".motion3.json", remarks=partial(shapes_from_zero, program="Live2D"))
 def write_live2d(animation: Animation, out: TextIO) -> None:
     """A motion of Live2D Cubism: a curve for each parameter of the model."""
     curves = [(curve.name, *_segments(curve, 1 / animation.fps)) for curve in _curves(animation)]

@@ -9,19 +9,16 @@ the exporters of Rhubarb Lip Sync (github.com/DanielSWolf/rhubarb-lip-sync) and 
 
 from typing import TextIO
 
-from lipsync_lang.animations.held import held
+from lipsync_lang.animations.held import NEUTRAL_DRAWING, held
 from lipsync_lang.animations.writers import Animation, writer
-
-MOHO_REST = "rest"
-"""Default name of the neutral drawing."""
 
 
 @writer("moho", suffix=".dat")
 def write_moho(animation: Animation, out: TextIO) -> None:
     """Switch data for Moho and OpenToonz: the frame at which each drawing is shown."""
-    shapes = held(animation, MOHO_REST)
+    shapes = held(animation)
     drawings = {1 + round(shape.start * animation.fps): shape.name for shape in shapes}
     last = max(1 + round(shapes[-1].end * animation.fps), max(drawings) + 1)
-    drawings[last] = animation.neutral or MOHO_REST
+    drawings[last] = animation.neutral or NEUTRAL_DRAWING
     out.write("MohoSwitch1\n")
     out.writelines(f"{frame} {' '.join(name.split())}\n" for frame, name in drawings.items())

@@ -12,10 +12,7 @@ from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
-from lipsync_lang.animations.held import held
-
-RENPY_REST = "rest"
-"""Default name of the neutral drawing."""
+from lipsync_lang.animations.held import NEUTRAL_DRAWING, held
 
 RENPY_ESCAPES = str.maketrans(
     {"\\": r"\\", '"': r"\"", "\n": " ", "\r": " ", "[": "[[", "{": "{{", "%": "%%"}
@@ -26,10 +23,10 @@ RENPY_ESCAPES = str.maketrans(
 @writer("renpy", suffix=".rpy")
 def write_renpy(animation: Animation, out: TextIO) -> None:
     """A script of Ren'Py: an image of changing drawings, and the line with its voice."""
-    shapes = held(animation, RENPY_REST)
+    shapes = held(animation)
     name = re.sub(r"\W+", "_", animation.title.casefold()).strip("_") or "line"
     name = name if name.isascii() else f"line_{name.encode().hex()[:32]}"
-    pictures = [*shapes, shapes[-1]._replace(name=animation.neutral or RENPY_REST)]
+    pictures = [*shapes, shapes[-1]._replace(name=animation.neutral or NEUTRAL_DRAWING)]
     files = [re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", shape.name) for shape in pictures]
     rows = [f'    "images/mouth/{file}.png"\n' for file in files]
     ends = [0, *(round(1000 * shape.end) for shape in shapes)]

@@ -11,21 +11,18 @@ from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
-from lipsync_lang.animations.held import held
+from lipsync_lang.animations.held import NEUTRAL_DRAWING, held
 
 SPINE_VERSION = "4.2.00"
 SLOT = "mouth"
-SPINE_REST = "rest"
-"""Default name of the neutral drawing."""
-
 STAND_IN_PIXELS = 100
 
 
 @writer("spine", suffix=".spine.json")
 def write_spine(animation: Animation, out: TextIO) -> None:
     """A skeleton of Spine 4.2: the time at which its slot shows each drawing."""
-    rest = animation.neutral or SPINE_REST
-    shapes = held(animation, SPINE_REST)
+    rest = animation.neutral or NEUTRAL_DRAWING
+    shapes = held(animation)
     keys = [{"time": round(shape.start, 4), "name": shape.name} for shape in shapes]
     keys.append({"time": round(shapes[-1].end, 4), "name": rest})
     drawings = dict.fromkeys([rest, *(shape.name for shape in shapes)])

@@ -9,8 +9,8 @@ joined by straight lines, because players read no other values. glTF has no nega
 """
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,13 +18,13 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
-from lipsync_lang.animations.fixed import boneless, late, names, shape_columns
+from lipsync_lang.animations.fixed import names, shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
 from lipsync_lang.arrays import Floats
 from lipsync_lang.json_object import Json
 from lipsync_lang.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
 from lipsync_lang.rigs.head_turn import HeadTurn
-from lipsync_lang.rigs.shape_matching import places
+from lipsync_lang.rigs.shape_matching import placed
 
 VRM_ANIMATION = "VRMC_vrm_animation"
 FLOAT_TYPE = 5126
@@ -36,13 +36,9 @@ TURN_ERROR = 0.001
 """Largest error of the components of a quaternion: a tenth of a degree."""
 
 
-def doubts(animation: Animation) -> Iterator[str]:
-    """Yield warnings about bones and a delayed sound."""
-    yield from boneless(animation, "a .vrma", head=True)
-    yield from late(animation, "a .vrma")
-
-
-@binary_writer("vrma", suffix=".vrma", remarks=doubts)
+@binary_writer(
+    "vrma", suffix=".vrma", remarks=partial(shapes_from_zero, program="a .vrma", head=True)
+)
 def write_vrma(animation: Animation, out: BinaryIO) -> None:
     """A VRM animation: keyframes of expressions and of the head, for every VRM avatar."""
     presets = set(names("vrm.txt").shapes)
@@ -92,14 +88,14 @@ def write_vrma(animation: Animation, out: BinaryIO) -> None:
         "buffers": [{"byteLength": sizes[-1]}],
     }
     text = json.dumps(document, ensure_ascii=False).encode("utf-8", "backslashreplace")
-    write_parts(out, [(JSON_CHUNK, [text, b" " * (-len(text) % 4)]), (BINARY_CHUNK, blocks)])
+    write_parts(out, [(JSON_CHUNK, [text]), (BINARY_CHUNK, blocks)])
 
 
 def _expressions(animation: Animation) -> list[KeyedCurve]:
     """Return the keyframes of each expression; of two columns for a preset, the larger counts."""
     columns = shape_columns(animation)
     channels = [animation.columns[column] for column in columns]
-    presets = places(channels, names("vrm.txt").shapes)
+    presets = placed(channels, names("vrm.txt").shapes).shapes
     sums: dict[str, Floats] = {}
     for number, column in enumerate(columns):
         values = animation.weights[:, column].clip(0.0, 1.0)

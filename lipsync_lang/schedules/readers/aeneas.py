@@ -6,7 +6,7 @@ levels contain smaller ones; the smallest are read.
 
 from operator import methodcaller
 
-from lipsync_lang.schedules import TimedWord, TimedWords, TimingFile, reader, timed_words_of
+from lipsync_lang.schedules import LabelRow, TimedWords, TimingFile, reader, timed_words_of
 
 AENEAS_FORM = (
     '{"fragments": [{"id": "f000001", "begin": "0.000", "end": "2.680", "lines": ["Hello."]}]}'
@@ -17,7 +17,7 @@ AENEAS_FORM = (
 def read_aeneas(source: TimingFile) -> TimedWords:
     """Sync maps of aeneas: the smallest fragments of the text with their times."""
     whole = source.json
-    words: list[TimedWord] = []
+    words: list[LabelRow] = []
     waiting = [whole.get("fragments") if isinstance(whole, dict) else None]
     while waiting:
         level = waiting.pop()
@@ -34,5 +34,5 @@ def read_aeneas(source: TimingFile) -> TimedWords:
                     source.time(one) if isinstance(one, str) else source.number(one)
                     for one in (fragment.get("begin"), fragment.get("end"))
                 )
-                words.append(TimedWord(" ".join(map(str, lines)), start, end))
+                words.append(LabelRow(" ".join(map(str, lines)), start, end))
     return timed_words_of(source, words)

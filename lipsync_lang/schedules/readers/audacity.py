@@ -6,7 +6,7 @@ A line that begins with a backslash holds the frequencies of the label above, an
 import re
 
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
-from lipsync_lang.schedules.timed_words import are_words, words_of_rows
+from lipsync_lang.schedules.timed_words import are_words, timed_words_of
 
 LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 
@@ -26,5 +26,5 @@ def read_audacity(source: TimingFile) -> Timings:
         start, end = (source.time(found[at].replace(",", "."), number) for at in (1, 2))
         rows.append(LabelRow(found[3] or "", start, end, number))
     if are_words(row.label for row in rows):
-        return words_of_rows(source, rows, guess=True)
+        return timed_words_of(source, rows, guess=True)
     return schedule_of(source, rows, guess=True)

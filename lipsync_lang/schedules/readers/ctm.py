@@ -6,11 +6,10 @@ Lines that begin with two semicolons are comments. Kaldi appends the place in th
 
 import re
 from collections import defaultdict
-from dataclasses import replace
 
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
 from lipsync_lang.schedules.tiers import Tier, only
-from lipsync_lang.schedules.timed_words import are_words, words_of_rows
+from lipsync_lang.schedules.timed_words import are_words, timed_words_of
 
 CTM_COMMENT = ";;"
 CTM_CONFIDENCE = r"0?\.\d+|[01]|1\.0*"
@@ -29,19 +28,16 @@ def sniff(source: TimingFile) -> bool:
 def read_ctm(source: TimingFile) -> Timings:
     """CTM of phones or words, as Kaldi writes it; of several files or channels, one is named."""
     tiers: dict[tuple[str, str], list[LabelRow]] = defaultdict(list)
-    sure: dict[int | None, float] = {}
     form = "a sound; write FILE CHANNEL START DURATION LABEL"
     for number, found in source.matches(CTM_LINE, form, comments=CTM_COMMENT):
         start, length = source.time(found[3], number), source.time(found[4], number)
-        if re.fullmatch(CTM_CONFIDENCE, found[6] or ""):
-            sure[number] = float(found[6])
-        tiers[found[1], found[2]].append(LabelRow(found[5], start, start + length, number))
+        sure = float(found[6]) if re.fullmatch(CTM_CONFIDENCE, found[6] or "") else None
+        row = LabelRow(found[5], start, start + length, number, sure)
+        tiers[found[1], found[2]].append(row)
     # Tiers are named after the file, the channel or both, whichever differ.
     telling = [at for at in (0, 1) if len({key[at] for key in tiers}) > 1] or [0]
     named = [Tier(" ".join(key[at] for at in telling), tuple(r)) for key, r in tiers.items()]
     rows = only(source, named, "files or channels").rows
     if are_words(row.label for row in rows):
-        words = words_of_rows(source, rows)
-        rated = (replace(word, confidence=sure.get(word.line)) for word in words.words)
-        return replace(words, words=tuple(rated))
+        return timed_words_of(source, rows)
     return schedule_of(source, rows)

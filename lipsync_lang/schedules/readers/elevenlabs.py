@@ -7,8 +7,8 @@ make a word.
 
 import re
 
-from lipsync_lang.schedules import TimedWord, TimedWords, TimingFile, reader, timed_words_of
-from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, LabelRow, listed_rows
+from lipsync_lang.schedules import LabelRow, TimedWords, TimingFile, reader, timed_words_of
+from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, listed_rows
 from lipsync_lang.schedules.timing_file import first_item, plain_fields
 
 STARTS = re.compile(r'"char(acter)?_?start_?times?_?\w{2,7}"\s*:', re.IGNORECASE)
@@ -61,7 +61,7 @@ def read_elevenlabs(source: TimingFile) -> TimedWords:
             else:
                 words[-1].append(one)
     joined = [
-        TimedWord("".join(one.label for one in spelled), spelled[0].start, spelled[-1].end)
+        LabelRow("".join(one.label for one in spelled), spelled[0].start, spelled[-1].end)
         for spelled in words
         if spelled
     ]

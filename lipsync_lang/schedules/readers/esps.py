@@ -8,7 +8,7 @@ a `.words` file beside each `.phones` file. After `;` a line has further fields.
 import re
 
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
-from lipsync_lang.schedules.timed_words import words_of_rows
+from lipsync_lang.schedules.timed_words import timed_words_of
 
 HEADER_END = re.compile(r"^[ \t]*#[ \t]*\n+[ \t]*\d+(?:\.\d*)?[ \t]+-?\d+[ \t]", re.MULTILINE)
 """The end of the header, and the first label."""
@@ -31,7 +31,7 @@ def sniff(source: TimingFile) -> bool:
 def read_esps(source: TimingFile) -> Timings:
     """Labels of Festival (segments), xwaves and the Buckeye corpus, with its .words beside it."""
     if source.path.suffix.lower() == ".words":
-        return words_of_rows(source, _words(source))
+        return timed_words_of(source, _words(source))
     beside = source.beside(".words") if source.path.suffix.lower() == ".phones" else None
     return schedule_of(source, _rows(source), words=_words(beside) if beside is not None else ())
 

@@ -6,7 +6,7 @@ The words are in a file of the same name with `.wrd` beside it.
 import re
 
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
-from lipsync_lang.schedules.timed_words import words_of_rows
+from lipsync_lang.schedules.timed_words import timed_words_of
 
 SAMPLES_PER_SECOND = 16_000.0
 
@@ -22,7 +22,7 @@ def sniff(source: TimingFile) -> bool:
 def read_timit(source: TimingFile) -> Timings:
     """TIMIT's .PHN, in samples at 16 kHz unless a rate is given; words from .WRD beside it."""
     if source.path.suffix.lower() == ".wrd":
-        return words_of_rows(source, _rows(source), rate=SAMPLES_PER_SECOND)
+        return timed_words_of(source, _rows(source), rate=SAMPLES_PER_SECOND)
     beside = source.beside(".wrd") if source.path.suffix.lower() == ".phn" else None
     words = _rows(beside) if beside is not None else []
     return schedule_of(source, _rows(source), words=words, rate=SAMPLES_PER_SECOND)

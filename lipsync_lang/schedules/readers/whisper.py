@@ -10,7 +10,7 @@ from collections import defaultdict
 from typing import Any, NamedTuple
 
 from lipsync_lang.json_object import Json
-from lipsync_lang.schedules import TimedWord, TimedWords, TimingFile, reader, timed_words_of
+from lipsync_lang.schedules import LabelRow, TimedWords, TimingFile, reader, timed_words_of
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 from lipsync_lang.schedules.tiers import Tier, only
 from lipsync_lang.schedules.timed_words import TYPICAL_WORD_SECONDS
@@ -50,14 +50,15 @@ def sniff(source: TimingFile) -> bool:
 @reader("whisper", ".json", sniff=sniff, tiers=True)
 def read_whisper(source: TimingFile) -> TimedWords:
     """Words of Whisper's relatives (WhisperX, faster-whisper, whisper.cpp, ...) and of Vosk."""
-    said: defaultdict[str, list[TimedWord]] = defaultdict(list)
+    said: defaultdict[str, list[LabelRow]] = defaultdict(list)
     for item in _objects(source, _items(source.json)):
         words = item.get("words") or item.get("tokens")
         parts = _joined(source, item, words) if isinstance(words, list) else [_part(source, item)]
         for one in parts:
             if one.start is not None:
                 end = one.start + TYPICAL_WORD_SECONDS if one.end is None else one.end
-                said[one.speaker].append(TimedWord(one.text, one.start, end, one.confidence))
+                row = LabelRow(one.text, one.start, end, confidence=one.confidence)
+                said[one.speaker].append(row)
     speakers = [Tier(name, ()) for name in said]
     chosen = only(source, speakers, "speakers").name if speakers else ""
     rate = MILLISECONDS_PER_SECOND if source.holds("transcription") else None
