@@ -21,7 +21,7 @@ FORMS = SpokenForms(
     abbreviations={"Bo": "bob"},
     words={"Joe": OwnWord((), "djo"), "Anna": OwnWord(tuple("ana")),
            "Mia": OwnWord(tuple("mia"), "me a"), "xan": OwnWord((), "zan"),
-           "Bo": OwnWord((), "bou")},
+           "Bo": OwnWord((), "bou"), "iPod": OwnWord(tuple("aipod"))},
     endings={"": {"em": ("e", "m"), "go": ("g", "o")}, "a": {"i": ("i",), "o": ("o",)}},
 )  # fmt: skip
 
@@ -46,6 +46,7 @@ def read(text):
         ("so Mia Mii", "so:so Mia:mia Mii:mii"),  # `me a` loses its last letter, not `a` alone
         ("big-Joe's", "big-Joe's:big-joe's"),
         ("big-Joe", "big-Joe:big-djo"),
+        ("an iPod, iPodem", "an:an iPod:aipod , iPodem:aipodem"),  # its capital is not the first
         ("Bo", "Bo:bou"),  # a project's word goes before an abbreviation
     ],
 )

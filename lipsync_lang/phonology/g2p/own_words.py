@@ -56,7 +56,7 @@ class OwnWords:
         }
         self._words = prefixed | own
         self._names = {plain(word) for word in forms.words if word[0].isupper()}
-        self._small = {*prefixed, *(word for word in forms.words if not word[0].isupper())}
+        self._small = {*prefixed, *(plain(word) for word in forms.words if not word[0].isupper())}
         self._endings = forms.endings
         lost = max(map(len, forms.endings), default=0)
         self._starts = {word[: min(max(len(word) - lost, 1), 3)] for word in self._words}
