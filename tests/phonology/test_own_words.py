@@ -197,7 +197,19 @@ def test_a_shared_name_with_a_capital_needs_one_and_that_of_a_pack_does_not():
 
 @pytest.mark.parametrize(
     ("name", "word", "vowel"),
-    [("hausa", "game", "aa"), ("romanian", "game", "aa"), ("dutch", "loot", "oc")],
+    [
+        ("hausa", "game", "aa"),
+        ("romanian", "game", "aa"),
+        ("romanian", "chef", "eh"),
+        ("dutch", "loot", "oc"),
+        ("polish", "chaty", "aa"),
+        ("czech", "chatu", "aa"),
+        ("polish", "Janem", "aa"),
+        ("croatian", "Luke", "w"),
+        ("croatian", "Jedi", "eh"),
+        ("finnish", "Monet", "oc"),
+        ("norwegian", "hater", "aa"),
+    ],
 )
 def test_a_shared_loanword_leaves_a_word_of_the_language_alone(name, word, vowel):
     (found,) = Speaker.of(name).transcribe_many([word])
