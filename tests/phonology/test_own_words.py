@@ -46,6 +46,7 @@ def read(text):
         ("so Mia Mii", "so:so Mia:mia Mii:mii"),  # `me a` loses its last letter, not `a` alone
         ("big-Joe's", "big-Joe's:big-joe's"),
         ("big-Joe", "big-Joe:big-djo"),
+        ("noJoe UJoe McJoe", "noJoe:nodjo UJoe:udjo McJoe:mcjoe"),
         ("Bo", "Bo:bou"),  # a project's word goes before an abbreviation
     ],
 )
