@@ -126,6 +126,8 @@ def engine(settings: Settings) -> G2PEngine:
     def _read_word(word: str) -> SpokenWord:
         abbreviation = word.upper() == word or len(word) == 1
         labels = () if settings.readings or abbreviation else foreign(word)
+        if labels and "-" in word:  # nag-upload
+            return merged(word, [_read_word(part) for part in word.split("-") if part], word)
         return SpokenWord(word, labels) if labels else rewriter.read(word)
 
     def _read(text: str) -> Iterator[SpokenWord]:
