@@ -127,9 +127,9 @@ def test_capitals_are_spelled_if_all_have_names():
     assert read == ["pe pe es"]
 
 
-def test_capitals_with_a_vowel_are_words_in_a_sentence_that_is_shouted():
+def test_capitals_of_syllables_are_words_and_those_with_a_vowel_where_all_is_shouted():
     forms = SpokenForms(letters={"O": "o", "R": "er", "T": "te"})
-    read = [one.read for one in Expansions(forms).find("The OTR. OTTO, TROT! RT! RO и TO")]
+    read = [one.read for one in Expansions(forms).find("a TORO OTR. OTTO, TRO! RT! RO и TO")]
     assert read == ["o te er", "er te", "er o", "te o"]
 
 

@@ -32,6 +32,8 @@ _CAPITALS = re.compile(
 )
 
 _VOWEL = re.compile("[AEIOUY]")
+_SYLLABLES = re.compile("(?=....)[^AEIOUY]?(?:[AEIOUY]{1,2}[^AEIOUY])+[AEIOUY]{,2}")
+"""Four letters or more with a vowel beside each consonant, as in `SALE` and `TIDAK`."""
 
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
@@ -70,14 +72,15 @@ class Expansions:
     def _spelled(self, text: str) -> Iterator[Replacement]:
         """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none.
 
-        In a sentence that is all capitals, those with a vowel are words: `AYO KITA PERGI!`.
+        Those that could be syllables are words, and in a sentence that is all capitals, those with
+        any vowel: `AYO KITA PERGI!`.
         """
         names = self._forms.letters
         for sentence in re.finditer("[^.!?…\n]+", text) if names else ():
             shouted = all(map(str.isupper, filter(str.isalpha, sentence[0])))
             for one in _CAPITALS.finditer(text, *sentence.span()):
                 known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
-                word = known or (shouted and _VOWEL.search(one[0]))
+                word = known or (_VOWEL.search if shouted else _SYLLABLES.fullmatch)(one[0])
                 if not word and names.keys() >= set(one[0]):
                     yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 

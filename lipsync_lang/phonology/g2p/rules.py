@@ -127,8 +127,7 @@ def engine(settings: Settings) -> G2PEngine:
             yield tuple(_read(text))
 
     def _read_word(word: str) -> SpokenWord:
-        abbreviation = word.upper() == word or len(word) == 1
-        labels = () if settings.readings or abbreviation else foreign(word)
+        labels = () if settings.readings or len(word) == 1 else foreign(word)
         if labels and "-" in word:  # nag-upload
             return merged(word, [_read_word(part) for part in word.split("-") if part], word)
         return SpokenWord(word, labels) if labels else rewriter.read(word)
