@@ -47,6 +47,7 @@ def read(text):
         ("big-Joe's", "big-Joe's:big-joe's"),
         ("big-Joe", "big-Joe:big-djo"),
         ("an iPod, iPodem", "an:an iPod:aipod , iPodem:aipodem"),  # its capital is not the first
+        ("noJoe UJoe McJoe", "noJoe:nodjo UJoe:udjo McJoe:mcjoe"),
         ("Bo", "Bo:bou"),  # a project's word goes before an abbreviation
     ],
 )

@@ -123,8 +123,14 @@ def test_expressions_are_compiled_only_where_a_text_begins_like_their_key(monkey
 def test_capitals_are_spelled_if_all_have_names():
     names = {"P": "pe", "S": "es", "G": "ge", "R": "er", "T": "te"}
     forms = SpokenForms(letters=names, interjections={"pst": Interjection((), "pst")})
-    read = [one.read for one in Expansions(forms).find("GPS, PST! GRRR, PSST, NATO; xGPS, GPSTPS")]
-    assert read == ["ge pe es"]
+    read = [one.read for one in Expansions(forms).find("PPS, PST! GRRR, PPPS, NATO; xGPS, GPSTPS")]
+    assert read == ["pe pe es"]
+
+
+def test_capitals_of_syllables_are_words_and_those_with_a_vowel_where_all_is_shouted():
+    forms = SpokenForms(letters={"O": "o", "R": "er", "T": "te"})
+    read = [one.read for one in Expansions(forms).find("a TORO OTR. OTTO, TRO! RT! RO и TO")]
+    assert read == ["o te er", "er te", "er o", "te o"]
 
 
 def test_keys_are_whole_words():

@@ -121,7 +121,9 @@ class LanguageText(Strict):
     names the minus of each."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
-    have names: a language in Latin letters names its consonants, and reads `NATO` as a word."""
+    have names: a language in Latin letters names its consonants, and reads `NATO` as a word.
+    Others read as words four letters or more that could be syllables, and in a sentence that is all
+    capitals those with any vowel."""
     lists: dict[Text, tuple[Text, ...]] = Field(default={})
     """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`."""
     numbers: dict[Text, tuple[str, ...]] = Field(default={})

@@ -28,8 +28,12 @@ _IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
 """The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
 
 _CAPITALS = re.compile(
-    rf"(?<![{_LATIN_LETTERS}])(?![A-Z]*([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
+    rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1|[AEIOU]{{2}}|SSH)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
 )
+
+_VOWEL = re.compile("[AEIOUY]")
+_SYLLABLES = re.compile("(?=....)[^AEIOUY]?(?:[AEIOUY]{1,2}[^AEIOUY])+[AEIOUY]{,2}")
+"""Four letters or more with a vowel beside each consonant, as in `SALE` and `TIDAK`."""
 
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
@@ -66,12 +70,19 @@ class Expansions:
         return AbbreviationKeys(self._forms)
 
     def _spelled(self, text: str) -> Iterator[Replacement]:
-        """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none."""
+        """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none.
+
+        Those that could be syllables are words, and in a sentence that is all capitals, those with
+        any vowel: `AYO KITA PERGI!`.
+        """
         names = self._forms.letters
-        for one in _CAPITALS.finditer(text) if names else ():
-            known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
-            if not known and names.keys() >= set(one[0]):
-                yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
+        for sentence in re.finditer("[^.!?…\n]+", text) if names else ():
+            shouted = all(map(str.isupper, filter(str.isalpha, sentence[0])))
+            for one in _CAPITALS.finditer(text, *sentence.span()):
+                known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
+                word = known or (_VOWEL.search if shouted else _SYLLABLES.fullmatch)(one[0])
+                if not word and names.keys() >= set(one[0]):
+                    yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 
     def _again(self, text: str) -> Iterator[Replacement]:
         """Yield the word before each sign of repetition in place of the sign."""

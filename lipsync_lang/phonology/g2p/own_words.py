@@ -3,7 +3,8 @@
 An entry serves the word and its inflected forms: `Shepardowi` is `Shepard` and `owi`, and a
 language may have prefixes, too. A hyphen or an apostrophe may part the two. An ending that replaces
 another, as `ę` does the `a` of `Anna`, replaces as many sounds as it has letters. An entry with a
-capital serves words with a capital alone: names are short, and other words begin like them.
+capital serves words with a capital alone: names are short, and other words begin like them. It is
+found behind a hyphen and a prefix in small letters, too: `noMacron` is `no` and `Macron`.
 """
 
 import re
@@ -20,7 +21,7 @@ from lipsync_lang.phonology.labels import STRESS, normalise
 MIN_PREFIXED_CHARS = 3
 """Minimum number of letters of a word that takes a prefix; shorter ones begin other words."""
 
-_HYPHENATED = re.compile("[^-]+")
+_PARTS = re.compile("^(?:[a-z]+(?=[A-Z])|[A-Z](?=[A-Z][a-z]))|[^-]+")
 
 
 class FoundWords(NamedTuple):
@@ -70,11 +71,12 @@ class OwnWords:
         found = FoundWords([], {})
         for piece in tokens:
             word = plain(piece.text)
-            if self._starts.isdisjoint((word[:3], word[:2], word[:1])) and "-" not in word:
+            apart = "-" in word or word[1:] != piece.text[1:]
+            if not apart and self._starts.isdisjoint((word[:3], word[:2], word[:1])):
                 continue
             whole = self._find(piece.text) is not None
             at = piece.start
-            for part in (piece.text,) if whole else _HYPHENATED.findall(piece.text):
+            for part in (piece.text,) if whole else _PARTS.findall(piece.text):
                 at = text.index(part, at)
                 one = self._find(part)
                 if one is not None and one.labels:

@@ -33,6 +33,9 @@ from lipsync_lang.phonology.g2p.g2p_engines import (
 )
 from lipsync_lang.phonology.g2p.tokens import plain, read_words
 
+_ABBREVIATION = re.compile("[^a-z]{,3}|[^AEIOUa-z]+")
+"""Capitals that are spelled: few ones, or without a vowel; others are a word, as `FAILED`."""
+
 SLOW = "and those before it with the same first letter could take too long"
 QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
@@ -124,8 +127,9 @@ def engine(settings: Settings) -> G2PEngine:
             yield tuple(_read(text))
 
     def _read_word(word: str) -> SpokenWord:
-        abbreviation = word.upper() == word or len(word) == 1
-        labels = () if settings.readings or abbreviation else foreign(word)
+        labels = () if settings.readings or len(word) == 1 else foreign(word)
+        if labels and "-" in word:  # nag-upload
+            return merged(word, [_read_word(part) for part in word.split("-") if part], word)
         return SpokenWord(word, labels) if labels else rewriter.read(word)
 
     def _read(text: str) -> Iterator[SpokenWord]:
@@ -208,13 +212,13 @@ def _by_syllables(word: str, respelled: str, readings: Rewriter, foreign: Foreig
 
     A word without readings has those of its sounds in another voice.
 
-    Names of letters are longer than the word. Capitals alone are an abbreviation.
+    Names of letters are longer than the word; they are kept if it is an abbreviation.
     """
-    if len(respelled) <= len(word) or word.upper() == word:
+    if len(respelled) <= len(word) or _ABBREVIATION.fullmatch(word):
         return respelled
     read = readings.read(word)
     if read.unread:
-        read = readings.read("".join(foreign(word)))
+        read = readings.read("".join(foreign(word.lower())))
     return respelled if read.unread else "".join(read.labels) or respelled
 
 
