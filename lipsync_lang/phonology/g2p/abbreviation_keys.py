@@ -204,7 +204,7 @@ class AbbreviationKeys:
             found = match
         if before := _BEFORE_ALONE.fullmatch(read):
             unit, after = self._match(found.string, found.start(1))
-            if unit and unit.lastindex == 1 and unit.end() > found.end() == unit.end(1):
+            if unit and unit.end() > found.end() == unit.end(unit.lastindex or 0):
                 return unit.end(), words + before[1] + self._expanded(unit, after)
         return found.end(), words + self._expanded(found, read)
 
