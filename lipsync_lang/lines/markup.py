@@ -161,7 +161,7 @@ ADDRESS = (
 )
 EMOTICONS = (
     r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt>oO-][_.][Tt<oO-])"
-    r"(?![^\s.,!?])"
+    r"(?![^\s.,!?]|\.\w)"  # `t.o.v.` is none
 )
 SUSPECT = re.compile(
     r"[][<>{}%$§£\\(（*~〜～#&@/=]|__|:[A-Za-z_]|^[-+]|www\.|[:;]-?[DPpOo3]|[xX]D|[Tto]\.[Tto]|"

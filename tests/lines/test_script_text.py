@@ -69,6 +69,7 @@ def dirty_lines():
         (r"\C[2]Hi\C[0] \N[1]\.\|\! you", "Hi you",
          (r"\C[2]", r"\C[0]", r"\N[1]", r"\.", r"\|", r"\!")),
         ("so :D and xD, ;P", "so and,", (":D", "xD", ";P")),
+        ("t.o.v. dat T.T", "t.o.v. dat", ("T.T",)),
         ("- no :) xD ^_^ :-( T_T", "no", ("- ", ":)", "xD", "^_^", ":-(", "T_T")),
         ("#{town} @me@ >>> go <<<", "go", ("#{town}", "@me@", ">>>", "<<<")),
         ("at 5:3 (yes: D) 8) -5 degrees", "at 5:3 (yes: D) 8) -5 degrees", ()),

@@ -163,7 +163,7 @@ def test_every_ending_has_labels_of_its_language():
         for ending, sounds in endings.items()
     ]
     assert len({name for name, *_ in stated}) > 10
-    assert all(sounds for *_, sounds in stated)
+    assert {name for name, *_, sounds in stated if not sounds} == {"french"}  # a silent plural
 
 
 def test_words_in_a_project_file_are_sent_to_a_pack(project):

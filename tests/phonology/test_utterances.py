@@ -73,6 +73,7 @@ def test_texts_are_read_by_their_sounds():
         "Heeeello": "Heeeello:heeello",
         "see III WWW": "see:see III:iii WWW:www",
         "z.b. Dr. Who": "z.b.:zumbei Dr.:doctor Who:who",
+        "Dr. Mmm": "Dr.:doctor Mmm:mm",  # the full stop is no pause
         "a, etc. No etc. or": "a:a , etc.:andso . No:no etc.:andso or:or",
         "Type D. or D. Who, St. Jo in Main St.": "Type:type D:d . or:or D.:don Who:who , "
         "St.:saint Jo:jo in:in Main:main St:st",

@@ -118,18 +118,18 @@ class AbbreviationKeys:
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
             rf"(?![{between}]?\d)"
         )
-        self._beginnings: dict[tuple[str, str], dict[tuple[str, bool], list[tuple[int, str]]]] = {}
+        self._beginnings: dict[tuple[str, str], dict[tuple[str, str], list[tuple[int, str]]]] = {}
         self._ends = {k.strip("…"): read for k, read in self._expansions.items() if k[0] == "…"}
         for rank, key in enumerate(sorted(self._expansions, key=_longest_first)):
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
-            # most words like "in" have no number behind them, as `in 19##` has
-            numbered = bool(literal and re.match(" ?[#0-9]", key[1 + len(literal) :]))
+            # most words like "in" have nothing of `in 19##` behind them
+            follows = key[1 + len(literal) :].lstrip()[:1] if key[0] not in _FIRST_CHARS else ""
             # a number begins hundreds of keys, and the sign behind it few of them
             sign = _SIGN_OF_KEY.match(key)
             second = sign[1] if sign else literal[:1]
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key)):
                 keys = self._beginnings.setdefault((first, second), {})
-                keys.setdefault((literal, numbered), []).append((rank, key))
+                keys.setdefault((literal, follows.strip("~*")), []).append((rank, key))
         read = _BEFORE_LAST.fullmatch(self._expansions.get(_RANGE_KEY, ""))
         self._between = read[2] if read else ""
         self._starts = re.compile("|".join(self._start_patterns()))
@@ -204,7 +204,7 @@ class AbbreviationKeys:
             found = match
         if before := _BEFORE_ALONE.fullmatch(read):
             unit, after = self._match(found.string, found.start(1))
-            if unit and unit.lastindex == 1 and unit.end() > found.end() == unit.end(1):
+            if unit and unit.end() > found.end() == unit.end(unit.lastindex or 0):
                 return unit.end(), words + before[1] + self._expanded(unit, after)
         return found.end(), words + self._expanded(found, read)
 
@@ -223,10 +223,10 @@ class AbbreviationKeys:
         behind = _SIGN_BEHIND.findall(run[0]) if run else ()
         fitting: list[tuple[int, str]] = []
         for second in {"", text[at + 1 : at + 2], *behind}:
-            for (literal, numbered), keys in self._beginnings.get((first, second), {}).items():
+            for (literal, follows), keys in self._beginnings.get((first, second), {}).items():
                 end = at + 1 + len(literal)
                 if text.startswith(literal, at + 1) and (
-                    not numbered or text[end : end + 2].strip()[:1].isdecimal()
+                    not follows or _is_sign(text[end : end + 2].strip()[:1], follows)
                 ):
                     fitting += keys
         best, read = None, ""
@@ -290,6 +290,11 @@ class AbbreviationKeys:
 def _digits(grouped: re.Match[str]) -> str:
     """Return a number without signs between its thousands."""
     return re.sub(r"\D", "", grouped[0])
+
+
+def _is_sign(char: str, sign: str) -> bool:
+    """Return True for a character of a text that a sign of a key allows."""
+    return char.isdecimal() if sign == "#" else char == sign
 
 
 def _longest_first(key: str) -> tuple[int, int, str]:

@@ -224,7 +224,7 @@ class Utterances:
             spoken = {end for one in part.replacements for end in (one.start, one.stop)}
             lead = [mark for mark in marks[:1] if mark.kind == "pause" and 0 not in spoken]
             tail = [mark for mark in marks[1:][-1:] if mark.kind == "pause"]
-            tail = [] if len(part.text) in spoken else tail
+            tail = [] if len(part.text.rstrip()) in spoken else tail
             whole = (
                 *(SpokenWord(mark.text, ()) for mark in lead),
                 *self._words_of(part, words),
