@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.files.reading import MIB_BYTES, read_input
+from lipsync_lang.files.reading import MIB_BYTES, input_text
 from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import plain, read_words
@@ -54,15 +54,9 @@ def engine(settings: Settings) -> G2PEngine:
 
 def read_lexicon(path: Path) -> dict[str, tuple[str, ...]]:
     """Read a lexicon: words in plain spelling, and the labels of each."""
-    content = read_input(
+    text = input_text(
         path, MAX_LEXICON_BYTES, error=SpeechError, mend="keep the words that are said"
     )
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise SpeechError(
-            f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-        ) from None
     words: dict[str, tuple[str, ...]] = {}
     for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip() or line.startswith(COMMENTS):
