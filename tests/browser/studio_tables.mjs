@@ -59,8 +59,8 @@ const stories = {
     await page.waitForFunction(() => !document.body.classList.contains("busy"));
     await page.waitForLoadState("networkidle");
     await page.waitForSelector(".quality li button");
-    const at = parseFloat(await page.textContent(".quality li button"));
-    await page.click(".quality li button");
+    // read and pressed at once: the list may be drawn again between two steps
+    const at = await page.$eval(".quality li button", (one) => { one.click(); return parseFloat(one.textContent); });
     await page.waitForFunction((wanted) => Math.abs(parseFloat(document.querySelector("#clock").textContent) - wanted) < 0.02, at);
     const unnamed = await nameless(page);
     await page.click(".needs .pair");

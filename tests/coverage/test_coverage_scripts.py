@@ -100,12 +100,12 @@ def test_a_word_in_capitals_is_judged_as_if_it_were_in_small_letters():
 @full
 def test_a_voice_reads_words_of_other_languages_and_spells_what_it_has_no_voice_for():
     pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
-    texts = ("Он сказал hello world и ушёл.", "Он сказал 会議 и ушёл.", "Он ушёл.", "I love you")
+    texts = ("Он сказал thunder rises и ушёл.", "Он сказал 会議 и ушёл.", "Он ушёл.", "I love you")
     told = coverage(lines(*texts), "russian", "facefx").reports[0]
     counted = {one.what: one.counted for one in told.other_scripts}
-    latin = dict.fromkeys(("hello", "world", "I", "love", "you"), True)
+    latin = dict.fromkeys(("thunder", "rises", "I", "love", "you"), True)
     assert counted == {**latin, "会議": False}
-    assert "h-ah" in heard(told), "of hello"
+    assert "th-ah" in heard(told), "of thunder"
     spelled = coverage(lines("Он сказал 会議 и ушёл."), "russian", "facefx").reports[0]
     assert (spelled.words, "sh-ay" in heard(spelled)) == (4, False), "not 'Chinese letter'"
 
