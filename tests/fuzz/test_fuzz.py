@@ -121,7 +121,7 @@ def test_every_folder_of_files_belongs_to_a_target():
 
 
 def _opens(tree: ast.AST) -> bool:
-    names = {"read_bytes", "read_text", "read_input", "open"}
+    names = {"read_bytes", "read_text", "read_input", "input_text", "open"}
     return any(
         isinstance(node, ast.Call)
         and getattr(node.func, "attr", getattr(node.func, "id", "")) in names
