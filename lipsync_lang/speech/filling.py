@@ -33,7 +33,7 @@ PHRASE_MARGIN_SECONDS = 0.05
 MAX_MUTE_WORDS = 5
 """Words shown in a remark."""
 
-_UNSPACED = re.compile(f"[{UNSPACED}]")
+_UNSPACED_CHAR = re.compile(f"[{UNSPACED}]")
 
 WordPhonemes = Schedule | SpeechError | None
 """Phonemes of one given word, to fill its time; None if the word must be read alone."""
@@ -81,7 +81,7 @@ def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = N
             phrases.append([word])
             texts.append(word.text)
         else:
-            dense = _UNSPACED.match(texts[-1][-1]) and _UNSPACED.match(word.text)
+            dense = _UNSPACED_CHAR.match(texts[-1][-1]) and _UNSPACED_CHAR.match(word.text)
             phrases[-1].append(word)
             texts[-1] += word.text if dense else f" {word.text}"
     whole: list[Schedule | SpeechError]

@@ -31,7 +31,7 @@ _CAPITALS = re.compile(
     rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1|[AEIOU]{{2}}|SSH)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
 )
 
-_VOWEL = re.compile("[AEIOUY]")
+_VOWEL_CAPITAL = re.compile("[AEIOUY]")
 _SYLLABLES = re.compile("(?=....)[^AEIOUY]?(?:[AEIOUY]{1,2}[^AEIOUY])+[AEIOUY]{,2}")
 """Four letters or more with a vowel beside each consonant, as in `SALE` and `TIDAK`."""
 
@@ -80,7 +80,7 @@ class Expansions:
             shouted = all(map(str.isupper, filter(str.isalpha, sentence[0])))
             for one in _CAPITALS.finditer(text, *sentence.span()):
                 known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
-                word = known or (_VOWEL.search if shouted else _SYLLABLES.fullmatch)(one[0])
+                word = known or (_VOWEL_CAPITAL.search if shouted else _SYLLABLES.fullmatch)(one[0])
                 if not word and names.keys() >= set(one[0]):
                     yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 

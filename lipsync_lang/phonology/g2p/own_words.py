@@ -21,7 +21,7 @@ from lipsync_lang.phonology.labels import STRESS, normalise
 MIN_PREFIXED_CHARS = 3
 """Minimum number of letters of a word that takes a prefix; shorter ones begin other words."""
 
-_PARTS = re.compile("^(?:[a-z]+(?=[A-Z])|[A-Z](?=[A-Z][a-z]))|[^-]+")
+_WORD_PARTS = re.compile("^(?:[a-z]+(?=[A-Z])|[A-Z](?=[A-Z][a-z]))|[^-]+")
 
 
 class FoundWords(NamedTuple):
@@ -76,7 +76,7 @@ class OwnWords:
                 continue
             whole = self._find(piece.text) is not None
             at = piece.start
-            for part in (piece.text,) if whole else _PARTS.findall(piece.text):
+            for part in (piece.text,) if whole else _WORD_PARTS.findall(piece.text):
                 at = text.index(part, at)
                 one = self._find(part)
                 if one is not None and one.labels:
