@@ -28,8 +28,9 @@ _IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
 """The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
 
 _CAPITALS = re.compile(
-    rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1|[AEIOU]{{2}}|SSH)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
+    rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1|[AEIOU]{{2}})[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
 )
+"""Capitals of an abbreviation; sounds are none, such as `PSST`, `AAH` and `OI`."""
 
 _VOWEL_CAPITAL = re.compile("[AEIOUY]")
 _SYLLABLES = re.compile("(?=....)[^AEIOUY]?(?:[AEIOUY]{1,2}[^AEIOUY])+[AEIOUY]{,2}")
