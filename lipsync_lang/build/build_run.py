@@ -162,7 +162,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
         # Workers leave files that were not put in place, at the end or after an error.
         stack.callback(_sweep, maker.folder, stale, ended=maker.owner)
         stack.callback(rmtree, record_folder(maker.folder) / FILE_COPIES, ignore_errors=True)
-        stack.enter_context(closing(running))  # type: ignore[type-var]  # a generator
+        stack.enter_context(closing(running))
         stack.enter_context(keeper)
         for found in running:
             results: Sequence[MadeLine]

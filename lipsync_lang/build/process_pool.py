@@ -7,7 +7,7 @@ ends its process again then is lost; the others go on.
 
 import os
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Self
@@ -25,7 +25,7 @@ WORKERS_ENDED = (
 )
 
 
-def run_in_processes(jobs: Iterator[Job], count: int) -> Iterator[Any]:
+def run_in_processes(jobs: Iterator[Job], count: int) -> Generator[Any]:
     """Run jobs in `count` processes and yield their results; see `run_batches`."""
     alone = deque[Job]()
     while True:

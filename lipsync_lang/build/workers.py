@@ -9,7 +9,7 @@ millions of lines take no more memory than hundreds.
 import os
 import pickle
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -32,7 +32,7 @@ BATCHES_PER_WORKER = 2
 """Number of submitted batches per worker: a running one and a waiting one."""
 
 
-RunOnCluster = Callable[[Iterator["Job"], str, Path | None], Iterator[Any]]
+RunOnCluster = Callable[[Iterator["Job"], str, Path | None], Generator[Any]]
 """Runs jobs on the machines of a scheduler, given its address and a folder; see `run_batches`."""
 
 CLUSTERS: Extensions[RunOnCluster] = Extensions("clusters", "cluster")
@@ -58,7 +58,7 @@ def run_batches(  # noqa: PLR0913 the work, and settings of the workers
     workers: int | None = None,
     scheduler: str | None = None,
     folder: Path | None = None,
-) -> Iterator[Result | LostBatch[Batch]]:
+) -> Generator[Result | LostBatch[Batch]]:
     """Run work on batches and yield the results in order of completion.
 
     Close the iterator when you stop early (`contextlib.closing`): this ends the processes.

@@ -13,7 +13,7 @@ import platform
 import time
 import warnings
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,7 +59,7 @@ MARK = "seen"
 
 
 @CLUSTERS.register(DASK)
-def run_on_cluster(jobs: Iterator[Job], address: str, folder: Path | None) -> Iterator[Any]:
+def run_on_cluster(jobs: Iterator[Job], address: str, folder: Path | None) -> Generator[Any]:
     """Run jobs on a cluster and yield their results; see `run_batches`."""
     with _client(address) as client, sight_mark(folder) as mark:
         check_versions(client, address)

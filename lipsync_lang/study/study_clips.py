@@ -92,7 +92,7 @@ def render_clips(
     count = max(1, min(len(missing), workers or usable or 1))
     told(0, len(missing))
     rendering = run_batches(partial(_render, folder), missing.values(), workers=count)
-    with closing(rendering):  # type: ignore[type-var]  # a generator
+    with closing(rendering):
         for number, found in enumerate(rendering, 1):
             if isinstance(found, LostBatch):
                 raise OutputError(
