@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 
 from lipsync_lang.commands.options import option
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, listed
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (
     add_json,
@@ -49,16 +49,15 @@ def transcribe(options: Namespace) -> int:
     else:
         print("\n\n".join(transcript_table(speaker.to_json(t)) for t in heard))
     for transcript in heard:
-        for remark in transcript.remarks:
-            print(f"{transcript.text[:40]}: {remark}", file=sys.stderr)
-    if speaker.manner.weak:
-        print(speaker.manner.weak, file=sys.stderr)
-    lost = [t for t in heard if t.unmapped or t.unread]
-    for transcript in lost:
+        remarks = [*transcript.remarks]
         for what, which in (
             ("no mapping for", transcript.unmapped),
             ("not read:", transcript.unread),
+            ("not spoken:", transcript.dropped),
         ):
-            if which:
-                print(f"{transcript.text[:40]}: {what} {' '.join(which)}", file=sys.stderr)
-    return FAULTS if any(t.unmapped for t in lost) else SOUND
+            remarks += [f"{what} {listed(which)}"] if which else []
+        for remark in remarks:
+            print(f"{transcript.text[:40]}: {remark}", file=sys.stderr)
+    if speaker.manner.weak:
+        print(speaker.manner.weak, file=sys.stderr)
+    return FAULTS if any(one.unmapped for one in heard) else SOUND

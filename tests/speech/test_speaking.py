@@ -198,6 +198,13 @@ def test_what_is_not_read_is_named(ruled, cli):
         speak("77", "ruled", paths=[ruled])
 
 
+def test_transcribe_names_what_is_not_spoken(ruled, cli):
+    ended = cli("transcribe", "tam {who} 77 www.tam.com", "-l", "ruled", "--path", str(ruled))
+    assert ended.code == 0
+    assert "tam 77: not read: 7\n" in ended.err
+    assert "tam 77: not spoken: {who} www.tam.com\n" in ended.err
+
+
 # Words with a sound of their own
 
 
