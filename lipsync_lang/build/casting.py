@@ -4,11 +4,9 @@ from pathlib import Path
 
 from lipsync_lang.build.script_faults import ScriptFaults
 from lipsync_lang.build.script_files import ScriptLanguage
-from lipsync_lang.packs.answers import column_names
 from lipsync_lang.packs.finding import POSESET, Finder
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, stated_faces, unique
-from lipsync_lang.phonology.language_names import folded_language
 
 
 def languages_of(
@@ -22,9 +20,8 @@ def languages_of(
     for own, word in stated.items():
         path = next(map(Path, finder.lookup("language", own)), None)  # ENGINE:CODE has no pack
         name = own if path is None else path.stem
-        also = [] if path is None else column_names(path)
-        answers = dict.fromkeys(map(folded_language, [word or own, own, *also]))
-        found[len(found)] = ScriptLanguage(name, word or own.replace(":", "-"), tuple(answers))
+        names = finder.column_names(own, word)
+        found[len(found)] = ScriptLanguage(name, word or own.replace(":", "-"), names)
     return found
 
 

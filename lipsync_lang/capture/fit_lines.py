@@ -21,7 +21,6 @@ from lipsync_lang.pipeline.perform import Frames, Performance, lay_frames
 from lipsync_lang.pipeline.prepare import channel_kernel, prepare
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.pipeline.track import Track
-from lipsync_lang.rigs.driver import Driver
 from lipsync_lang.schedules.schedule import Schedule
 
 GAP_SHARE = 1e-6
@@ -175,8 +174,7 @@ def lay_lines(
             spoken |= (times >= start - EDGE_SECONDS) & (times <= end + EDGE_SECONDS)
         wanted[~spoken] = np.nan
         rig, at = None, None
-        if line.rigged and performer.compiled.rig:
-            driver = Driver.from_plain(performer.compiled.rig, performer.poses, tables.floors)
+        if line.rigged and (driver := performer.driver) is not None:
             order = [channel.name for channel in driver.channels]
             rig, at = driver.rig, np.array([order.index(name) for name in line.signals])
         laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains, rig, at))

@@ -8,7 +8,7 @@ from os.path import commonpath
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import MAX_KNOWN, LipsyncError, PackError, shortlist
+from lipsync_lang.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.files import STANDARD_STREAM
 from lipsync_lang.packs.project import FILE, find_project
 
@@ -109,7 +109,7 @@ class _Columns:
     ) -> None:
         self._encoding = encoding
         self._finder = finder
-        self.names = {one: _names(finder, one, words.get(one)) for one in languages}
+        self.names = {one: finder.column_names(one, words.get(one)) for one in languages}
         self._heads: dict[tuple[Path, ...], dict[Path, list[str]]] = {}
 
     def of(self, language: str, paths: tuple[Path, ...]) -> tuple[int, ...]:
@@ -140,17 +140,6 @@ class _Columns:
         """Return the names of the columns that were found in tables."""
         heads = zip(self._heads[paths].values(), found, strict=True)
         return ", ".join(dict.fromkeys(head[at] for head, at in heads if at >= 0))
-
-
-def _names(finder: "Finder", language: str, word: str | None) -> tuple[str, ...]:
-    """Return what a column of a language may be called."""
-    from lipsync_lang.packs.answers import column_names
-
-    try:
-        known = [] if ":" in language else column_names(Path(finder.find("language", language)))
-    except PackError:  # the count says so with its hint
-        known = []
-    return tuple(dict.fromkeys([*([word] if word else []), language, *known]))
 
 
 def weights_of(options: Namespace) -> dict[str, float]:

@@ -36,8 +36,8 @@ def answers_of(path: Path) -> list[str]:
     return list(dict.fromkeys(map(folded_language, found)))
 
 
-def column_names(path: Path) -> list[str]:
-    """Return what the column of a language may be called: name, title, tag and aliases, folded."""
+def named_as(path: Path) -> list[str]:
+    """Return the name, title, tag and aliases of a language's file, folded."""
     try:
         title = _TITLE_FIELD.search(read_bytes(path))
     except PackError:

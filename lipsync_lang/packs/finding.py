@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 from lipsync_lang.errors import PackError, did_you_mean
 from lipsync_lang.extensions import PACKS, EntryPoint, installed
 from lipsync_lang.files.reach import PATH_VARIABLE, is_reached, refuse_outside
-from lipsync_lang.packs.answers import answers_of
+from lipsync_lang.packs.answers import answers_of, named_as
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.phonology.language_names import folded_language
 
@@ -137,6 +137,16 @@ class Finder:
         first = {f.root.origin: f for f in self.names(kind) if f.name == name}
         own, shipped = first.get("project"), first.get("built-in")
         return (own.path,) if own and shipped and shipped.shadowed_by == own.path else ()
+
+    def column_names(self, language: str, word: str | None = None) -> tuple[str, ...]:
+        """Return what the column of a language may be called, the likeliest first.
+
+        A project has a `word` for the language; then come its name as given, and those of its pack.
+        """
+        known = [
+            name for path in self.lookup("language", language)[:1] for name in named_as(Path(path))
+        ]
+        return tuple(dict.fromkeys([*filter(None, [word]), language, *known]))
 
     def find(self, kind: Kind, name: str) -> Path:
         """Return the file of the first pack of that name; raise `PackError` if there is none.

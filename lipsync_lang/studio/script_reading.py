@@ -1,10 +1,8 @@
 """The reading of a script as the studio's project states it: its column and its speakers."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from lipsync_lang.coverage.corpus import Takes
-from lipsync_lang.packs.answers import column_names
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
 from lipsync_lang.studio.workshop import Workshop
@@ -55,8 +53,7 @@ def reading_of(workshop: Workshop, column: str | None, *, sent: bool) -> ScriptR
         if name == given or (paths and ":" not in name and finder.lookup("language", name) == paths)
     ]
     word = given if project is None or not own else project.languages[own[0]] or own[0]
-    known = column_names(Path(paths[0])) if paths else []
-    names = tuple(dict.fromkeys([word, given, *known]))  # that the column of the texts may have
+    names = finder.column_names(given, word)
     if project is None:
         return ScriptReading(column, names)
     character = workshop.character

@@ -7,7 +7,7 @@ import pytest
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.lines.columns import language_column, stated_column, text_column
 from lipsync_lang.lines.line_readers import LineFile
-from lipsync_lang.packs.answers import answers_of, column_names
+from lipsync_lang.packs.answers import answers_of, named_as
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.language_names import folded_language
@@ -116,13 +116,13 @@ def test_words_that_begin_like_a_tag_find_nothing(name):
     ],
 )
 def test_columns_are_found_by_every_name(language, heads):
-    names = column_names(LIBRARY.find("language", language))
+    names = named_as(LIBRARY.find("language", language))
     for head in heads:
         assert language_column(["id", "English", "Notes", head], names) == 3, head
 
 
 def test_the_first_alias_wins_over_a_later_one():
-    names = column_names(LIBRARY.find("language", "mandarin"))
+    names = named_as(LIBRARY.find("language", "mandarin"))
     assert language_column(["id", "tchinese", "schinese"], names) == 2
     head = ["id", "Chinese (Traditional)", "Chinese (Simplified)"]
     assert language_column(head, names) == 2
