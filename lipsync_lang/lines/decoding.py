@@ -73,8 +73,8 @@ def _misread(
     if asked:
         return f"{where}: is not {asked} ({why}); name another `encoding`, or save it as UTF-8"
     if chosen != "utf-8-sig":
-        return f"{where}: starts with the mark of {chosen.upper()} but is not valid ({why}); "
-        "save it as UTF-8"
+        mark = f"starts with the mark of {chosen.upper()} but is not valid ({why})"
+        return f"{where}: {mark}; save it as UTF-8"
     return (
         f"{where}: is not UTF-8 ({why}), and has no mark of UTF-16 or UTF-32 at its start; name "
         "its encoding (`encoding='cp1252'`), save it as UTF-8, or leave it out if it is not text"

@@ -759,7 +759,7 @@ def test_a_path_that_cannot_be_read_is_named_at_once(tmp_path, name, match):
         ("One\nGrüße\n".encode("latin-1"), r"a.txt:2: is not UTF-8 .* UTF-16 .*`encoding="),
         (b"One\n\0\x01\x02", r"a.txt:2: has zero bytes"),
         ("One".encode("utf-16-le"), r"a.txt:1: has zero bytes.*`encoding='utf-16-le'`"),
-        (b"\xff\xfea\0b", r"a.txt: starts with the mark of UTF-16 but is not"),
+        (b"\xff\xfea\0b", r"a.txt: starts with the mark of UTF-16 but is not .*; save it as UTF-8"),
         (b"x" * 1_000_001, r"a.txt:1: this line is longer"),
     ],
 )
