@@ -130,6 +130,23 @@ def test_a_frame_is_final_by_the_stated_delay(ended):
     assert stream.final_until >= LONG.times[-2] - stream.delay - 2 / 60
 
 
+def test_a_character_scales_gestures_of_a_stream_and_has_no_words_there(tmp_path):
+    (tmp_path / "characters").mkdir()
+
+    def blinking(stated):
+        text = f"kind: character\nformat: 1\nname: anna\nposeset: arkit\n{stated}\n"
+        (tmp_path / "characters/anna.yaml").write_text(text, "utf-8")
+        performer = ll.resolve("english", "anna", paths=[tmp_path], cache=False)
+        stream = performer.stream(60, gestures="blink")
+        stream.feed("_", 0, 20)
+        stream.finish()
+        return stream.frames()[1].max()
+
+    assert blinking("gestures: {blink: 0.5}") == pytest.approx(blinking("") / 2)
+    with pytest.raises(LipsyncError, match=r"dials: jaw has points .* give jaw a single level"):
+        blinking("dials: {jaw: [[0, 0.5], [1, 0.5]]}")
+
+
 def test_only_long_gestures_need_the_end_of_the_line():
     blinks, every = opened("arkit", gestures="blink"), opened("arkit")
     before = blinks.delay, every.delay
