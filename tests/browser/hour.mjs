@@ -70,9 +70,17 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
   result.exported = await page.textContent("dialog[open] [role=status]");
   await press("Escape");
 
-  // the server is killed; the page goes on with the next one
+  // the server is killed; the page asks the next one twice at once, and goes on
+  const started = new Promise((done) => createInterface({ input: process.stdin }).once("line", done));
+  let together, asking = 0;
+  const twice = new Promise((done) => { together = done; });
+  await page.route("**/api/state", async (route) => {
+    if (++asking === 2) together();
+    await Promise.all([started, twice]);
+    await route.continue();
+  });
   process.stdout.write("kill\n");
-  await new Promise((done) => createInterface({ input: process.stdin }).once("line", done));
+  await started;
   await page.evaluate(() => dispatchEvent(new Event("focus"))); // the animator comes back to the window
   await page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("was started again"), null, WAIT);
   await picture("started-again");

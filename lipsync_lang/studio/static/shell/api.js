@@ -69,6 +69,7 @@ async function back() {
 async function asked(path, init, direct) {
   if (away && !direct) await away;
   const returned = () => (away ??= back().finally(() => { away = null; }));
+  const known = server;
   let answer;
   try {
     answer = await fetch(`api/${path}`, init);
@@ -78,10 +79,10 @@ async function asked(path, init, direct) {
     if (ONCE.includes(path)) throw new Refusal(0, { error: `The studio ended before it could ${path}` });
     return asked(path, init, direct);
   }
-  const name = answer.headers.get("x-studio") ?? "", other = server !== "" && name !== server;
+  const name = answer.headers.get("x-studio") ?? "", noticed = name === server;
   server = name;
-  if (other && !direct) { // it was started again while nothing was asked, and knows no line yet
-    await returned();
+  if (known !== "" && name !== known && !direct) { // it was started again in between, and may know no line yet
+    await (noticed ? away : returned());
     if (!answer.ok || init.method !== "POST") return asked(path, init, direct);
   }
   if (answer.ok) {
