@@ -87,7 +87,6 @@ def check_all(
         if not isfinite(value) or value < 0:
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
         asked[name] = value
-    animations = [one.without_gestures() for one in animations]
     figures: list[list[Figure]] = [[] for _ in animations]
     for start in range(0, len(animations), BLOCK_LINES):
         scene = scene_of(animations[start : start + BLOCK_LINES], performer)

@@ -5,7 +5,7 @@ columns are the same for all its animations, so they are derived once.
 """
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -150,23 +150,24 @@ class Face:
 def face_of(animation: "Animation", performer: "Performer") -> Face:
     """Return the face of an animation: a performer's poses, or its rig's channels.
 
+    Columns of postures, expressions and gestures come after these, and are no part of the face.
     Other columns raise `LipsyncError`.
     """
     known = _FACES.setdefault(performer, {})
-    columns, driver = animation.poses, performer.driver
-    if columns in known:
-        return known[columns]
-    if columns == performer.poses:
-        known[columns] = _posed(performer)
-    elif driver and columns == tuple(channel.name for channel in driver.channels):
-        known[columns] = _rigged(performer, driver.rig, columns)
-    else:
-        raise LipsyncError(
-            f"the columns of the animation are not the poses of {performer.character}; read its "
-            "file for this character (quality.fitting.read_for), or name the character of the "
-            "animation"
-        )
-    return known[columns]
+    faces = {performer.poses: partial(_posed, performer)}
+    if (driver := performer.driver) is not None:
+        rigged = tuple(channel.name for channel in driver.channels)
+        faces.setdefault(rigged, partial(_rigged, performer, driver.rig, rigged))
+    for names in sorted(faces, key=len, reverse=True):
+        if animation.poses[: len(names)] == names:
+            if names not in known:
+                known[names] = faces[names]()
+            return known[names]
+    raise LipsyncError(
+        f"the columns of the animation are not the poses of {performer.character}; read its "
+        "file for this character (quality.fitting.read_for), or name the character of the "
+        "animation"
+    )
 
 
 _FACES: "WeakKeyDictionary[Performer, dict[tuple[str, ...], Face]]" = WeakKeyDictionary()

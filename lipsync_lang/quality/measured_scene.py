@@ -229,13 +229,14 @@ def scene_of(animations: "Sequence[Animation]", performer: "Performer") -> Measu
         weights that are not finite.
     """
     (face,) = {face_of(animation, performer) for animation in animations}
-    compiled, tracks, labels = performer.compiled, [], []
+    compiled, tracks, labels, judged = performer.compiled, [], [], []
     rest = compiled.phonemes[compiled.tables.silence]
     for animation in animations:
         times = animation.times
         if len(times) < 2:  # noqa: PLR2004 one frame does not move
             raise LipsyncError("the animation has fewer than two frames, which cannot be judged")
-        if not np.isfinite(animation.weights).all() or (times[1:] <= times[:-1]).any():
+        judged.append(animation.weights[:, : len(face.names)])
+        if not np.isfinite(judged[-1]).all() or (times[1:] <= times[:-1]).any():
             raise LipsyncError(
                 "the animation has times that do not rise, or weights that are not finite numbers"
             )
@@ -248,7 +249,7 @@ def scene_of(animations: "Sequence[Animation]", performer: "Performer") -> Measu
         labels += [own[at] if at >= 0 else rest for at in track.source.tolist()]
     return MeasuredScene(
         np.concatenate([animation.times for animation in animations]),
-        np.ascontiguousarray(np.concatenate([animation.weights for animation in animations]).T),
+        np.ascontiguousarray(np.concatenate(judged).T),
         np.cumsum([0, *(len(animation.times) for animation in animations)]),
         face,
         np.concatenate([track.ids for track in tracks]),

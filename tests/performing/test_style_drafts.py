@@ -14,6 +14,7 @@ from lipsync_lang import Schedule
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
+from lipsync_lang.quality.check_animation import check_all
 
 SAID = Schedule(
     ("M", "AA", "B", "IY", "S", "UW", "P", "AA"), np.arange(9) * 0.13, notation="arpabet"
@@ -61,6 +62,20 @@ POSTURES = [
     for style, stated in LIBRARY.poseset(name).model.styles.items()
     if stated.posture
 ]
+
+
+@pytest.mark.parametrize(("poseset", "style", "posture"), POSTURES)
+def test_a_line_is_judged_by_its_poses_of_speech_beside_a_posture(poseset, style, posture):
+    performer = ll.resolve("english", poseset)
+    plain, styled = (performer.perform(SAID, styles=own) for own in ({}, {style: 1}))
+    both = check_all([plain, styled], performer)
+    assert both == [*map(ll.check, (plain, styled))]
+    shown = performer.with_expression(styled, dict.fromkeys(["browInnerUp", *posture], 0.1))
+    assert len(shown.poses) > len(styled.poses) >= len(plain.poses)
+    for quality in (both[1], ll.check(shown)):
+        made = [one.value for one in quality.figures if one.name.startswith("contacts")]
+        assert made
+        assert not any(made)
 
 
 @pytest.mark.parametrize(("poseset", "style", "posture"), POSTURES)
