@@ -247,7 +247,8 @@ class Utterances:
             yield from mapped
             return
         vowels = self._forms.vowels
-        word = next(piece.text for piece in pieces(part_text(part)) if piece.kind == "word")
+        # a sign that is read, such as `=`, is no word
+        word = next((one.text for one in pieces(part_text(part)) if one.kind == "word"), "")
         yield from mapped[:first]
         for start, pause in part.starts:
             labels = start_labels(start, word, mapped[first].labels, self._is_vowel, vowels)
