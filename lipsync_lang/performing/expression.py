@@ -5,7 +5,7 @@ Weights add up, and speech takes precedence: an expression fills the remaining r
 - A contact takes precedence. While lips or teeth touch, an expression adds nothing to a pose that
   the contact keeps low; before and after, it fades with the weights that make the contact.
 - A constraint takes precedence. An expression adds no more to a pose than its pairs allow.
-- A shape that speech does not move has the weight of the expression.
+- A shape that speech does not move has the weight of the expression, and of a gesture.
 
 Weights of speech are never lowered, so its contacts and constraints still hold. While an expression
 fades, speed and acceleration may exceed the limits of the motion.
@@ -18,7 +18,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError, spelled
+from lipsync_lang.errors import spelled
 from lipsync_lang.performing.delivery import DialLevels, timed
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.pipeline.tables import Tables
@@ -28,27 +28,29 @@ from lipsync_lang.rigs.channel import Channel
 def with_expression(animation: Animation, tables: Tables, expression: DialLevels) -> Animation:
     """Return an animation with an expression added; see `Performer.with_expression`.
 
-    The tables have the contacts and constraints that the animation keeps.
+    The tables have the contacts and constraints that the animation keeps. Columns after their poses
+    are those of gestures, and of other expressions.
     """
-    if len(animation.poses) != len(tables.priority):
-        raise LipsyncError(
-            "an expression adds to poses; add it before you convert them to the channels of a rig"
-        )
     wanted = {
         spelled(name, animation.poses): timed("expression", name, level).at(animation.times)
         for name, level in expression.items()
     }
     weights = np.ascontiguousarray(animation.weights.T)
+    spoken = weights[: len(tables.priority)]
     # (T,) degree of each contact, 1 if it raises no pose. It may lose GIVEN to the softening,
     # and is closed all the same
     closed = [
-        (weights[one.raised].T / (one.floor[one.raised] - GIVEN)).clip(0, 1).min(1, initial=1.0)
+        (spoken[one.raised].T / (one.floor[one.raised] - GIVEN)).clip(0, 1).min(1, initial=1.0)
         for one in tables.contacts
     ]
     # a list, since the loop takes names out of `wanted`
     for name in [name for name in wanted if name in animation.poses]:
         pose = animation.poses.index(name)
-        weights[pose] += _added(wanted.pop(name), pose, weights, tables, closed)
+        if pose < len(spoken):
+            spoken[pose] += _added(wanted.pop(name), pose, spoken, tables, closed)
+        else:
+            most = 1.0 if animation.columns[pose].node is None else np.inf  # degrees of a bone
+            weights[pose] = np.minimum(weights[pose] + wanted.pop(name), most)
     rows = np.vstack([weights, *wanted.values()])
     channels = (*animation.columns, *map(Channel, wanted))
     return replace(

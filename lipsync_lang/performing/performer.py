@@ -407,6 +407,11 @@ class Performer:
         """
         from lipsync_lang.performing.expression import with_expression
 
+        if animation.poses[: len(self.poses)] != self.poses:
+            raise LipsyncError(
+                "an expression adds to poses; add it before you convert them to the channels of a "
+                "rig"
+            )
         tables = self.compiled.tables
         postures = animation.poses[len(self.poses) :][: len(self.compiled.posture["names"])]
         if postures and postures == tuple(self.compiled.posture["names"]):

@@ -51,6 +51,16 @@ def test_lips_that_shut_stay_shut_and_fade_a_bared_smile_smoothly(performer):
     assert np.abs(np.diff(smiling["mouthUpperUpLeft"])).max() < 0.2
 
 
+def test_an_expression_adds_to_gestures_and_to_another_expression(performer):
+    spoken = performer.perform(said(0.3), gestures="all")
+    smiling = performer.with_expression(spoken, {"mouthSmileLeft": 0.5, "browInnerUp": 0.2})
+    assert smiling.poses == (*spoken.poses, "mouthSmileLeft")
+    assert smiling["browInnerUp"] == pytest.approx(np.minimum(spoken["browInnerUp"] + 0.2, 1))
+    more = performer.with_expression(smiling, {"mouthSmileLeft": 0.2})
+    assert more["mouthSmileLeft"] == pytest.approx(0.7)
+    assert np.array_equal(more.without_gestures()["jawOpen"], spoken["jawOpen"])
+
+
 def test_an_animation_of_other_poses_is_refused():
     rigged = ll.resolve("english", "facefx")
     other = ll.resolve("english", "arkit").perform(said())
