@@ -7,7 +7,7 @@ from lanes import full
 from test_consumers import chromium, found, run
 from test_line_page import STATIC
 
-pytestmark = full
+pytestmark = [full, pytest.mark.xdist_group("curve_editor")]
 
 HERE = Path(__file__).parent
 WHOLE = [-0.02, 1.02, -0.04, 1.06]

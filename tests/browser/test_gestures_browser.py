@@ -12,7 +12,7 @@ from test_studio_gestures import line
 import lipsync_lang as ll
 from lipsync_lang.studio.workshop import Workshop
 
-pytestmark = full
+pytestmark = [full, pytest.mark.xdist_group("gestures")]
 
 HERE = Path(__file__).parent
 

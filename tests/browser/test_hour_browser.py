@@ -13,7 +13,7 @@ from lanes import full
 from test_consumers import chromium, found
 from test_studio_browser import Studio
 
-pytestmark = full
+pytestmark = [full, pytest.mark.xdist_group("hour")]
 
 HERE = Path(__file__).parent
 LINES = (

@@ -11,7 +11,7 @@ from test_line_page import schedule
 from lipsync_lang.studio.spoken_line import SpokenLine
 from lipsync_lang.studio.workshop import Workshop
 
-pytestmark = full
+pytestmark = [full, pytest.mark.xdist_group("phonemes")]
 
 HERE = Path(__file__).parent
 

@@ -12,7 +12,7 @@ import lipsync_lang as ll
 from lipsync_lang.studio.spoken_line import SpokenLine
 from lipsync_lang.studio.workshop import Workshop
 
-pytestmark = full
+pytestmark = [full, pytest.mark.xdist_group("sentence")]
 
 HERE = Path(__file__).parent
 

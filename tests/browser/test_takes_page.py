@@ -15,7 +15,7 @@ from test_consumers import chromium, found, run
 from lipsync_lang.cli import main
 from lipsync_lang.players.takes import Archive, Player
 
-pytestmark = full
+pytestmark = [full, pytest.mark.xdist_group("takes_page")]
 
 HERE = Path(__file__).parent
 

@@ -13,7 +13,7 @@ import lipsync_lang as ll
 
 pytest.importorskip("uvicorn", reason="the page needs uvicorn")
 pytest.importorskip("pocketsphinx", reason="the ear needs a model")
-pytestmark = full
+pytestmark = [full, pytest.mark.xdist_group("voice_page")]
 
 HERE = Path(__file__).parent
 

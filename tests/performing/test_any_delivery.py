@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import swept
+from lanes import costly, swept
 from shipped import LIBRARY
 
 import lipsync_lang as ll
@@ -44,6 +44,7 @@ def deliveries(draw, performer):
 
 
 @pytest.mark.parametrize("poseset", swept(POSESETS, quick=["arkit", "crab"]))
+@costly()
 @given(st.data())
 def test_any_delivery_is_performed_explained_and_judged(poseset, data):
     performer = resolved(poseset)
