@@ -52,8 +52,12 @@ def test_lips_that_shut_stay_shut_and_fade_a_bared_smile_smoothly(performer):
 
 
 def test_an_expression_adds_to_gestures_and_to_another_expression(performer):
-    spoken = performer.perform(said(0.3), gestures="all")
-    smiling = performer.with_expression(spoken, {"mouthSmileLeft": 0.5, "browInnerUp": 0.2})
+    nod = {"gesture": "nod", "at": 1}
+    spoken = performer.perform(said(0.3), gestures="all", placed=[nod])
+    shapes = {"mouthSmileLeft": 0.5, "browInnerUp": 0.2, "nod": 0.2}
+    smiling = performer.with_expression(spoken, shapes)
+    assert spoken["nod"].max() > 1  # degrees
+    assert smiling["nod"] == pytest.approx(spoken["nod"] + 0.2)
     assert smiling.poses == (*spoken.poses, "mouthSmileLeft")
     assert smiling["browInnerUp"] == pytest.approx(np.minimum(spoken["browInnerUp"] + 0.2, 1))
     more = performer.with_expression(smiling, {"mouthSmileLeft": 0.2})
