@@ -27,9 +27,9 @@ import numpy as np
 
 import lipsync_lang as ll
 from lipsync_lang.schedules import SILENCE, Schedule
-from lipsync_lang.speech.hearing.alignment import aligned
-from lipsync_lang.speech.sound import read_audio, resampled
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.hearing.alignment import aligned
+from lipsync_lang.sound.speech.sound import read_audio, resampled
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 SPOKEN = 20
 RATE = 16_000

@@ -17,8 +17,8 @@ import json_figures
 import numpy as np
 
 import lipsync_lang as ll
-from lipsync_lang.capture.capture_reading import read_captures
-from lipsync_lang.quality.baselines import dominance, keyframes, read_out
+from lipsync_lang.plugins.capture.capture_reading import read_captures
+from lipsync_lang.reports.quality.baselines import dominance, keyframes, read_out
 
 LANGUAGE = "german"
 """The pack that knows the labels, which are its SAMPA."""

@@ -24,15 +24,15 @@ import numpy as np
 from alignment import SNR, noisy, starts
 from hearing import FRAMES_OFF, music
 
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.lines.timings import TIMING_SUFFIXES
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.schedules import Schedule
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.schedules.timing_readers import read_schedule
-from lipsync_lang.speech.hearing.alignment import aligned
-from lipsync_lang.speech.sound import read_audio, resampled
-from lipsync_lang.speech.sound_forms import AUDIO_SUFFIXES
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.hearing.alignment import aligned
+from lipsync_lang.sound.speech.sound import read_audio, resampled
+from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.lines.timings import TIMING_SUFFIXES
 
 RATE = 16_000
 FAR_SECONDS = 0.1

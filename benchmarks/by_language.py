@@ -23,10 +23,10 @@ import motion
 
 import languages
 import lipsync_lang as ll
-from lipsync_lang.coverage import coverage
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.lines import read_lines
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.library import Library
+from lipsync_lang.reports.coverage import coverage
+from lipsync_lang.text.lines import read_lines
 
 LINES = 8
 """Lines of a text that are performed."""

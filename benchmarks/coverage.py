@@ -18,8 +18,8 @@ os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 if hasattr(os, "sched_setaffinity"):
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
 
-from lipsync_lang.coverage import coverage
-from lipsync_lang.lines import Line, read_lines
+from lipsync_lang.reports.coverage import coverage
+from lipsync_lang.text.lines import Line, read_lines
 
 GOAL_SECONDS, GOAL_MEMORY = 60, 500
 """For 10,000 lines; the memory for any number."""

@@ -26,13 +26,13 @@ from typing import Any, NamedTuple
 import json_figures
 import yaml
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.library import Library
-from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.resolver.language_tables import notations_of
 from lipsync_lang.resolver.nearest_phonemes import among
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.phonology.g2p.epitran import segments
+from lipsync_lang.text.phonology.labels import normalise
 
 CLOSED = "bmp"
 ROUNDED = {"w", "yu", "ao", "ow", "aw", "oy"}

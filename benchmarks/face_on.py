@@ -34,8 +34,8 @@ import json_figures
 import numpy as np
 
 import lipsync_lang as ll
-from lipsync_lang.quality.baselines import held, keyframes
 from lipsync_lang.render.video import film, find_ffmpeg
+from lipsync_lang.reports.quality.baselines import held, keyframes
 
 KINDS = {".mp4", ".mov", ".mkv", ".webm"}
 PIXELS = 480

@@ -27,13 +27,13 @@ import json_figures
 import numpy as np
 
 import lipsync_lang as ll
-from lipsync_lang.capture.accept_fit import accept_fit
-from lipsync_lang.capture.capture_reading import read_captures
-from lipsync_lang.capture.fit_captures import CaptureFit, fit_captures
-from lipsync_lang.capture.fit_lines import CapturedLine, lay_lines
-from lipsync_lang.capture.fit_values import FitFace
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.plugins.capture.accept_fit import accept_fit
+from lipsync_lang.plugins.capture.capture_reading import read_captures
+from lipsync_lang.plugins.capture.fit_captures import CaptureFit, fit_captures
+from lipsync_lang.plugins.capture.fit_lines import CapturedLine, lay_lines
+from lipsync_lang.plugins.capture.fit_values import FitFace
 from lipsync_lang.resolver.retouch import OpenPair
 
 CHARACTER = "kind: character\nformat: 1\nname: fitted\nposeset: {}\n"

@@ -27,11 +27,11 @@ import json_figures
 import numpy as np
 import warping
 
-from lipsync_lang.errors import SpeechError
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
-from lipsync_lang.speech.hearing.alignment import aligned
-from lipsync_lang.speech.sound import read_audio, resampled
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.hearing.alignment import aligned
+from lipsync_lang.sound.speech.sound import read_audio, resampled
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 RATE = 16_000
 LABIAL = tuple("pbm")

@@ -27,13 +27,13 @@ if hasattr(os, "sched_setaffinity"):
 
 import json_figures
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.resolver.nearest_phonemes import among_all
-from lipsync_lang.speech.speaking.speaker import Speaker
-from lipsync_lang.speech.speaking.transcripts import Transcript
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.transcripts import Transcript
 
 FACE = "facefx"
 """Any pose set: common phonemes are the same for all."""

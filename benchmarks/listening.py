@@ -33,8 +33,8 @@ import numpy as np
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.quality.baselines import read_out
-from lipsync_lang.speech.sound import read_audio, resampled
+from lipsync_lang.reports.quality.baselines import read_out
+from lipsync_lang.sound.speech.sound import read_audio, resampled
 
 POSESET, MEASURES = "facefx", {"aperture": 1.0, "protrusion": -1.0}
 RATE = 16_000

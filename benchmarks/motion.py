@@ -35,10 +35,10 @@ import numpy as np
 
 import lipsync_lang as ll
 from lipsync_lang.pipeline.hold import demands
-from lipsync_lang.quality import curve_statistics as statistics
-from lipsync_lang.quality.baselines import read_out
-from lipsync_lang.quality.face_columns import face_of
-from lipsync_lang.quality.likeness import CAPTURE_FPS
+from lipsync_lang.reports.quality import curve_statistics as statistics
+from lipsync_lang.reports.quality.baselines import read_out
+from lipsync_lang.reports.quality.face_columns import face_of
+from lipsync_lang.reports.quality.likeness import CAPTURE_FPS
 
 LINES = (
     "Please buy five more maps before Bob's baby puppy bumps.",

@@ -17,8 +17,8 @@ import numpy as np
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.build.takes import write_takes
-from lipsync_lang.players.takes import Archive, Player
+from lipsync_lang.faces.players.takes import Archive, Player
+from lipsync_lang.production.builds.takes import write_takes
 
 CHARACTERS = 1000
 RUNS = 9

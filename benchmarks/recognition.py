@@ -24,13 +24,13 @@ import json_figures
 import numpy as np
 
 import lipsync_lang as ll
-from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.labels import recognise
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
-from lipsync_lang.speech.hearing.alignment import aligned
-from lipsync_lang.speech.hearing.recognition import recognised
-from lipsync_lang.speech.sound import read_audio
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.hearing.alignment import aligned
+from lipsync_lang.sound.speech.hearing.recognition import recognised
+from lipsync_lang.sound.speech.sound import read_audio
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.phonology.labels import recognise
 
 FILLERS = {"uh", "um", "hmm", "mm"}
 SAME = {"gonna": "going to", "kinda": "kind of", "alright": "all right", "yknow": "you know"}

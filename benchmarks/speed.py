@@ -27,8 +27,8 @@ import speed_performing
 import speed_script
 from speed_table import HEAD, Figures, Row, read_rows
 
+from lipsync_lang.base.version import __version__
 from lipsync_lang.pipeline import kernel
-from lipsync_lang.version import __version__
 
 Section = Callable[[Figures, argparse.Namespace], None]
 

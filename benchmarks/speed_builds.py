@@ -15,9 +15,9 @@ from zlib import compress
 from speed_script import EDITED, BuildError, Script, script
 from speed_table import Figures, best, say
 
-from lipsync_lang.build.project_build import ProjectBuild
-from lipsync_lang.build.records import Records
 from lipsync_lang.cli import main
+from lipsync_lang.production.builds.project_build import ProjectBuild
+from lipsync_lang.production.builds.records import Records
 
 WHOLE = 10_000
 """Lines of the goals."""

@@ -23,13 +23,13 @@ from typing import Any
 import json_figures
 import numpy as np
 
-from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.align import align
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
-from lipsync_lang.speech import ENGINES
-from lipsync_lang.speech.hearing.align.warping import Warp
-from lipsync_lang.speech.sound import read_audio
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech import ENGINES
+from lipsync_lang.sound.speech.hearing.align.warping import Warp
+from lipsync_lang.sound.speech.sound import read_audio
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.phonology.align import align
 
 GERMAN = {
     "dfg91_s1em_0666": "Melanies Omi Kallim mit ihr ein Lied.",

@@ -39,17 +39,17 @@ from PIL import Image, ImageDraw, ImageFont
 import lipsync_lang as ll
 from lipsync_lang.animations.keys import curves
 from lipsync_lang.packs.finding import built_in
-from lipsync_lang.quality.curve_statistics import HIGH_HERTZ
-from lipsync_lang.quality.likeness import CAPTURE_FPS
 from lipsync_lang.render.model.camera import close_up
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.plot import plot
 from lipsync_lang.render.staging import staged, sweep
+from lipsync_lang.reports.quality.curve_statistics import HIGH_HERTZ
+from lipsync_lang.reports.quality.likeness import CAPTURE_FPS
 from lipsync_lang.schedules.schedule import SILENCE
-from lipsync_lang.speech.hearing.adaptation import adapt, spoken_files, write_adapted
-from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import models_of
-from lipsync_lang.speech.sound import resampled
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.hearing.adaptation import adapt, spoken_files, write_adapted
+from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_of
+from lipsync_lang.sound.speech.sound import resampled
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -22,8 +22,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from lipsync_lang.files import atomic
-from lipsync_lang.version import __version__
+from lipsync_lang.base.files import atomic
+from lipsync_lang.base.version import __version__
 
 ROOT = Path(__file__).parents[1]
 MEASURED = ROOT / "docs" / "measured.json"

@@ -6,7 +6,7 @@
 
 The script builds the wheel, and pip installs it without bytecode into empty folders: alone, and
 then with one extra each. The size of an extra is the difference. `docs/extras_mb.json` keeps the
-sizes. `lipsync_lang/extras.json` states the purpose of each extra.
+sizes. `lipsync_lang/base/extras.json` states the purpose of each extra.
 """
 
 import json
@@ -40,7 +40,7 @@ def names() -> list[str]:
 
 def table(kept: Mapping[str, Any]) -> str:
     """Return the table of all extras, with their kept sizes."""
-    told = json.loads((ROOT / "lipsync_lang/extras.json").read_text("utf-8"))
+    told = json.loads((ROOT / "lipsync_lang/base/extras.json").read_text("utf-8"))
     known = {name: (one["purpose"], one["used_by"]) for name, one in told.items()} | GATHERED
     sizes = kept["beyond_core_mb"]
     lines = ["| Extra | Purpose | Commands | MB |", "| --- | --- | --- | ---: |"]

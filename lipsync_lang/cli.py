@@ -15,15 +15,15 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.extensions import PluginWarning, plug_in_behind
+from lipsync_lang.base.files.signals import Terminated, terminating
+from lipsync_lang.base.files.targets import read_only
+from lipsync_lang.base.terminal import safe_streams
 from lipsync_lang.commands.defaults import fill
 from lipsync_lang.commands.output import FAULTS, INTERRUPTED, MISUSE, SOUND, as_options
 from lipsync_lang.commands.parser import parser
 from lipsync_lang.commands.registry import COMMANDS, Handler
-from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.extensions import PluginWarning, plug_in_behind
-from lipsync_lang.files.signals import Terminated, terminating
-from lipsync_lang.files.targets import read_only
-from lipsync_lang.terminal import safe_streams
 
 LOG_VARIABLE = "LIPSYNC_LANG_LOG"
 """Environment variable for the log level: `debug` or `info`."""

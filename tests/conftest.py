@@ -16,7 +16,7 @@ from places import ROOT, TESTS
 from lipsync_lang.cli import main
 from lipsync_lang.pipeline import kernel
 
-sys.path.extend(str(folder) for folder in TESTS.iterdir() if folder.is_dir())
+sys.path.extend({str(module.parent) for module in sorted(TESTS.rglob("*.py"))})
 DATA = "LIPSYNC_LANG_TEST_DATA"
 """Environment variable: the folder of foreign recordings and alignments."""
 

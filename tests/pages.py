@@ -13,8 +13,8 @@ from places import ROOT
 from shipped import LIBRARY
 from small_models import glb
 
+from lipsync_lang.base.extras import extras
 from lipsync_lang.cli import main
-from lipsync_lang.extras import extras
 from lipsync_lang.packs.finding import built_in
 
 PAGES = sorted(p for p in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])

@@ -1,6 +1,6 @@
 """Spellings of labels in a table of a notation."""
 
-from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.text.phonology.labels import normalise
 
 
 def spelling_conflicts(table):

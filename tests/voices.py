@@ -1,7 +1,7 @@
 """Voices of speech engines, without a language."""
 
-from lipsync_lang.speech import speak_many
-from lipsync_lang.speech.results import raised
+from lipsync_lang.sound.speech import speak_many
+from lipsync_lang.sound.speech.results import raised
 
 
 def speak(text, voice, **how):

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, Self, get_args
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.errors import LipsyncError, refuse_other
-from lipsync_lang.extras import package_line
-from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.base.errors import LipsyncError, refuse_other
+from lipsync_lang.base.extras import package_line
+from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -241,7 +241,7 @@ class Animation:
 
     def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:
         """Return the (T,) curve of one pose."""
-        from lipsync_lang.errors import did_you_mean, spelled
+        from lipsync_lang.base.errors import did_you_mean, spelled
 
         name = spelled(pose, self.poses)
         if name not in self.poses:
@@ -289,7 +289,7 @@ class Animation:
             a straight line
         """
         from lipsync_lang.animations.animation_writers import save
-        from lipsync_lang.files import argument_path
+        from lipsync_lang.base.files import argument_path
 
         shown = self
         if keys is not None:

@@ -8,10 +8,10 @@ from typing import NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import AnimationError
-from lipsync_lang.extensions import Format, Formats
-from lipsync_lang.files import read_input
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import AnimationError
+from lipsync_lang.base.extensions import Format, Formats
+from lipsync_lang.base.files import read_input
 from lipsync_lang.schedules.schedule import Schedule
 
 MAX_ANIMATION_BYTES = 2**30

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import BinaryIO, TextIO
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.errors import OutputError
-from lipsync_lang.extensions import Format, Formats
-from lipsync_lang.files import STANDARD_STREAM, argument_path, atomic
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.extensions import Format, Formats
+from lipsync_lang.base.files import STANDARD_STREAM, argument_path, atomic
 
 WriteText = Callable[[Animation, TextIO], None]
 WriteBytes = Callable[[Animation, BinaryIO], None]

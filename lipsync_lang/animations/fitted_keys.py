@@ -8,8 +8,8 @@ both sides. `rigs.splines` has the formula of the curves.
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.rigs.splines import Spline, hermite
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.faces.rigs.splines import Spline, hermite
 
 CONTACT_TOLERANCE = 1e-3
 """Shortfall of a pose from the floor of its contact that nobody sees."""

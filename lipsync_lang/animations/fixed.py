@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import OutputError
-from lipsync_lang.rigs.channel import Channel
-from lipsync_lang.rigs.head_turn import HEAD_ANGLES, HeadTurn, head_angles
-from lipsync_lang.rigs.model import some
-from lipsync_lang.rigs.shape_matching import placed
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.faces.rigs.head_turn import HEAD_ANGLES, HeadTurn, head_angles
+from lipsync_lang.faces.rigs.model import some
+from lipsync_lang.faces.rigs.shape_matching import placed
 
 
 class FormatNames(NamedTuple):

@@ -14,8 +14,8 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import shape_columns
-from lipsync_lang.arrays import Floats, Ints
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.base.errors import OutputError
 
 HOLD_SECONDS = 0.1
 """Minimum duration of a shape in seconds; shorter shapes flicker."""

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.animations.fitted_keys import fit
-from lipsync_lang.arrays import Floats, Ints
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.base.errors import LipsyncError
 
 ERROR = 0.005
 """Default maximum error, in units of pose weight."""

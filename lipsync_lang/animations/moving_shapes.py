@@ -10,9 +10,9 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import KeyedCurve
-from lipsync_lang.arrays import Floats
-from lipsync_lang.rigs.model import is_index, known_model
-from lipsync_lang.rigs.shape_matching import on_mesh
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.faces.rigs.model import is_index, known_model
+from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
 
 class MovingShape(NamedTuple):
@@ -57,7 +57,7 @@ def keys(animation: Animation, found: list[MovingShape], suits: float) -> list[K
 
 def on_model(animation: Animation) -> list[tuple[str, str, int]]:
     """Return mesh, shape name and column of each shape that moves points of a known model."""
-    from lipsync_lang.rigs.read_outs import still_by_mesh
+    from lipsync_lang.faces.rigs.read_outs import still_by_mesh
 
     if animation.model is None:
         return []

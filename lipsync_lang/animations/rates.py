@@ -8,7 +8,7 @@ import re
 from fractions import Fraction
 from math import isfinite
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 
 NTSC = Fraction(1000, 1001)
 """Ratio of NTSC rates to their nominal whole rates."""

@@ -17,15 +17,15 @@ from lipsync_lang.authoring.new_pack import (
     place_model,
 )
 from lipsync_lang.authoring.rig import drafted, rig_lines
-from lipsync_lang.errors import LipsyncError, ModelError, PackError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError, ModelError, PackError, did_you_mean
+from lipsync_lang.faces.rigs.model import Model, read_model, some
+from lipsync_lang.faces.rigs.read_outs import apertures
+from lipsync_lang.faces.rigs.recognise import Match, recognise
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import PoseSet
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.value_text import as_scalar
-from lipsync_lang.rigs.model import Model, read_model, some
-from lipsync_lang.rigs.read_outs import apertures
-from lipsync_lang.rigs.recognise import Match, recognise
 
 MAX_ALTERNATIVES = 3
 

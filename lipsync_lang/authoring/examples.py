@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.authoring.new_pack import write_new
-from lipsync_lang.errors import LipsyncError, OutputError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError, OutputError, did_you_mean
 from lipsync_lang.packs.finding import FOLDERS, SHARED, built_in
 
 EXAMPLE_FOLDERS = ("examples", "docs/examples")

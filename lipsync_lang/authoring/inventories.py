@@ -13,8 +13,8 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.files.reading import MIB_BYTES, read_input, utf8_text
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.files.reading import MIB_BYTES, read_input, utf8_text
 
 ID_COLUMNS = ("InventoryID", "inventory_id")
 SEGMENT = ("Phoneme", "phoneme_raw", "phoneme", "segment")

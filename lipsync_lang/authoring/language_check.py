@@ -13,14 +13,14 @@ import numpy as np
 
 from lipsync_lang.authoring.sound_table import SoundTable
 from lipsync_lang.authoring.trial import doubts, try_out
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.reports.text_table import columns
 from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
 
 FAILED_TEST = "P221"

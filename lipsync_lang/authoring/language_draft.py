@@ -18,15 +18,15 @@ from lipsync_lang.authoring.new_pack import (
     head,
     pack_bytes,
 )
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.value_text import as_scalar
-from lipsync_lang.phonology.g2p import Settings, engine
-from lipsync_lang.phonology.g2p.lexicon import read_lexicon
-from lipsync_lang.phonology.labels import normalise
-from lipsync_lang.phonology.nearest import Nearest
 from lipsync_lang.resolver.nearest_phonemes import among_all
+from lipsync_lang.text.phonology.g2p import Settings, engine
+from lipsync_lang.text.phonology.g2p.lexicon import read_lexicon
+from lipsync_lang.text.phonology.labels import normalise
+from lipsync_lang.text.phonology.nearest import Nearest
 
 NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 100, 1000, 1000000))
 """Sample texts for any voice: number words, which cover most sounds of a language."""

@@ -15,9 +15,9 @@ from pathlib import Path
 from shutil import copyfileobj
 from typing import BinaryIO
 
-from lipsync_lang.errors import LipsyncError, PackError
-from lipsync_lang.files import write_all
-from lipsync_lang.files.reach import refuse_outside
+from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.base.files import write_all
+from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.finding import WHOLE_MODELS
 
 WRAP_CHARS = 100

@@ -8,7 +8,7 @@ from os.path import normpath, relpath
 from pathlib import Path
 
 from lipsync_lang.authoring.new_pack import write_new
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.finding import FOLDERS, POSESET, beside, yaml_files
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import spliced

@@ -20,16 +20,16 @@ from lipsync_lang.authoring.new_pack import (
     place_model,
 )
 from lipsync_lang.authoring.poseset_text import poseset_lines
-from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.faces.rigs.driver import bare
+from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.packs import models
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.packs.yaml.value_text import as_scalar
 from lipsync_lang.pipeline.motion import PRESETS
-from lipsync_lang.rigs.driver import bare
-from lipsync_lang.rigs.model import read_model
-from lipsync_lang.rigs.shape_matching import placed
 
 STRONG = 0.8
 """Weight of a guessed pose at the sounds assigned to it."""

@@ -5,7 +5,7 @@ Input is the plain data of the JSON output; output is one string with line break
 
 from typing import Any
 
-from lipsync_lang.reports.text_table import columns
+from lipsync_lang.base.presentation.text_table import columns
 
 
 def transcript_table(told: dict[str, Any]) -> str:

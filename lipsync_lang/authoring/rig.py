@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping
 from textwrap import wrap
 
 from lipsync_lang.authoring.new_pack import WRAP_CHARS, head
+from lipsync_lang.faces.rigs.model import Model
+from lipsync_lang.faces.rigs.recognise import Match
+from lipsync_lang.faces.rigs.shape_matching import folded
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.rig_channels import channels_of, expanded
 from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
-from lipsync_lang.rigs.model import Model
-from lipsync_lang.rigs.recognise import Match
-from lipsync_lang.rigs.shape_matching import folded
 
 ABSENT_SHAPE = "the model has no shape for it"
 """Reason for a lost pose without a shape in the model."""

@@ -10,15 +10,11 @@ from math import inf
 from typing import Any
 
 from lipsync_lang.authoring.trial import Trial, try_out
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library, Pack
-from lipsync_lang.phonology.g2p import SpokenWord
-from lipsync_lang.phonology.labels import Notation, looser, normalise
-from lipsync_lang.phonology.manner import Manner
-from lipsync_lang.phonology.nearest import SMALL_MARK, NearestPhonemes
 from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import (
     among,
@@ -27,7 +23,11 @@ from lipsync_lang.resolver.nearest_phonemes import (
     fights,
     reason_for,
 )
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.phonology.g2p import SpokenWord
+from lipsync_lang.text.phonology.labels import Notation, looser, normalise
+from lipsync_lang.text.phonology.manner import Manner
+from lipsync_lang.text.phonology.nearest import SMALL_MARK, NearestPhonemes
 
 NEEDS = ("unmapped", "doubtful", "automatic", "loses", "")
 """Reasons to check a row, the most urgent first."""

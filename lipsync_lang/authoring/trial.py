@@ -8,20 +8,20 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import extended, test_fault
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.phonology.g2p.g2p_engines import Rule
-from lipsync_lang.phonology.g2p.rules import Rewriter
-from lipsync_lang.phonology.g2p.tokens import pieces
-from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import among, fights
-from lipsync_lang.speech.speaking.speaker import KnownReadings, Speaker
-from lipsync_lang.speech.speaking.transcripts import Transcript
+from lipsync_lang.sound.speech.speaking.speaker import KnownReadings, Speaker
+from lipsync_lang.sound.speech.speaking.transcripts import Transcript
+from lipsync_lang.text.phonology.g2p.g2p_engines import Rule
+from lipsync_lang.text.phonology.g2p.rules import Rewriter
+from lipsync_lang.text.phonology.g2p.tokens import pieces
+from lipsync_lang.text.phonology.labels import normalise
 
 
 @dataclass(frozen=True)

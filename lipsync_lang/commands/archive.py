@@ -4,11 +4,11 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.base.errors import count
 from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND, as_json, tell_written
 from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import add_json
-from lipsync_lang.errors import count
 
 family(
     "archive", "show archives of takes, put them together, or make patches of them",
@@ -59,7 +59,7 @@ def _add_show(action: Add) -> None:
 
 def merge(options: Namespace) -> int:
     """Put archives together."""
-    from lipsync_lang.build.takes import merged, write_takes
+    from lipsync_lang.production.builds.takes import merged, write_takes
 
     takes = merged(options.parts)
     write_takes(options.output, takes)
@@ -70,8 +70,8 @@ def merge(options: Namespace) -> int:
 
 def diff(options: Namespace) -> int:
     """Write a patch between two archives."""
-    from lipsync_lang.build.takes import archive_of, difference, read_takes
-    from lipsync_lang.files import atomic
+    from lipsync_lang.base.files import atomic
+    from lipsync_lang.production.builds.takes import archive_of, difference, read_takes
 
     old, new = archive_of(options.old), archive_of(options.new)
     patch = difference(old, new)
@@ -87,7 +87,7 @@ def diff(options: Namespace) -> int:
 
 def apply(options: Namespace) -> int:
     """Apply a patch."""
-    from lipsync_lang.build.takes import patched, write_takes
+    from lipsync_lang.production.builds.takes import patched, write_takes
 
     output = options.output or options.archive
     write_takes(output, patched(options.archive, options.patch))
@@ -97,7 +97,7 @@ def apply(options: Namespace) -> int:
 
 def show(options: Namespace) -> int:
     """Check an archive or a patch, and list its takes."""
-    from lipsync_lang.build.takes import read_takes
+    from lipsync_lang.production.builds.takes import read_takes
 
     found = read_takes(options.archive).takes
     if options.json:

@@ -4,12 +4,12 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.base.files import STANDARD_STREAM, argument_path, atomic
 from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import plot_kind
 from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import add_json, add_pair
-from lipsync_lang.files import STANDARD_STREAM, argument_path, atomic
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""
@@ -62,7 +62,7 @@ def _add_diff(action: Add) -> None:
 
 def draft(options: Namespace) -> int:
     """Draft bigrams; print them as YAML or put them into a bank."""
-    from lipsync_lang.banks.write import bigrams_yaml, write_drafts
+    from lipsync_lang.packs.banks.write import bigrams_yaml, write_drafts
     from lipsync_lang.packs.library import Library
     from lipsync_lang.resolver.bigram_sources import draft_bigrams
 

@@ -11,18 +11,18 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.base.errors import LipsyncError, count, shortlist
+from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.build_watch import MadeByBuilds, StandingRemarks, watch_project
 from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
-from lipsync_lang.errors import LipsyncError, count, shortlist
-from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
-    from lipsync_lang.build.build_run import BuildOutcome
-    from lipsync_lang.build.planning import BuildPlan
-    from lipsync_lang.build.project_build import ProjectBuild
+    from lipsync_lang.production.builds.build_run import BuildOutcome
+    from lipsync_lang.production.builds.planning import BuildPlan
+    from lipsync_lang.production.builds.project_build import ProjectBuild
 
 MAX_NAMED = 3
 """Maximum number of reasons or paths in a line."""
@@ -90,12 +90,12 @@ def build(options: Namespace) -> int:
 
 
 def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> int:
-    from lipsync_lang.build.build_run import locked, make
-    from lipsync_lang.build.faces import write_faces
-    from lipsync_lang.build.keeping import prune
-    from lipsync_lang.build.project_build import ProjectBuild, Selection
-    from lipsync_lang.build.records import Records
-    from lipsync_lang.build.shards import Shard
+    from lipsync_lang.production.builds.build_run import locked, make
+    from lipsync_lang.production.builds.faces import write_faces
+    from lipsync_lang.production.builds.keeping import prune
+    from lipsync_lang.production.builds.project_build import ProjectBuild, Selection
+    from lipsync_lang.production.builds.records import Records
+    from lipsync_lang.production.builds.shards import Shard
 
     teller = BuildTeller(as_events=options.json)
     teller.begin("reading the script")
@@ -215,7 +215,7 @@ def _report(
     deleted: list[str],
 ) -> tuple[dict[str, Any], list[Any], bool]:
     """Write the reports; return the figures, the lines past a limit, and if all passed."""
-    from lipsync_lang.build.build_reports import report
+    from lipsync_lang.production.builds.build_reports import report
 
     tally, over = report(project, outcome, project.refused(), reports, SHOWN_LINES)
     gone = [path for _, record in outcome.plan.gone for path in record.outputs]

@@ -7,13 +7,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.extras import install_line
 from lipsync_lang.commands.output import SOUND
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.extras import install_line
 
 if TYPE_CHECKING:
-    from lipsync_lang.build.project_build import ProjectBuild
     from lipsync_lang.packs.yaml.faults import Fault
+    from lipsync_lang.production.builds.project_build import ProjectBuild
 
 WAKE_MILLISECONDS = 500
 """Longest wait for a change before the watcher looks at signals; the first one comes before the
@@ -52,8 +52,8 @@ class MadeByBuilds:
 
     def learn(self, project: "ProjectBuild", reports: Iterable[Path]) -> None:
         """Read the current files of a project."""
-        from lipsync_lang.build.archives import split_archive
-        from lipsync_lang.build.build_reports import pages_folder
+        from lipsync_lang.production.builds.archives import split_archive
+        from lipsync_lang.production.builds.build_reports import pages_folder
 
         files = {str(path.absolute()) for path in reports}
         for line in project.lines:
@@ -65,9 +65,9 @@ class MadeByBuilds:
 
     def has(self, path: str) -> bool:
         """Return True for a file that builds write."""
-        from lipsync_lang.build.faces import FACE_SUFFIX
-        from lipsync_lang.build.records import FOLDER
-        from lipsync_lang.files.temporary import SUFFIX
+        from lipsync_lang.base.files.temporary import SUFFIX
+        from lipsync_lang.production.builds.faces import FACE_SUFFIX
+        from lipsync_lang.production.builds.records import FOLDER
 
         at = Path(path)
         return (

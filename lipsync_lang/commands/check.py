@@ -7,20 +7,20 @@ from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.performing import LINE_PAGE, perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json_form, add_line, add_output
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import write_all
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.quality.figures import Quality
+    from lipsync_lang.reports.quality.figures import Quality
 
 SUFFIXES = {".json": "json", ".xml": "junit", ".html": LINE_PAGE}
 """Format of a file by its suffix; all other files are text."""
@@ -55,9 +55,9 @@ def _add_check(add: Add) -> None:
 
 def check(options: Namespace) -> int:
     """Print the figures of an animation; a figure past its limit is a fault."""
-    from lipsync_lang.quality.baselines import BASELINES
-    from lipsync_lang.quality.check_animation import check as judge
-    from lipsync_lang.quality.quality_report import FORMATS
+    from lipsync_lang.reports.quality.baselines import BASELINES
+    from lipsync_lang.reports.quality.check_animation import check as judge
+    from lipsync_lang.reports.quality.quality_report import FORMATS
 
     performer = performer_for(options)
     animation, remarks = _animation(options, performer)
@@ -103,7 +103,7 @@ def _page(
 ) -> str:
     """Return a page of the first take, with the others beside it."""
     from lipsync_lang.animations.animation import ExportSettings
-    from lipsync_lang.quality.fitting import on_model
+    from lipsync_lang.reports.quality.fitting import on_model
     from lipsync_lang.studio.line_page import line_page
 
     first, *others = takes
@@ -116,7 +116,7 @@ def _page(
 def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, tuple[str, ...]]":
     """Perform the line, or read its animation from a file."""
     if options.animation is not None:
-        from lipsync_lang.quality.fitting import read_for
+        from lipsync_lang.reports.quality.fitting import read_for
 
         spoken = any(getattr(options, of) is not None for of in ("text", "schedule", "audio"))
         schedule = schedule_for(options, performer) if spoken else None

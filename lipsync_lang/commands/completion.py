@@ -4,10 +4,10 @@ from argparse import ArgumentParser, Namespace, _SubParsersAction
 from collections.abc import Iterator
 from pathlib import Path
 
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.extras import install_line
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.extras import install_line
 
 SHELLS = ("bash", "zsh", "tcsh", "fish", "powershell")
 FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}

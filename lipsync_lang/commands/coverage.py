@@ -10,6 +10,9 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+from lipsync_lang.base.errors import LipsyncError, OutputError, shortlist
+from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
+from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.coverage_corpus import CorpusPart, corpus_parts, shown_names, weights_of
 from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_written
@@ -21,16 +24,13 @@ from lipsync_lang.commands.shared_options import (
     add_values,
     cleaning,
 )
-from lipsync_lang.coverage.forms import FORMS, SUFFIXES, FormOptions
-from lipsync_lang.errors import LipsyncError, OutputError, shortlist
-from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
-from lipsync_lang.terminal import progress, wipe
+from lipsync_lang.reports.coverage.forms import FORMS, SUFFIXES, FormOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from lipsync_lang.coverage import Coverage
-    from lipsync_lang.lines import Line
+    from lipsync_lang.reports.coverage import Coverage
+    from lipsync_lang.text.lines import Line
 
 WHOLE = 100
 """Percent."""
@@ -93,7 +93,7 @@ def _add_coverage(add: Add) -> None:
 
 def coverage(options: Namespace) -> int:
     """Count a corpus and print what it needs; too little authored is a fault."""
-    from lipsync_lang.coverage.changes import read_document, since
+    from lipsync_lang.reports.coverage.changes import read_document, since
 
     if options.fail_under is not None and not 0 <= options.fail_under <= WHOLE:
         raise LipsyncError(f"--fail-under {options.fail_under:g}: give a percentage, 0 to 100")
@@ -118,13 +118,13 @@ def coverage(options: Namespace) -> int:
 
 def _counted(options: Namespace) -> "Coverage":
     """Count all lines together and each column separately."""
-    from lipsync_lang.coverage import coverage as count
-    from lipsync_lang.coverage.column_joining import joined
-    from lipsync_lang.coverage.heard_lines import heard_lines
-    from lipsync_lang.lines import read_lines
-    from lipsync_lang.speech.needed_extras import engines_of, refuse_missing
-    from lipsync_lang.speech.sound_forms import AUDIO_SUFFIXES
-    from lipsync_lang.speech.speaking.speaker import Speaker
+    from lipsync_lang.reports.coverage import coverage as count
+    from lipsync_lang.reports.coverage.column_joining import joined
+    from lipsync_lang.reports.coverage.heard_lines import heard_lines
+    from lipsync_lang.sound.speech.needed_extras import engines_of, refuse_missing
+    from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+    from lipsync_lang.sound.speech.speaking.speaker import Speaker
+    from lipsync_lang.text.lines import read_lines
 
     parts = corpus_parts(options)
     weights = weights_of(options)

@@ -8,8 +8,8 @@ from os.path import commonpath
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import MAX_KNOWN, LipsyncError, shortlist
-from lipsync_lang.files import STANDARD_STREAM
+from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
+from lipsync_lang.base.files import STANDARD_STREAM
 from lipsync_lang.packs.project import FILE, find_project
 
 if TYPE_CHECKING:
@@ -47,9 +47,9 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
     LipsyncError
         Nothing is to be read, or a table has no column for a language.
     """
-    from lipsync_lang.coverage.heard_lines import is_recording, unwritten
-    from lipsync_lang.lines.line_readers import line_files
     from lipsync_lang.packs.finding import Finder, folders_of
+    from lipsync_lang.reports.coverage.heard_lines import is_recording, unwritten
+    from lipsync_lang.text.lines.line_readers import line_files
 
     finder = Finder(folders_of(options.path))
     stated = _stated(options.language, options.column)
@@ -114,8 +114,8 @@ class _Columns:
 
     def of(self, language: str, paths: tuple[Path, ...]) -> tuple[int, ...]:
         """Return the column in each table, or -1 where the likeliest text is taken."""
-        from lipsync_lang.lines.columns import language_column, text_column
-        from lipsync_lang.lines.line_readers import heads
+        from lipsync_lang.text.lines.columns import language_column, text_column
+        from lipsync_lang.text.lines.line_readers import heads
 
         if paths not in self._heads:
             self._heads[paths] = heads(paths, self._encoding)

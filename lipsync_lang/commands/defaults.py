@@ -7,8 +7,8 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files.reach import name_folders, refuse_outside
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.files.reach import name_folders, refuse_outside
 from lipsync_lang.packs.project import FILE, NARRATOR, find_project, load_project
 from lipsync_lang.packs.speaker_faces import OTHERS, stated_faces
 

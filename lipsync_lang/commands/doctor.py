@@ -39,7 +39,7 @@ def doctor(options: Namespace) -> int:
     if options.json:
         print(as_json([one._asdict() for one in found]))
     else:
-        from lipsync_lang.reports.text_table import columns
+        from lipsync_lang.base.presentation.text_table import columns
 
         rows = list(columns([(one.state, one.part, one.told) for one in found]))
         for section in (ALWAYS, PROJECT, OPTIONAL):

@@ -11,13 +11,13 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
 
-from lipsync_lang.errors import LipsyncError, SpeechError, count, shortlist
-from lipsync_lang.extensions import PACKS, Extensions, plug_ins
-from lipsync_lang.extras import Extra, extras, install_line
-from lipsync_lang.version import __version__
+from lipsync_lang.base.errors import LipsyncError, SpeechError, count, shortlist
+from lipsync_lang.base.extensions import PACKS, Extensions, plug_ins
+from lipsync_lang.base.extras import Extra, extras, install_line
+from lipsync_lang.base.version import __version__
 
 if TYPE_CHECKING:
-    from lipsync_lang.extensions import EntryPoint
+    from lipsync_lang.base.extensions import EntryPoint
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Language
 
@@ -35,7 +35,7 @@ SHOWN_NAMES = 5
 
 IMPORT_PLUG_IN = """
 import sys
-from lipsync_lang.extensions import faults_of_plug_in
+from lipsync_lang.base.extensions import faults_of_plug_in
 sys.exit("; ".join(faults_of_plug_in(sys.argv[1])) or 0)
 """
 
@@ -147,9 +147,9 @@ def _project() -> Iterator[CheckedPart]:
 @check
 def voices() -> Iterator[CheckedPart]:
     """Check the voice of each of the project's languages, or of the default language."""
-    from lipsync_lang.build.project_folder import starter
     from lipsync_lang.packs.library import Library
     from lipsync_lang.packs.project import find_project, load_project
+    from lipsync_lang.production.builds.project_folder import starter
 
     path = find_project()
     stated = None
@@ -172,7 +172,7 @@ def voices() -> Iterator[CheckedPart]:
 
 def _voice(name: str, pack: "Pack[Language]") -> Iterator[CheckedPart]:
     from lipsync_lang.packs.checking.voices import ESPEAK, check_voices
-    from lipsync_lang.speech.speaking.speech_engines import ENGINES
+    from lipsync_lang.sound.speech.speaking.speech_engines import ENGINES
 
     tts = pack.model.tts
     if tts is not None and tts.engine not in {None, ESPEAK}:
@@ -204,10 +204,10 @@ def _extras() -> Iterator[CheckedPart]:
 
 def _project_extras() -> dict[str, list[str]]:
     """Return the extras that the project needs, each with its users; none without a project."""
-    from lipsync_lang.build.project_extras import extras_of_project
     from lipsync_lang.packs.library import Library
     from lipsync_lang.packs.project import find_project, load_project
-    from lipsync_lang.speech.needed_extras import providers
+    from lipsync_lang.production.builds.project_extras import extras_of_project
+    from lipsync_lang.sound.speech.needed_extras import providers
 
     try:
         path = find_project()
@@ -257,7 +257,7 @@ def _plug_in(name: str, entry_points: "list[EntryPoint]") -> CheckedPart:
 def engines() -> Iterator[CheckedPart]:
     """Check the voices of the speech engines that are programs of others."""
     from lipsync_lang.packs.checking.voices import ESPEAK
-    from lipsync_lang.speech.speaking.speech_engines import ENGINES
+    from lipsync_lang.sound.speech.speaking.speech_engines import ENGINES
 
     for name in ENGINES.modules:
         if name == ESPEAK:
@@ -274,12 +274,12 @@ def models() -> Iterator[CheckedPart]:
     """Check the models of recognisers: those of the project, and the one that is installed."""
     if find_spec("faster_whisper") is None:
         return
-    from lipsync_lang.speech.hearing.recognise.whisper_models import (
+    from lipsync_lang.sound.speech.hearing.recognise.whisper_models import (
         OTHER_MODEL,
         check_folder,
         shipped_model,
     )
-    from lipsync_lang.speech.hearing.sphinx.folder import is_whisper, project_models
+    from lipsync_lang.sound.speech.hearing.sphinx.folder import is_whisper, project_models
 
     part = "model of whisper"
     own = [folder for folder in project_models() if is_whisper(folder)]
@@ -303,7 +303,7 @@ def models() -> Iterator[CheckedPart]:
 @check
 def acoustic_models() -> Iterator[CheckedPart]:
     """Read the acoustic models with a name: those of the project, and those of pocketsphinx."""
-    from lipsync_lang.speech.hearing.sphinx.folder import installed_models
+    from lipsync_lang.sound.speech.hearing.sphinx.folder import installed_models
 
     for models in installed_models():
         part = f"acoustic model {models.folder.name}"

@@ -8,7 +8,7 @@ from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json
 
 if TYPE_CHECKING:
-    from lipsync_lang.extensions import Formats
+    from lipsync_lang.base.extensions import Formats
 
 SHOWN = 4
 """Maximum number of suffixes per printed line."""
@@ -31,8 +31,8 @@ def _add_formats(add: Add) -> None:
 
 def voices(options: Namespace) -> int:
     """Print the voices of a speech engine."""
-    from lipsync_lang.reports.text_table import columns
-    from lipsync_lang.speech import ENGINES
+    from lipsync_lang.base.presentation.text_table import columns
+    from lipsync_lang.sound.speech import ENGINES
 
     found = ENGINES.find(options.engine).voices()
     print(as_json(found) if options.json else "\n".join(columns(sorted(found.items()))))
@@ -43,9 +43,9 @@ def formats(options: Namespace) -> int:
     """Print every registered reader and writer."""
     from lipsync_lang.animations.animation_readers import ANIMATION_READERS
     from lipsync_lang.animations.animation_writers import WRITERS
-    from lipsync_lang.lines.line_readers import LINE_READERS
-    from lipsync_lang.reports.text_table import columns
+    from lipsync_lang.base.presentation.text_table import columns
     from lipsync_lang.schedules.timing_readers import TIMING_READERS
+    from lipsync_lang.text.lines.line_readers import LINE_READERS
 
     kinds: tuple[tuple[str, Formats[Any]], ...] = (
         ("read", TIMING_READERS),

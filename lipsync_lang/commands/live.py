@@ -8,27 +8,27 @@ from contextlib import suppress
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.commands.local_server import add_serving, serve
 from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_manner, add_pair, add_values
-from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from starlette.types import ASGIApp
 
-    from lipsync_lang.listening.listener import Listener
-    from lipsync_lang.live.addresses import LiveAddress
-    from lipsync_lang.live.live_gestures import LiveGestures
-    from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
-    from lipsync_lang.live.sound_bytes import Pcm
-    from lipsync_lang.live.sound_sources import SoundFeed
-    from lipsync_lang.live.web_socket import Session
     from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.production.live.addresses import LiveAddress
+    from lipsync_lang.production.live.live_gestures import LiveGestures
+    from lipsync_lang.production.live.live_player import LivePlayer, TextSpeaker
+    from lipsync_lang.production.live.sound_bytes import Pcm
+    from lipsync_lang.production.live.sound_sources import SoundFeed
+    from lipsync_lang.production.live.web_socket import Session
+    from lipsync_lang.sound.listening.listener import Listener
 
 MAX_LINE_BYTES = 64 * 1024
 """Maximum number of bytes of a line of standard input; a longer line is split."""
@@ -91,13 +91,13 @@ def live(options: Namespace) -> int:
     if options.choosing:
         return _list_microphones()
     from lipsync_lang.commands.performing import levels, performer_for
-    from lipsync_lang.live.addresses import STANDARD_OUTPUT, parse_address
-    from lipsync_lang.live.live_player import LivePlayer, TextSpeaker
-    from lipsync_lang.live.live_voice import LiveVoice
-    from lipsync_lang.live.sound_sources import is_microphone
-    from lipsync_lang.live.web_socket import Session
     from lipsync_lang.performing.gesturing import ALL
-    from lipsync_lang.speech.sound import SPEECH_RATE
+    from lipsync_lang.production.live.addresses import STANDARD_OUTPUT, parse_address
+    from lipsync_lang.production.live.live_player import LivePlayer, TextSpeaker
+    from lipsync_lang.production.live.live_voice import LiveVoice
+    from lipsync_lang.production.live.sound_sources import is_microphone
+    from lipsync_lang.production.live.web_socket import Session
+    from lipsync_lang.sound.speech.sound import SPEECH_RATE
 
     addresses = [parse_address(one) for one in dict.fromkeys(options.to or [STANDARD_OUTPUT])]
     performer, fps = performer_for(options), options.fps
@@ -142,8 +142,8 @@ def _gestures(
     asked: "GestureScales | None", performer: "Performer", fps: float
 ) -> "Callable[[], LiveGestures | None]":
     """Return a function that opens the gestures asked for."""
-    from lipsync_lang.live.live_gestures import LiveGestures
     from lipsync_lang.performing.gesturing import scales_of
+    from lipsync_lang.production.live.live_gestures import LiveGestures
 
     scales = scales_of(performer.compiled, asked)
     if scales is None:
@@ -153,7 +153,7 @@ def _gestures(
 
 def _serve_page(options: Namespace, performer: "Performer", session: "Session") -> None:
     """Serve the page of a voice until it is interrupted."""
-    from lipsync_lang.live.web_socket import MAX_MESSAGE_BYTES
+    from lipsync_lang.production.live.web_socket import MAX_MESSAGE_BYTES
 
     for name, given in (("a TEXT", options.text), ("--audio", options.audio),
                           ("--to", options.to), ("--tts", options.tts),
@@ -180,8 +180,8 @@ def _send(  # noqa: PLR0913 who speaks, and who receives it
     source: "Iterator[Pcm] | None",
 ) -> None:
     """Open the receivers, and perform all input for them."""
-    from lipsync_lang.live.outlets import outlet
-    from lipsync_lang.live.sound_sources import SoundFeed
+    from lipsync_lang.production.live.outlets import outlet
+    from lipsync_lang.production.live.sound_sources import SoundFeed
 
     renamed = _renamed(options.rename, [channel.name for channel in player.channels])
     try:
@@ -203,7 +203,7 @@ def _send(  # noqa: PLR0913 who speaks, and who receives it
 
 def _renamed(stated: list[str], poses: "Sequence[str]") -> dict[str, str]:
     """Parse ``POSE=NAME``."""
-    from lipsync_lang.live.outlets import refuse_unknown
+    from lipsync_lang.production.live.outlets import refuse_unknown
 
     renamed = dict(one.partition("=")[::2] for one in stated)
     for name, other in renamed.items():
@@ -215,8 +215,8 @@ def _renamed(stated: list[str], poses: "Sequence[str]") -> dict[str, str]:
 
 def _source(options: Namespace) -> "Iterator[Pcm] | None":
     """Open the source of sound; None without one."""
-    from lipsync_lang.live.sound_bytes import checked_form
-    from lipsync_lang.live.sound_sources import open_source
+    from lipsync_lang.production.live.sound_bytes import checked_form
+    from lipsync_lang.production.live.sound_sources import open_source
 
     form = checked_form(options.rate, options.format)
     if options.audio is None:
@@ -231,8 +231,8 @@ def _source(options: Namespace) -> "Iterator[Pcm] | None":
 
 
 def _list_microphones() -> int:
-    from lipsync_lang.live.sound_sources import devices
-    from lipsync_lang.reports.text_table import columns
+    from lipsync_lang.base.presentation.text_table import columns
+    from lipsync_lang.production.live.sound_sources import devices
 
     found = devices()
     rows = [(str(one.number), one.name, f"{one.rate} Hz", "usual" * one.usual) for one in found]

@@ -8,9 +8,9 @@ from contextlib import suppress
 from time import time
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.extras import install_line
 from lipsync_lang.commands.options import Options, option
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.extras import install_line
 
 if TYPE_CHECKING:
     import socket
@@ -107,7 +107,7 @@ def _address(options: Namespace, kept: "Path | None") -> "tuple[socket.socket, s
     """
     from secrets import token_urlsafe
 
-    from lipsync_lang.files.private import write_private
+    from lipsync_lang.base.files.private import write_private
 
     token = _token(options)
     if kept is None or token is not None or options.host != LOCAL:
@@ -124,7 +124,7 @@ def _address(options: Namespace, kept: "Path | None") -> "tuple[socket.socket, s
 
 def _read(kept: "Path") -> tuple[int, str] | None:
     """Return the port and the token in a private file; None if it has none, or old ones."""
-    from lipsync_lang.files.private import read_private
+    from lipsync_lang.base.files.private import read_private
 
     content, written = read_private(kept) or (b"", 0.0)
     port, _, token = content.decode("ascii", "replace").partition(" ")

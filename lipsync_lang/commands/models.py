@@ -4,11 +4,11 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.base.errors import count
 from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, listening, tell_written
 from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import add_language, add_path
-from lipsync_lang.errors import count
 
 ADAPT_EXAMPLE = "models adapt vo/anna -l english -o models/anna"
 
@@ -37,9 +37,9 @@ def _add_adapt(action: Add) -> None:
 
 def adapt(options: Namespace) -> int:
     """Adapt a model, and write it if it gains."""
-    from lipsync_lang.speech.hearing.adaptation import adapt, spoken_files, write_adapted
-    from lipsync_lang.speech.hearing.align.pocketsphinx_aligner import models_of
-    from lipsync_lang.speech.speaking.speaker import Speaker
+    from lipsync_lang.sound.speech.hearing.adaptation import adapt, spoken_files, write_adapted
+    from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_of
+    from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
     speaker = Speaker.of(options.language, options.path)
     models = models_of(options.model or speaker.manner.audio.model)

@@ -4,13 +4,13 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.base.errors import LipsyncError, count
+from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path
 from lipsync_lang.commands.starting import lacking
-from lipsync_lang.errors import LipsyncError, count
-from lipsync_lang.files import write_all
 from lipsync_lang.packs.project import FILE, load_project
 
 
@@ -70,8 +70,8 @@ def new(options: Namespace) -> int:
         )
     if len(options.characters) > 1:
         raise LipsyncError(f"a new folder has one character; add others to `cast` in its {FILE}")
-    from lipsync_lang.build.project_folder import make_project
     from lipsync_lang.packs.library import Library
+    from lipsync_lang.production.builds.project_folder import make_project
 
     library = Library(options.path, project=None)
     character = next(iter(options.characters), None)
@@ -103,10 +103,10 @@ def _of_example(options: Namespace) -> int:
 
 def _of_table(options: Namespace) -> int:
     """Write `lipsync.yaml`, and print the numbers of its lines and the faults of the script."""
-    from lipsync_lang.build.new_project import new_project
-    from lipsync_lang.build.project_folder import starter
-    from lipsync_lang.build.script import read_script
     from lipsync_lang.packs.finding import Finder
+    from lipsync_lang.production.builds.new_project import new_project
+    from lipsync_lang.production.builds.project_folder import starter
+    from lipsync_lang.production.builds.script import read_script
 
     path, here = Path(FILE), Path.cwd()
     if path.exists():

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import STANDARD_STREAM
-from lipsync_lang.files.reading import input_text
-from lipsync_lang.terminal import progress, wipe
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.files import STANDARD_STREAM
+from lipsync_lang.base.files.reading import input_text
+from lipsync_lang.base.terminal import progress, wipe
 
 MAX_LINES_BYTES = 16 * 2**20
 """Size limit in bytes of a file of lines."""
@@ -47,7 +47,7 @@ def working(what: str) -> Iterator[None]:
 @contextmanager
 def listening(what: str) -> Iterator[None]:
     """Show a progress message with the share of a sound that has been heard, as `working` does."""
-    from lipsync_lang.speech.hearing.progress import followed
+    from lipsync_lang.sound.speech.hearing.progress import followed
 
     with working(what), followed(lambda share: progress(f"{what}: {share:.0%} ...")):
         yield

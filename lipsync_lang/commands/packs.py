@@ -7,12 +7,12 @@ from pathlib import Path
 from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.base.errors import LipsyncError, count
+from lipsync_lang.base.files import argument_path, write_all
 from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, tell_written, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
-from lipsync_lang.errors import LipsyncError, count
-from lipsync_lang.files import argument_path, write_all
 
 if TYPE_CHECKING:
     from lipsync_lang.authoring.new_pack import PackDraft
@@ -133,9 +133,9 @@ def packs(options: Namespace) -> int:
 
 def _with_losses(library: "Library", options: Namespace, told: "Description") -> "Description":
     """Add the channel losses of each rig of a pose set, or of a character's rig."""
+    from lipsync_lang.faces.rigs.recognise import loss_table, losses
     from lipsync_lang.packs.describe import Description
     from lipsync_lang.resolver.rigging import load_rig
-    from lipsync_lang.rigs.recognise import loss_table, losses
 
     if options.kind == "poseset":
         rigs = library.rigs(options.name)

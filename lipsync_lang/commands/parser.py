@@ -2,12 +2,12 @@
 
 import argparse
 
+from lipsync_lang.base.version import __version__
 from lipsync_lang.commands.completion import leaves
 from lipsync_lang.commands.registry import COMMANDS, add_command
 from lipsync_lang.commands.shared_options import add_words
 from lipsync_lang.commands.starting import welcome
 from lipsync_lang.pipeline import kernel
-from lipsync_lang.version import __version__
 
 
 def parser(first: str | None = None) -> argparse.ArgumentParser:

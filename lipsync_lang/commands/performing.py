@@ -5,10 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.files import STANDARD_STREAM
 from lipsync_lang.commands.output import listening
 from lipsync_lang.commands.shared_options import cleaning
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import STANDARD_STREAM
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -97,7 +97,7 @@ def schedule_for(
 
     Extras that the line or its `outputs`, each with its formats, lack are refused together before.
     """
-    from lipsync_lang.speech.needed_extras import engines_of, refuse_missing
+    from lipsync_lang.sound.speech.needed_extras import engines_of, refuse_missing
 
     _refuse_idle(options)
     needed = dict(outputs or {})
@@ -111,9 +111,9 @@ def schedule_for(
         return _timed(options, performer)
     if options.audio is None:
         return performer.speaker.speak(options.text, engine=options.tts)
-    from lipsync_lang.speech.hearing.alignment import aligned
-    from lipsync_lang.speech.hearing.recognition import recognised
-    from lipsync_lang.speech.sound import read_audio
+    from lipsync_lang.sound.speech.hearing.alignment import aligned
+    from lipsync_lang.sound.speech.hearing.recognition import recognised
+    from lipsync_lang.sound.speech.sound import read_audio
 
     speaker = performer.speaker
     audio = options.audio
@@ -163,8 +163,8 @@ def _timed(options: Namespace, performer: "Performer") -> "Schedule":
     audio, channel = options.audio, options.audio_channel
     if audio is None and not isinstance(found, TimedWords):
         return found  # without the imports for sound
-    from lipsync_lang.speech.filling import filled
-    from lipsync_lang.speech.sound import read_audio, with_sound
+    from lipsync_lang.sound.speech.filling import filled
+    from lipsync_lang.sound.speech.sound import read_audio, with_sound
 
     if not isinstance(found, TimedWords):
         return with_sound(found, audio, channel)

@@ -9,7 +9,7 @@ import argparse
 from collections.abc import Callable
 from typing import Protocol
 
-from lipsync_lang.extensions import Extensions
+from lipsync_lang.base.extensions import Extensions
 
 Handler = Callable[[argparse.Namespace], int]
 """A command handler: options in, exit code out."""

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.animations.rates import parse_offset
+from lipsync_lang.base.errors import LipsyncError, OutputError, count
+from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import SOUND, as_options, listed
 from lipsync_lang.commands.performing import (
@@ -20,8 +22,6 @@ from lipsync_lang.commands.performing import (
 )
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_line
-from lipsync_lang.errors import LipsyncError, OutputError, count
-from lipsync_lang.files import STANDARD_STREAM, argument_path, write_all
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -125,7 +125,7 @@ def run(options: Namespace) -> int:
     for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(spoken)):
         print(as_options(remark), file=sys.stderr)
     if options.check:
-        from lipsync_lang.quality.check_animation import check
+        from lipsync_lang.reports.quality.check_animation import check
 
         print(check(spoken), file=sys.stderr)
     return SOUND
@@ -236,8 +236,8 @@ def _take(
     options: Namespace, performer: "Performer", animation: "Animation", name: str
 ) -> "Animation":
     from lipsync_lang.animations.animation_readers import ANIMATION_READERS
-    from lipsync_lang.quality.baselines import BASELINES
-    from lipsync_lang.quality.fitting import on_model, read_for
+    from lipsync_lang.reports.quality.baselines import BASELINES
+    from lipsync_lang.reports.quality.fitting import on_model, read_for
 
     if name in BASELINES:
         return on_model(BASELINES[name](performer, animation.schedule, options.fps), performer)

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.animations.rates import parse_rate
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.files import argument_path
 from lipsync_lang.commands.options import Options, flag, option, repeated
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import argument_path
 
 if TYPE_CHECKING:
-    from lipsync_lang.lines.markup import Cleaning
+    from lipsync_lang.text.lines.markup import Cleaning
 
 
 def add_words(made: argparse.ArgumentParser) -> None:
@@ -169,7 +169,7 @@ def add_values(made: Options) -> None:
 
 def cleaning(options: Namespace) -> "Cleaning":
     """Return the values of placeholders, and the project's passages that are not spoken."""
-    from lipsync_lang.lines.markup import Cleaning
+    from lipsync_lang.text.lines.markup import Cleaning
 
     values: dict[str, str] = {}
     for one in options.values:

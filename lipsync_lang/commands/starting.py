@@ -4,11 +4,11 @@ import os
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.extras import extras, install_line
+from lipsync_lang.base.version import __version__
 from lipsync_lang.commands.output import SOUND
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.extras import extras, install_line
 from lipsync_lang.packs.project import find_project, load_project
-from lipsync_lang.version import __version__
 
 TITLE = f"lipsync-lang {__version__} turns speech into mouth animation, for any language and face."
 
@@ -20,8 +20,8 @@ SHOWN_IN_NEXT_STEPS = ("speech", "audio", "studio")
 
 def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes options
     """Print the purpose of the program, and commands for the next steps."""
-    from lipsync_lang.build.project_folder import starter
-    from lipsync_lang.reports.text_table import columns
+    from lipsync_lang.base.presentation.text_table import columns
+    from lipsync_lang.production.builds.project_folder import starter
 
     path, first = find_project(), starter()
     if path is None:

@@ -3,6 +3,7 @@
 import sys
 from argparse import Namespace
 
+from lipsync_lang.base.files import argument_path
 from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, listed
 from lipsync_lang.commands.registry import Add, command
@@ -13,7 +14,6 @@ from lipsync_lang.commands.shared_options import (
     add_values,
     cleaning,
 )
-from lipsync_lang.files import argument_path
 
 
 @command("transcribe")
@@ -37,8 +37,8 @@ def _add_transcribe(add: Add) -> None:
 def transcribe(options: Namespace) -> int:
     """Print the phonemes and common phonemes of texts, word by word."""
     from lipsync_lang.authoring.printing import transcript_table
-    from lipsync_lang.speech.needed_extras import engines_of, refuse_missing
-    from lipsync_lang.speech.speaking.speaker import Speaker
+    from lipsync_lang.sound.speech.needed_extras import engines_of, refuse_missing
+    from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
     texts = [options.text] if options.text is not None else lines_of(options.file)
     speaker = Speaker.of(options.language, options.path, cleaning(options))

@@ -4,11 +4,11 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lipsync_lang.base.errors import count
 from lipsync_lang.commands.options import flag
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path
-from lipsync_lang.errors import count
 from lipsync_lang.packs.project import FILE, find_project
 
 
@@ -32,10 +32,10 @@ def _add_validate(add: Add) -> None:
 def validate(options: Namespace) -> int:
     """Print every fault; warnings alone leave the packs sound."""
     from lipsync_lang.authoring.trial import doubts, languages_in, try_out
-    from lipsync_lang.build.project_build import planning_faults
     from lipsync_lang.packs.checking.validate import validate as find_faults
     from lipsync_lang.packs.library import Library
     from lipsync_lang.packs.yaml.faults import shown
+    from lipsync_lang.production.builds.project_build import planning_faults
 
     library = Library(options.path)
     faults = find_faults(library, options.paths or None)

@@ -6,9 +6,9 @@ A look-up by tag searches every language's file, and parsing them all would take
 import re
 from pathlib import Path
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.yaml.source import read_bytes
-from lipsync_lang.phonology.language_names import folded_language
+from lipsync_lang.text.phonology.language_names import folded_language
 
 _TAG_FIELD = re.compile(rb"^tag:[ \t]*[\"']?([A-Za-z0-9-]+)", re.MULTILINE)
 _ALIASES = re.compile(

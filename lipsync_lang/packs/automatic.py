@@ -8,10 +8,10 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from lipsync_lang.errors import SpeechError
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.source import YamlSource
-from lipsync_lang.phonology.language_names import folded_language
+from lipsync_lang.text.phonology.language_names import folded_language
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
@@ -44,7 +44,7 @@ HOW = f"a language without a pack is {' or '.join(f'{name}:CODE' for name in IPA
 
 def unpacked(name: str) -> str | None:
     """Return ENGINE:CODE of the voice of eSpeak NG with this code, title or word of its title."""
-    from lipsync_lang.phonology.espeak.process import EspeakProcess
+    from lipsync_lang.text.phonology.espeak.process import EspeakProcess
 
     try:
         voices = EspeakProcess().voices()

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 from unicodedata import normalize
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.automatic import automatic
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown

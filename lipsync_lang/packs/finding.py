@@ -13,12 +13,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
-from lipsync_lang.errors import PackError, did_you_mean
-from lipsync_lang.extensions import PACKS, EntryPoint, installed
-from lipsync_lang.files.reach import PATH_VARIABLE, is_reached, refuse_outside
+from lipsync_lang.base.errors import PackError, did_you_mean
+from lipsync_lang.base.extensions import PACKS, EntryPoint, installed
+from lipsync_lang.base.files.reach import PATH_VARIABLE, is_reached, refuse_outside
 from lipsync_lang.packs.answers import answers_of, named_as
 from lipsync_lang.packs.yaml.source import read_bytes
-from lipsync_lang.phonology.language_names import folded_language
+from lipsync_lang.text.phonology.language_names import folded_language
 
 Kind = Literal["language", "poseset", "character"]
 

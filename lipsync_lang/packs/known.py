@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library

@@ -11,7 +11,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar, cast
 
-from lipsync_lang.errors import PackError, did_you_mean
+from lipsync_lang.base.errors import PackError, did_you_mean
 from lipsync_lang.packs.finding import (
     BENEATH,
     COMMON,

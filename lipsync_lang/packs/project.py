@@ -8,7 +8,7 @@ folder would change commands of everybody below it.
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from lipsync_lang.files.reach import is_reached, refuse_outside
+from lipsync_lang.base.files.reach import is_reached, refuse_outside
 from lipsync_lang.packs.yaml.faults import PackFaults
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import MAX_KNOWN, shortlist
+from lipsync_lang.base.errors import MAX_KNOWN, shortlist
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project

@@ -14,7 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, NamedTuple, Self
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.finding import POSESET
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.faults import PackFaults, shown

@@ -11,7 +11,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.delivery import bends_of, delivery
 from lipsync_lang.performing.edits import corrected, overlays
 from lipsync_lang.performing.loudness import loudness_dial

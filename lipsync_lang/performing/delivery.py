@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
+from lipsync_lang.base.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.pipeline.bend import Bend
 from lipsync_lang.pipeline.levels import Blend, Dial, Level
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.tables import RESOLUTION

@@ -17,12 +17,12 @@ from dataclasses import replace
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import spelled
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import spelled
+from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.performing.delivery import DialLevels, timed
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.pipeline.tables import Tables
-from lipsync_lang.rigs.channel import Channel
 
 
 def with_expression(animation: Animation, tables: Tables, expression: DialLevels) -> Animation:

@@ -16,23 +16,23 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.explanation import PoseAt, StageAt
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
-from lipsync_lang.gestures.laying import GestureSet, LaidGesture
-from lipsync_lang.gestures.pitch import pitches
-from lipsync_lang.gestures.placing import (
-    DRAWING_SECONDS,
-    LineFact,
-    LineFacts,
-    PlacedGesture,
-    place,
-)
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.performing.label_sounds import LabelSounds
 from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
 from lipsync_lang.pipeline import kernel
+from lipsync_lang.pipeline.gestures.laying import GestureSet, LaidGesture
+from lipsync_lang.pipeline.gestures.pitch import pitches
+from lipsync_lang.pipeline.gestures.placing import (
+    DRAWING_SECONDS,
+    LineFact,
+    LineFacts,
+    PlacedGesture,
+    place,
+)
 from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.schedules.schedule import Audio, Schedule
 

@@ -17,7 +17,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints
+from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, StressMarks
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.tables import Tables

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.errors import LipsyncError, ScheduleError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError, ScheduleError, did_you_mean
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.edits import overlays
 from lipsync_lang.performing.heard import FedWord, HeardLabel, HeardWord
 from lipsync_lang.performing.stress import RAMP_SECONDS
-from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.text.phonology.g2p.tokens import plain
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.phonology.labels import Value
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.schedules.schedule import Word
+    from lipsync_lang.text.phonology.labels import Value
 
 MAX_STEP_SECONDS = 3600.0
 """Longest phoneme or gap between phonemes; a longer one must be in another unit."""

@@ -11,8 +11,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints
-from lipsync_lang.errors import ScheduleError, did_you_mean
+from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.base.errors import ScheduleError, did_you_mean
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.label_sounds import UNMARKED, LabelSounds, LabelTable, ValueTable
 from lipsync_lang.performing.stress import (
@@ -22,10 +22,11 @@ from lipsync_lang.performing.stress import (
     VOWEL_MANNER,
     stresses_of,
 )
-from lipsync_lang.phonology.g2p.g2p_engines import SpokenWord
-from lipsync_lang.phonology.g2p.tokens import plain
-from lipsync_lang.phonology.ipa import is_one_sound
-from lipsync_lang.phonology.labels import (
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
+from lipsync_lang.text.phonology.g2p.tokens import plain
+from lipsync_lang.text.phonology.ipa import is_one_sound
+from lipsync_lang.text.phonology.labels import (
     MAX_TONE_SIGNS,
     TONE,
     Notation,
@@ -35,12 +36,11 @@ from lipsync_lang.phonology.labels import (
     recognise,
     toneless,
 )
-from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.text.phonology.nearest import Nearest, NearestPhonemes
 
 if TYPE_CHECKING:
-    from lipsync_lang.phonology.g2p.g2p_engines import Correction
     from lipsync_lang.resolver.compiled import CompiledPair
+    from lipsync_lang.text.phonology.g2p.g2p_engines import Correction
 
 _CAPITAL = re.compile("[A-Z]")
 """Letters that are absent from the IPA, but present in most other notations."""
@@ -131,7 +131,7 @@ class LabelReader:
         written = self.notations.get(self.compiled.manner["notation"])
         if not self._corrections or notation is not written:
             return schedule.labels
-        from lipsync_lang.phonology.g2p.corrections import corrector
+        from lipsync_lang.text.phonology.g2p.corrections import corrector
 
         bare = tuple(toneless(normalise(label)) for label in schedule.labels)
         said = corrector(self._corrections)(SpokenWord("", bare)).labels
@@ -141,7 +141,7 @@ class LabelReader:
     @cached_property
     def _corrections(self) -> "tuple[Correction, ...]":
         """Corrections that hold for labels of timings."""
-        from lipsync_lang.phonology.manner import Manner
+        from lipsync_lang.text.phonology.manner import Manner
 
         settings = Manner.from_plain(self.compiled.manner).settings
         return tuple(one for one in settings.corrections if one.timings)

@@ -3,10 +3,10 @@
 from collections import Counter
 from collections.abc import Iterator
 
-from lipsync_lang.errors import shortlist
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.performing.label_reader import LabelReader
-from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.text.phonology.labels import normalise
 
 SURE_SHARE = 0.97
 """Share of the labels that a notation must contain to be used without a remark."""

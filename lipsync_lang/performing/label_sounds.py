@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints
-from lipsync_lang.phonology.labels import Notation, Value
+from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.text.phonology.labels import Notation, Value
 
 UNKNOWN, UNMARKED = -1, -1
 """Number of a label without a value, and mark of a label without stress."""

@@ -16,8 +16,8 @@ from statistics import median
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.arrays import Bools
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.pipeline.levels import Dial, Level
 from lipsync_lang.pipeline.motion import Motion

@@ -10,39 +10,39 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
-from lipsync_lang.arrays import Bools, Floats, Ints
-from lipsync_lang.errors import LipsyncError, refuse_other
-from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
+from lipsync_lang.base.arrays import Bools, Floats, Ints
+from lipsync_lang.base.errors import LipsyncError, refuse_other
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.batch import LineDelivery, animate
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.performing.style_drafts import styled_motion, with_drafts
-from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.prepare import channel_kernel
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
+from lipsync_lang.text.phonology.labels import Notation
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from lipsync_lang.animations.explanation import Explanation
-    from lipsync_lang.gestures.laying import GestureSet
-    from lipsync_lang.listening.listener import Listener
+    from lipsync_lang.faces.rigs.channel import Channel
+    from lipsync_lang.faces.rigs.driver import Driver
     from lipsync_lang.performing.delivery import DialLevels, Points
     from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.stream import Late, Stream
-    from lipsync_lang.phonology.nearest import Nearest
+    from lipsync_lang.pipeline.gestures.laying import GestureSet
     from lipsync_lang.pipeline.levels import Blend
     from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.pipeline.track import Track
     from lipsync_lang.resolver.compiled import CompiledPair, Report
-    from lipsync_lang.rigs.channel import Channel
-    from lipsync_lang.rigs.driver import Driver
-    from lipsync_lang.speech.speaking.speaker import Speaker
+    from lipsync_lang.sound.listening.listener import Listener
+    from lipsync_lang.sound.speech.speaking.speaker import Speaker
+    from lipsync_lang.text.phonology.nearest import Nearest
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ class Performer:
     @cached_property
     def channels(self) -> "tuple[Channel, ...]":
         """Channel of each pose on a model; `rigged` provides the channels of a rig."""
-        from lipsync_lang.rigs.driver import bare
+        from lipsync_lang.faces.rigs.driver import bare
 
         return bare(self.poses, self.compiled.pose_names)
 
@@ -107,7 +107,7 @@ class Performer:
         """Channels of the poses of speech, and of postures if the tables have them."""
         if len(tables.priority) == len(self.poses):
             return self.channels
-        from lipsync_lang.rigs.driver import bare
+        from lipsync_lang.faces.rigs.driver import bare
 
         names = self.compiled.posture["names"]
         return (*self.channels, *bare(tuple(names), names))
@@ -115,14 +115,14 @@ class Performer:
     @cached_property
     def gesture_set(self) -> "GestureSet":
         """Gestures of the pose set, ready to be placed."""
-        from lipsync_lang.gestures.laying import GestureSet
+        from lipsync_lang.pipeline.gestures.laying import GestureSet
 
         return GestureSet.from_plain(self.compiled.gestures)
 
     @cached_property
     def gesture_channels(self) -> "tuple[Channel, ...]":
         """Channel of each pose of gestures."""
-        from lipsync_lang.rigs.channel import Channel
+        from lipsync_lang.faces.rigs.channel import Channel
 
         return tuple(Channel(**fields, gesture=True) for fields in self.gesture_set.channels)
 
@@ -321,7 +321,7 @@ class Performer:
         >>> round(float(weights.max()), 2)
         0.0
         """
-        from lipsync_lang.listening.listener import open_listener
+        from lipsync_lang.sound.listening.listener import open_listener
 
         tables, motion, labels = self.compiled.tables, self.motion, self.labels
         return open_listener(
@@ -489,8 +489,8 @@ class Performer:
     @cached_property
     def speaker(self) -> "Speaker":
         """Text-to-speech of the language, with the pronunciations of the character."""
-        from lipsync_lang.phonology.manner import Manner
-        from lipsync_lang.speech.speaking.speaker import Speaker
+        from lipsync_lang.sound.speech.speaking.speaker import Speaker
+        from lipsync_lang.text.phonology.manner import Manner
 
         return Speaker(
             Manner.from_plain(self.compiled.manner),
@@ -520,7 +520,7 @@ class Performer:
     @cached_property
     def driver(self) -> "Driver | None":
         """Driver of the character's model; None without a rig."""
-        from lipsync_lang.rigs.driver import Driver
+        from lipsync_lang.faces.rigs.driver import Driver
 
         data, floors = self.compiled.rig, self.compiled.tables.floors
         return None if data is None else Driver.from_plain(data, self.poses, floors)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-from lipsync_lang.errors import PackError, refuse_other, shortlist
+from lipsync_lang.base.errors import PackError, refuse_other, shortlist
 from lipsync_lang.packs.finding import Paths, is_model, located
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.label_reader import Unknown

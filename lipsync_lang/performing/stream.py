@@ -19,7 +19,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lipsync_lang.errors import LipsyncError, ScheduleError, refuse_other
+from lipsync_lang.base.errors import LipsyncError, ScheduleError, refuse_other
+from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.performing.delivery import DialLevels, delivery
 from lipsync_lang.performing.gesturing import GestureScales, scales_of
 from lipsync_lang.performing.heard import HeardLabels
@@ -29,7 +30,6 @@ from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.performing.stream_gestures import StreamGestures
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
 from lipsync_lang.pipeline.perform import BLOCK, FinalFrames
-from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule
 
 Late = Literal["refuse", "shorten"]

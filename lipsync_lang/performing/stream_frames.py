@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.heard import HeardLabels, begun_trigrams, open_trigram
 from lipsync_lang.performing.stress import ramped_level, vowel_level
 from lipsync_lang.pipeline.hold import MARGIN

@@ -12,16 +12,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.gestures.laying import GestureSet
-from lipsync_lang.gestures.placing import (
-    DRAWING_SECONDS,
-    OPENING_SECONDS,
-    LineFact,
-    LineFacts,
-    PlacedGesture,
-    placing,
-)
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.performing.gesturing import (
     MARKED_PROMINENCE,
     PAUSE_SECONDS,
@@ -33,6 +24,15 @@ from lipsync_lang.performing.gesturing import (
 )
 from lipsync_lang.performing.heard import HeardLabels
 from lipsync_lang.performing.stress import PRIMARY, VOWEL, StressMarks
+from lipsync_lang.pipeline.gestures.laying import GestureSet
+from lipsync_lang.pipeline.gestures.placing import (
+    DRAWING_SECONDS,
+    OPENING_SECONDS,
+    LineFact,
+    LineFacts,
+    PlacedGesture,
+    placing,
+)
 
 NO_END = 2**60
 """Number of frames of a line whose end is unknown, beyond any stream."""

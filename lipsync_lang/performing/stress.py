@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.levels import Blend
 from lipsync_lang.pipeline.motion import LEAST_SPEED, Motion

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.animations.explanation import BigramAt, Explanation, PoseAt, StageAt, StyleAt
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.pipeline.levels import shares
 from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.warp import locate

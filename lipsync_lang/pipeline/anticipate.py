@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints
+from lipsync_lang.base.arrays import Floats, Ints
 
 
 def falling(frames: Floats) -> Floats:

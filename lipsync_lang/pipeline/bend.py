@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
+from lipsync_lang.base.arrays import Floats
 
 FADE_SECONDS = 0.12
 """Seconds in which a bend fades at its ends."""

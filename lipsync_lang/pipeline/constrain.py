@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints
+from lipsync_lang.base.arrays import Floats, Ints
 
 FREE = 2.0
 """Threshold of a constraint without effect, which no two weights exceed in sum."""

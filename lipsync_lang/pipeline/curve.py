@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
+from lipsync_lang.base.arrays import Floats
 
 STEPS = 40
 """Maximum number of iterations to invert t(w); bracketed Newton steps converge in about six."""

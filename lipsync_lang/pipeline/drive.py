@@ -45,7 +45,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.limit import lower_envelope, upper_envelope
 
 RESTING = 1e-4

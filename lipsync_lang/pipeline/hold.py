@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.pipeline.track import Track
 

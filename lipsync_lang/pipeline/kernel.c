@@ -1441,7 +1441,7 @@ static void discard_gestures(Gestures *own)
 
 static void free_gestures(PyObject *capsule)
 {
-    discard_gestures(PyCapsule_GetPointer(capsule, "lipsync_lang.gestures"));
+    discard_gestures(PyCapsule_GetPointer(capsule, "lipsync_lang.pipeline.gestures"));
 }
 
 /* Spread the arrays over the gestures; 0 with an exception where a number is out of range. */
@@ -1526,7 +1526,7 @@ static PyObject *make_gestures(PyObject *module, PyObject *args)
     }
     if (!spread_gestures(own, spans, numbers, on, at, moved, moved_count, amounts, amount_count))
         goto fail;
-    PyObject *capsule = PyCapsule_New(own, "lipsync_lang.gestures", free_gestures);
+    PyObject *capsule = PyCapsule_New(own, "lipsync_lang.pipeline.gestures", free_gestures);
     if (capsule)
         return capsule;
 fail:
@@ -1621,7 +1621,7 @@ static PyObject *gesture(PyObject *module, PyObject *const *args, Py_ssize_t nar
         PyErr_SetString(PyExc_TypeError, "gesture takes 14 arguments");
         return NULL;
     }
-    const Gestures *own = PyCapsule_GetPointer(args[0], "lipsync_lang.gestures");
+    const Gestures *own = PyCapsule_GetPointer(args[0], "lipsync_lang.pipeline.gestures");
     if (!own)
         return NULL;
     Line line = {.start = PyFloat_AsDouble(args[3]), .end = PyFloat_AsDouble(args[4])};

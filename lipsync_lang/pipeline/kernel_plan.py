@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline import kernel
 from lipsync_lang.pipeline.levels import Dial
 from lipsync_lang.pipeline.motion import Motion

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.base.arrays import Bools, Floats
 
 
 class Level(NamedTuple):

@@ -10,7 +10,7 @@ their peaks stay.
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 
 
 def ramps(step: float, late: Ints) -> Floats:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.pipeline import kernel_plan
 from lipsync_lang.pipeline.anticipate import anticipate
 from lipsync_lang.pipeline.bend import Bend, bend

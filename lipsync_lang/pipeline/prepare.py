@@ -30,7 +30,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.anticipate import falling
 from lipsync_lang.pipeline.constrain import Cap
 from lipsync_lang.pipeline.hold import SHORTEST, Plateau, bounds

@@ -11,7 +11,7 @@ change.
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
+from lipsync_lang.base.arrays import Bools, Floats
 
 
 def closing(curves: Floats, frames: int) -> Floats:

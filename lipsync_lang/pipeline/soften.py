@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints
+from lipsync_lang.base.arrays import Floats, Ints
 
 SURE = 1 - 2e-15
 """Kernels add up to a little less than 1, so that rounding never takes a curve past its bounds."""

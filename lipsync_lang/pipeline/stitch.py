@@ -6,7 +6,7 @@ all later stages have it. The paper knows ``max`` only; ``crossfade`` is an addi
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.pipeline.warp import FramePlace
 
 

@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 
 REST = 0.25
 """Minimum weight of a shown pose; below it, the face is at rest."""

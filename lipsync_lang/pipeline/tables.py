@@ -14,7 +14,7 @@ from zlib import compress, decompress
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.pipeline.constrain import FREE, Bound, Cap, caps, together
 
 RESOLUTION = 128

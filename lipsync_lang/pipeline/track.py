@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.levels import Blend
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Bank, Tables

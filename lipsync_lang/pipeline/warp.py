@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats, Ints
+from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank
 from lipsync_lang.pipeline.track import Track
 

@@ -10,8 +10,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.arrays import Ints
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.arrays import Ints
+from lipsync_lang.base.errors import OutputError
 from lipsync_lang.render.fonts import find_fonts, legible, letters_of, split_letters, warn_of
 from lipsync_lang.render.model.camera import close_up, framed
 from lipsync_lang.render.model.gltf import pillow

@@ -15,13 +15,13 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.writers.wav import write_samples
-from lipsync_lang.errors import OutputError
-from lipsync_lang.extras import install_line
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged, sweep
-from lipsync_lang.terminal import progress, wipe
 
 FRAME_PIXELS = 720
 """Side of a frame in pixels."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.arrays import Floats
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.pipeline.perform import Stage
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio

@@ -1,1 +1,1 @@
-"""Parts that reports of all rooms share: HTML pages, JUnit XML, tables of text, and wording."""
+"""Reports: what a project has, what it lacks, and how good its animations are."""

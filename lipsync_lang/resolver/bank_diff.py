@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import Character
 from lipsync_lang.pipeline.curve import bspline, polyline

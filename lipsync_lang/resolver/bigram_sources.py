@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.banks.write import BankBigrams
-from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.packs.banks.write import BankBigrams
 from lipsync_lang.packs.library import Library
 from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import DRAFTED, BigramRow, PairPacks

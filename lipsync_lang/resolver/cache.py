@@ -21,9 +21,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.base.version import __version__
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
-from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -125,8 +125,8 @@ def load(language: str, character: str, paths: Sequence[Path]) -> "CompiledPair 
 
 def save(compiled: "CompiledPair", language: str, character: str, library: "Library") -> None:
     """Write a compiled pair to the cache; a cache that cannot be written is not an error."""
-    from lipsync_lang.errors import OutputError
-    from lipsync_lang.files import atomic
+    from lipsync_lang.base.errors import OutputError
+    from lipsync_lang.base.files import atomic
 
     key = _key(language, character, library.paths)
     path = _path(key)

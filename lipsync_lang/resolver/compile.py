@@ -10,9 +10,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Singles
-from lipsync_lang.banks.draft import shape
+from lipsync_lang.base.arrays import Bools, Floats, Singles
 from lipsync_lang.packs import models
+from lipsync_lang.packs.banks.draft import shape
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models.rig_channels import expanded, pose_names
 from lipsync_lang.packs.yaml.faults import Fault, shown

@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from lipsync_lang.phonology.labels import Value
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Tables
+from lipsync_lang.text.phonology.labels import Value
 
 LAYERS = ("character", "language", "shared", "like", "draft", "gap")
 """Origins of a bigram, in order of lookup; `gap` means no origin."""

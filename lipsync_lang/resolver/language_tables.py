@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from unicodedata import normalize
 
 from lipsync_lang.packs.finding import IPA, beside
-from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, Settings
-from lipsync_lang.phonology.g2p.own_words import ipa_labels, stands_alone
-from lipsync_lang.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
-from lipsync_lang.phonology.g2p.tokens import plain
-from lipsync_lang.phonology.labels import Notation, Value, looser, normalise, ready
-from lipsync_lang.phonology.manner import Hearing, Manner
+from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, Rule, Settings
+from lipsync_lang.text.phonology.g2p.own_words import ipa_labels, stands_alone
+from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
+from lipsync_lang.text.phonology.g2p.tokens import plain
+from lipsync_lang.text.phonology.labels import Notation, Value, looser, normalise, ready
+from lipsync_lang.text.phonology.manner import Hearing, Manner
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats
-from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
+from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.packs import models
+from lipsync_lang.packs.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.known import KnownPhonemes

@@ -4,7 +4,7 @@ from graphlib import TopologicalSorter
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.packs.models import AtMost, PoseSet, Threshold
 
 SOFTNESS_SECONDS = 0.04

@@ -7,16 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.errors import ModelError
+from lipsync_lang.base.errors import ModelError
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.models.rig_channels import plain_channels
 
 if TYPE_CHECKING:
+    from lipsync_lang.faces.rigs.recognise import Match
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.rigs.recognise import Match
 
 
 def plain_rig(library: "Library", rig: str, poseset: "Pack[models.PoseSet]") -> dict[str, Any]:
@@ -59,8 +59,8 @@ def best_match(library: "Library", path: Path) -> "Match":
     Raise `ModelError` for a model that is unreadable, or whose shapes no pose set knows.
     """
     # only a model needs the room of rigs
-    from lipsync_lang.rigs.model import known_model, some
-    from lipsync_lang.rigs.recognise import recognise
+    from lipsync_lang.faces.rigs.model import known_model, some
+    from lipsync_lang.faces.rigs.recognise import recognise
 
     model = known_model(path)
     found = next((match for match in recognise(library, model) if match.enough), None)

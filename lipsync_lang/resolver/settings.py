@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, get_args, get_type_hints
 
-from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.pipeline.motion import LEAST_SPEED, PRESETS, Motion
 
 RANGES = {

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.arrays import Ints
+from lipsync_lang.base.arrays import Ints
 from lipsync_lang.resolver.compiled import LAYERS, Triple
 
 if TYPE_CHECKING:

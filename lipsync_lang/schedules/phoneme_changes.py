@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules.schedule import Schedule
 
 PhonemeChange = tuple[int, Sequence[str], Sequence[str]]

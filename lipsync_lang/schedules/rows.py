@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, words_from_spans
 from lipsync_lang.schedules.timing_file import TimingFile
 

@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.errors import OutputError, ScheduleError
+from lipsync_lang.base.errors import OutputError, ScheduleError
 
 SILENCE = "_"
 """The label of silence, in every notation."""
@@ -233,7 +233,7 @@ class Schedule:
         >>> ll.read_schedule("line.TextGrid").labels
         ('M',)
         """
-        from lipsync_lang.files import argument_path, atomic
+        from lipsync_lang.base.files import argument_path, atomic
         from lipsync_lang.schedules.writers import TIMING_WRITERS
 
         target = argument_path(path)

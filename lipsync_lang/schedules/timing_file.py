@@ -9,9 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.errors import ScheduleError
-from lipsync_lang.files.reading import MIB_BYTES, marked_encoding, read_input
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import ScheduleError
+from lipsync_lang.base.files.reading import MIB_BYTES, marked_encoding, read_input
+from lipsync_lang.base.json_object import Json
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

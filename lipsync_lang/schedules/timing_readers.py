@@ -9,9 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from lipsync_lang.errors import ScheduleError
-from lipsync_lang.extensions import Format, Formats
-from lipsync_lang.files import argument_path
+from lipsync_lang.base.errors import ScheduleError
+from lipsync_lang.base.extensions import Format, Formats
+from lipsync_lang.base.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
 from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes

@@ -10,7 +10,7 @@ from base64 import b64encode
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 
 NUMBER_TYPES = ("u1", "i1", "u2", "i2", "u4", "f4")
 """Types of numbers, little-endian."""

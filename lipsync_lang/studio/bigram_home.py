@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.resolver.bigram_sources import stated

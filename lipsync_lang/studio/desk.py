@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 from weakref import finalize
 
-from lipsync_lang.errors import LipsyncError, OutputError, PackError
-from lipsync_lang.files import atomic, read_input
-from lipsync_lang.files.locking import claim
-from lipsync_lang.files.renaming import replace_file
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError, OutputError, PackError
+from lipsync_lang.base.files import atomic, read_input
+from lipsync_lang.base.files.locking import claim
+from lipsync_lang.base.files.renaming import replace_file
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import Loc, read_bytes

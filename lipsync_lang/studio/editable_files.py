@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from lipsync_lang.errors import OutputError
-from lipsync_lang.files import write_all
-from lipsync_lang.files.targets import file_behind
-from lipsync_lang.files.writing import cannot_write
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.files import write_all
+from lipsync_lang.base.files.targets import file_behind
+from lipsync_lang.base.files.writing import cannot_write
 from lipsync_lang.packs.finding import Finder
 from lipsync_lang.packs.yaml.faults import shown
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS, Writer
-from lipsync_lang.errors import LipsyncError, OutputError
-from lipsync_lang.files.reach import refuse_outside
+from lipsync_lang.base.errors import LipsyncError, OutputError
+from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.studio.editable_files import write_together

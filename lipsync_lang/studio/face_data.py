@@ -13,15 +13,15 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import ModelError, OutputError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import ModelError, OutputError
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs.model import movable_nodes
 from lipsync_lang.render.model import light
 from lipsync_lang.render.model.camera import FIELD_DEGREES, Camera, close_up, framed
 from lipsync_lang.render.model.picture import BEHIND
 from lipsync_lang.render.model.scene import Primitive, Scene
 from lipsync_lang.render.staging import staged, sweep
-from lipsync_lang.rigs.model import movable_nodes
 from lipsync_lang.studio.array_pack import ArrayPack
 
 SHORT = 32767

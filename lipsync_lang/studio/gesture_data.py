@@ -1,7 +1,7 @@
 """Gestures of a line for the studio's lane: those that it may have, and those that it has."""
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.performing.gesturing import (
     BY_HAND,
     laid_gestures,

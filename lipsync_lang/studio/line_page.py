@@ -15,12 +15,12 @@ from hashlib import sha256
 from typing import Any
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.performing.performed_line import PerformedLine, performer_of
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.quality.check_animation import check
-from lipsync_lang.quality.figures import Quality
+from lipsync_lang.reports.quality.check_animation import check
+from lipsync_lang.reports.quality.figures import Quality
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.module_bundle import bundle, static

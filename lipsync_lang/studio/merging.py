@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.splicing import ABSENT, Change, SplicedText
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import Data, Loc

@@ -7,7 +7,7 @@ from typing import TextIO
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.writers.glb import unplaced
-from lipsync_lang.errors import ModelError
+from lipsync_lang.base.errors import ModelError
 
 
 def doubts(animation: Animation) -> Iterator[str]:

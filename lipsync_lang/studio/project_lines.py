@@ -9,14 +9,14 @@ from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
 
-from lipsync_lang.build.planned_line import PlannedLine
-from lipsync_lang.build.script import read_script
-from lipsync_lang.build.timing import schedules
-from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.project import load_project
+from lipsync_lang.production.builds.planned_line import PlannedLine
+from lipsync_lang.production.builds.script import read_script
+from lipsync_lang.production.builds.timing import schedules
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 MAX_LISTED = 100
 """Maximum number of lines in a response."""

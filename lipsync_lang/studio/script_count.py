@@ -16,18 +16,18 @@ from threading import Thread
 from typing import Any
 from weakref import WeakKeyDictionary, finalize
 
-from lipsync_lang.coverage.corpus import Pages, Reading, count
-from lipsync_lang.coverage.report import CoverageReport
-from lipsync_lang.coverage.report_figures import CountFigures, report_of
-from lipsync_lang.coverage.scripts import scripts_of
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files.reach import is_reached
-from lipsync_lang.lines import Line, read_lines
-from lipsync_lang.lines.line_readers import by_suffix
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.files.reach import is_reached
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.reports.coverage.corpus import Pages, Reading, count
+from lipsync_lang.reports.coverage.report import CoverageReport
+from lipsync_lang.reports.coverage.report_figures import CountFigures, report_of
+from lipsync_lang.reports.coverage.scripts import scripts_of
 from lipsync_lang.studio.script_reading import ScriptReading, reading_of
 from lipsync_lang.studio.workshop import Workshop
+from lipsync_lang.text.lines import Line, read_lines
+from lipsync_lang.text.lines.line_readers import by_suffix
 
 _log = logging.getLogger(__name__)
 

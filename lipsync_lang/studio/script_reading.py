@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from lipsync_lang.coverage.corpus import Takes
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
+from lipsync_lang.reports.coverage.corpus import Takes
 from lipsync_lang.studio.workshop import Workshop
 
 

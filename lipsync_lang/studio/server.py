@@ -26,7 +26,7 @@ from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route as WebRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.studio.merging import EditConflict
 from lipsync_lang.studio.module_bundle import bundle

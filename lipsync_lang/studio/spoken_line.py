@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.schedules.phoneme_changes import PhonemeChange, composed, spread, with_changes
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule, Word
 

@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.performing.performed_line import PerformedLine
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.trace import DONE, VISIBLE, constraint_reason, held_reason
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
-from lipsync_lang.quality.figures import Quality
-from lipsync_lang.quality.measures import sentence
 from lipsync_lang.render.plot import STAGES
+from lipsync_lang.reports.quality.figures import Quality
+from lipsync_lang.reports.quality.measures import sentence
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.studio.array_pack import ArrayPack
 

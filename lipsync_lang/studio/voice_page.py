@@ -15,9 +15,9 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.live.web_socket import Client, Session
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.production.live.web_socket import Client, Session
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data

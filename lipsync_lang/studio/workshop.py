@@ -15,11 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.banks.write import empty_bank
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files.reach import refuse_outside
-from lipsync_lang.json_object import Json
-from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.files.reach import refuse_outside
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.packs.banks.write import empty_bank
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import ABSENT, SplicedText
@@ -39,9 +38,10 @@ from lipsync_lang.studio.line_settings import LineSettings, brief
 from lipsync_lang.studio.merging import Choices
 from lipsync_lang.studio.project_lines import ProjectLines
 from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
+from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
 
 if TYPE_CHECKING:
-    from lipsync_lang.build.planned_line import PlannedLine
+    from lipsync_lang.production.builds.planned_line import PlannedLine
 
 NAME_WORDS = 4
 """Number of words of a text that name its line."""

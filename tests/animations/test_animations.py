@@ -29,7 +29,7 @@ from test_video import READ_BACK as PICTURES
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import find_reader
 

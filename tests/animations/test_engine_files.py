@@ -22,8 +22,8 @@ from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.fixed import names
 from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.animations.readers.live_link import fits, read_live_link
-from lipsync_lang.errors import OutputError
-from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.faces.rigs.channel import Channel
 
 DENSE, SPARSE = 1e-5, ERROR + 1e-9
 

@@ -20,7 +20,7 @@ from lipsync_lang.animations.fitted_keys import CONTACT_TOLERANCE, fit
 from lipsync_lang.animations.keys import curves
 from lipsync_lang.animations.readers.glb import read_glb
 from lipsync_lang.animations.writers.blender import TEMPLATE
-from lipsync_lang.rigs.splines import Spline, sample
+from lipsync_lang.faces.rigs.splines import Spline, sample
 
 LABELS = (
     *("HH", "AH0", "L", "OW1", "_", "P", "AA1", "P", "M", "AH0", "S"),

@@ -22,10 +22,10 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.keys import ERROR
-from lipsync_lang.errors import OutputError
-from lipsync_lang.rigs.channel import Channel
-from lipsync_lang.rigs.container import binary_of
-from lipsync_lang.rigs.model import read_model
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.faces.rigs.container import binary_of
+from lipsync_lang.faces.rigs.model import read_model
 
 SCRIPT = TESTS / "consumers" / "godot.gd"
 PAGE_SCRIPT = SCRIPT.with_name("page.gd")

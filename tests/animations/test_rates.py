@@ -16,8 +16,8 @@ from lipsync_lang.animations.animation import ExportSettings
 from lipsync_lang.animations.animation_readers import read_animation
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.rates import exact, parse_offset, parse_rate, timecode
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.quality.check_animation import check
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.reports.quality.check_animation import check
 
 RATES = (12, 23.976, 24, 25, 29.97, 30, 48, 60, 90, 120)
 

@@ -14,9 +14,9 @@ from lipsync_lang.animations.animation_readers import (
     Recording,
     read_animation,
 )
-from lipsync_lang.errors import AnimationError
-from lipsync_lang.quality.check_animation import check
-from lipsync_lang.quality.fitting import fit, read_for
+from lipsync_lang.base.errors import AnimationError
+from lipsync_lang.reports.quality.check_animation import check
+from lipsync_lang.reports.quality.fitting import fit, read_for
 
 assert ANIMATION_READERS, "a sweep over nothing passes"
 

@@ -10,7 +10,7 @@ from file_bytes import bytes_of
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.errors import OutputError
 
 every_form = pytest.mark.parametrize("name", ["srt", "vtt"])
 SPAN = re.compile(r"(\d\d):(\d\d):(\d\d)([,.])(\d{3}) --> (\d\d):(\d\d):(\d\d)\4(\d{3})")

@@ -12,8 +12,8 @@ from small_models import glb
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.errors import OutputError
-from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.faces.rigs.channel import Channel
 
 NTSC = 24000 / 1001
 

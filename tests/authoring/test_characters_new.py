@@ -10,11 +10,11 @@ from packs_tree import plant
 from shipped import LIBRARY, POSESETS
 from small_models import glb
 
+from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.faces.rigs.recognise import find, recognise
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_channels import channels_of
 from lipsync_lang.performing.resolving import resolve
-from lipsync_lang.rigs.model import read_model
-from lipsync_lang.rigs.recognise import find, recognise
 from lipsync_lang.schedules import read_schedule
 
 SETS = {name: LIBRARY.poseset(name).model for name in POSESETS}

@@ -20,7 +20,7 @@ from lipsync_lang.authoring.language_check import (
     mouths_in,
     mouths_of,
 )
-from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.performing.resolving import resolve
 
 PACK = """kind: language

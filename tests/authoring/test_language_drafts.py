@@ -11,11 +11,11 @@ from lanes import full
 from lipsync_lang.authoring.inventories import read_inventory
 from lipsync_lang.authoring.language_draft import LanguageWish, _entry, draft
 from lipsync_lang.authoring.trial import languages_in, try_out
-from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.base.presentation.text_table import columns, width
 from lipsync_lang.packs.library import Library
-from lipsync_lang.phonology.nearest import Nearest
-from lipsync_lang.reports.text_table import columns, width
 from lipsync_lang.resolver.nearest_phonemes import among_all
+from lipsync_lang.text.phonology.nearest import Nearest
 
 PHOIBLE = """\
 InventoryID,Glottocode,ISO6393,LanguageName,Source,Phoneme

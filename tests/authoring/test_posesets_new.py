@@ -11,13 +11,13 @@ from small_models import glb
 
 from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft, guessed
 from lipsync_lang.authoring.poseset_text import MAX_SCREEN_LINES
-from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.faces.rigs.driver import bare
+from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Pose, PoseSet
 from lipsync_lang.packs.models.rig_channels import pose_names
-from lipsync_lang.rigs.driver import bare
-from lipsync_lang.rigs.shape_matching import placed
 
 
 def new(cli, *arguments):

@@ -14,9 +14,9 @@ from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
-from lipsync_lang.rigs.channel import Channel
-from lipsync_lang.rigs.container import binary_of
-from lipsync_lang.rigs.model import read_model
+from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.faces.rigs.container import binary_of
+from lipsync_lang.faces.rigs.model import read_model
 
 pytestmark = full
 

@@ -12,12 +12,13 @@ from test_consumers import chromium, found, run
 from test_line_page import NASTY, schedule
 
 import lipsync_lang as ll
-from lipsync_lang import studio, study
+from lipsync_lang import studio
 from lipsync_lang.animations.animation import ExportSettings
-from lipsync_lang.quality.baselines import keyframes
+from lipsync_lang.plugins import study
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged, sweep
+from lipsync_lang.reports.quality.baselines import keyframes
 
 pytestmark = full
 

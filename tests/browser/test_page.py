@@ -8,7 +8,7 @@ from lanes import full, swept
 from test_consumers import chromium, found, run
 from test_coverage_page import EMPTY, NASTY, made, spoiled
 
-from lipsync_lang.coverage.page import page
+from lipsync_lang.reports.coverage.page import page
 
 HERE = Path(__file__).parent
 REPORT, SOUGHT = 3, "bmp"

@@ -16,8 +16,8 @@ from shipped import LIBRARY
 from test_consumers import chromium, found
 
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.build.project_folder import starter
 from lipsync_lang.performing.resolving import resolve
+from lipsync_lang.production.builds.project_folder import starter
 
 pytest.importorskip("uvicorn", reason="the studio needs uvicorn")
 pytestmark = full

@@ -11,14 +11,14 @@ from study_answers import submissions_in
 from test_consumers import chromium, found, run
 
 import lipsync_lang as ll
-from lipsync_lang.study import study_clips
-from lipsync_lang.study.answer_server import AnswerServer
-from lipsync_lang.study.answer_sorting import SortingRules, sort_answers
-from lipsync_lang.study.methods import StudyCharacter, parse_methods
-from lipsync_lang.study.study_file import Submission, faults_against, parsed
-from lipsync_lang.study.study_lines import StudyLine
-from lipsync_lang.study.study_maker import StudyPlan, make_study
-from lipsync_lang.study.study_page import PageTexts, parse_asked
+from lipsync_lang.plugins.study import study_clips
+from lipsync_lang.plugins.study.answer_server import AnswerServer
+from lipsync_lang.plugins.study.answer_sorting import SortingRules, sort_answers
+from lipsync_lang.plugins.study.methods import StudyCharacter, parse_methods
+from lipsync_lang.plugins.study.study_file import Submission, faults_against, parsed
+from lipsync_lang.plugins.study.study_lines import StudyLine
+from lipsync_lang.plugins.study.study_maker import StudyPlan, make_study
+from lipsync_lang.plugins.study.study_page import PageTexts, parse_asked
 
 pytestmark = full
 

@@ -12,7 +12,7 @@ from shipped import LIBRARY
 from small_models import glb
 
 import lipsync_lang as ll
-from lipsync_lang.errors import (
+from lipsync_lang.base.errors import (
     LipsyncError,
     ModelError,
     OutputError,
@@ -22,10 +22,10 @@ from lipsync_lang.errors import (
     shortlist,
 )
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
-from lipsync_lang.phonology.espeak.process import EspeakProcess
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.readers.textgrid import read_textgrid
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.text.phonology.espeak.process import EspeakProcess
 
 
 @pytest.fixture(scope="module")

@@ -15,16 +15,16 @@ import pytest
 from lanes import full, swept
 from shipped import LANGUAGES, LIBRARY, POSESETS
 
-from lipsync_lang import extensions, extras
-from lipsync_lang.build.project_folder import project_files, starter
+from lipsync_lang.base import extensions, extras
 from lipsync_lang.commands import doctor, doctor_checks, starting
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, load_project
+from lipsync_lang.production.builds.project_folder import project_files, starter
 from lipsync_lang.render import fonts
 from lipsync_lang.render.fonts import FoundFonts
 from lipsync_lang.resolver.cache import CACHE_VARIABLE
-from lipsync_lang.speech.speaking.speech_engines import ENGINES
+from lipsync_lang.sound.speech.speaking.speech_engines import ENGINES
 
 FILES = {"README.md", FILE, "lines.csv", "characters/hero.yaml", ".gitignore"}
 
@@ -536,7 +536,7 @@ def plugged(tmp_path, monkeypatch):
 
 
 GOOD = "from lipsync_lang.animations.animation_writers import writer\n"
-TAKEN = """from lipsync_lang.speech.speaking.speech_engines import speech_engine
+TAKEN = """from lipsync_lang.sound.speech.speaking.speech_engines import speech_engine
 @speech_engine("festival")
 class Mine:
     pass
@@ -567,7 +567,7 @@ def test_an_engine_without_its_program_says_how_to_get_it(monkeypatch):
 
 
 def test_a_whisper_without_a_model_is_told(monkeypatch):
-    from lipsync_lang.speech.hearing.recognise import whisper_models
+    from lipsync_lang.sound.speech.hearing.recognise import whisper_models
 
     monkeypatch.setattr(doctor_checks.shutil, "which", lambda _: None)
     monkeypatch.setattr(doctor_checks, "find_spec", lambda _: True)
@@ -578,7 +578,7 @@ def test_a_whisper_without_a_model_is_told(monkeypatch):
 
 
 def test_a_downloaded_whisper_is_listed_and_is_no_acoustic_model(monkeypatch, tmp_path):
-    from lipsync_lang.speech.hearing.recognise import whisper_models
+    from lipsync_lang.sound.speech.hearing.recognise import whisper_models
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(doctor_checks, "find_spec", lambda _: True)

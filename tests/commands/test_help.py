@@ -6,9 +6,9 @@ import shlex
 import pytest
 from command_line import COMMANDS, actions, refused
 
+from lipsync_lang.base.version import __version__
 from lipsync_lang.cli import parser
 from lipsync_lang.pipeline import kernel
-from lipsync_lang.version import __version__
 
 every_command = pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 pytestmark = pytest.mark.usefixtures("folder")

@@ -6,8 +6,8 @@ from argparse import Namespace
 
 import pytest
 
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.commands.local_server import ADDRESS_SECONDS, LOCAL, _address
-from lipsync_lang.errors import LipsyncError
 
 posix = pytest.mark.skipif(os.name != "posix", reason="modes of files")
 

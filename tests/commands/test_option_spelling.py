@@ -17,18 +17,18 @@ AT_HOME |= {"smartbody", "study"}
 ELSEWHERE = {
     "animations/keys.py": "reads what an option of the command line was given",
     "animations/rates.py": "reads what an option of the command line was given",
-    "coverage/changes.py": "names the command that writes a report",
-    "coverage/forms/total_text.py": "a text for the terminal",
-    "coverage/forms/text.py": "the command's own report",
+    "reports/coverage/changes.py": "names the command that writes a report",
+    "reports/coverage/forms/total_text.py": "a text for the terminal",
+    "reports/coverage/forms/text.py": "the command's own report",
     "extras.py": "an option of another program",
-    "files/reach.py": "names the option by which a user permits a folder",
+    "base/files/reach.py": "names the option by which a user permits a folder",
     "packs/project.py": "names the option by which a user permits a folder",
     "render/fonts.py": "an option of another program",
     "resolver/bank_diff.py": "the command's own report",
     "schedules/tiers.py": "names the option that chooses a tier",
     "schedules/readers/polly.py": "an option of another program",
-    "speech/speaking/festival.py": "an option of another program",
-    "speech/hearing/recognise/whisper_models.py": "an option of another program",
+    "sound/speech/speaking/festival.py": "an option of another program",
+    "sound/speech/hearing/recognise/whisper_models.py": "an option of another program",
 }
 """Modules whose strings may name options, with the reason."""
 

@@ -8,10 +8,10 @@ import pytest
 from packs_tree import CHILD, PARENT, POSESET, plant, put
 
 import lipsync_lang as ll
-from lipsync_lang.coverage import coverage
-from lipsync_lang.lines.line import Line
 from lipsync_lang.packs.library import Library
-from lipsync_lang.quality.baselines import BASELINES, compare
+from lipsync_lang.reports.coverage import coverage
+from lipsync_lang.reports.quality.baselines import BASELINES, compare
+from lipsync_lang.text.lines.line import Line
 
 SCHEDULE = ll.Schedule(("P", "2"), [0, 0.1, 0.3])
 

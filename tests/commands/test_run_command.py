@@ -13,7 +13,7 @@ import pytest
 from command_line import PAIR, ROWS, SCHEDULE, listed, refused
 from lanes import full, needs_espeak
 
-from lipsync_lang import extras
+from lipsync_lang.base import extras
 
 pytestmark = pytest.mark.usefixtures("folder")
 

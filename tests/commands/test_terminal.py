@@ -9,7 +9,7 @@ import sys
 import pytest
 from lanes import full, swept
 
-from lipsync_lang.terminal import progress, safe_streams, spelled_out, wipe
+from lipsync_lang.base.terminal import progress, safe_streams, spelled_out, wipe
 
 PAIR = ("-l", "english", "-c", "facefx")
 EVIL = "\x1b]0;title\x07\x1b[2J\x9b31m\x7f\u202egnp\u2066.exe\r"

@@ -21,35 +21,35 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS as ANIMATIONS
 from lipsync_lang.animations.writers.glb import write_glb
 from lipsync_lang.authoring.inventories import read_inventory
-from lipsync_lang.build import takes
-from lipsync_lang.build.script import read_script
-from lipsync_lang.capture.capture_files import find_captures
-from lipsync_lang.capture.capture_reading import read_sensors
-from lipsync_lang.capture.fit_file import read_fit
-from lipsync_lang.coverage.changes import read_document
-from lipsync_lang.errors import LipsyncError, PackError
-from lipsync_lang.lines.line_readers import LINE_READERS as LINES
-from lipsync_lang.lines.line_readers import read_lines
+from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.faces.players.takes import Archive, Player, TakesError
+from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import MODELS, Project, ReadOut
 from lipsync_lang.packs.yaml.source import YamlSource
-from lipsync_lang.phonology.g2p.lexicon import read_lexicon
-from lipsync_lang.players.takes import Archive, Player, TakesError
-from lipsync_lang.quality.fitting import read_for
+from lipsync_lang.plugins.capture.capture_files import find_captures
+from lipsync_lang.plugins.capture.capture_reading import read_sensors
+from lipsync_lang.plugins.capture.fit_file import read_fit
+from lipsync_lang.plugins.smartbody.bank_files import ImportRemarks, read_smartbody
+from lipsync_lang.plugins.study.preference_page import report_page
+from lipsync_lang.plugins.study.study_file import Submission, parsed, read_study, texts_of
+from lipsync_lang.plugins.study.study_report import report_study
+from lipsync_lang.plugins.study.study_text import report_text
+from lipsync_lang.production.builds import takes
+from lipsync_lang.production.builds.script import read_script
 from lipsync_lang.render.staging import staged
-from lipsync_lang.rigs.model import read_model
+from lipsync_lang.reports.coverage.changes import read_document
+from lipsync_lang.reports.quality.fitting import read_for
 from lipsync_lang.schedules.timing_readers import TIMING_READERS as TIMINGS
 from lipsync_lang.schedules.timing_readers import read_timings
-from lipsync_lang.smartbody.bank_files import ImportRemarks, read_smartbody
-from lipsync_lang.speech.sound import read_audio
+from lipsync_lang.sound.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
-from lipsync_lang.study.preference_page import report_page
-from lipsync_lang.study.study_file import Submission, parsed, read_study, texts_of
-from lipsync_lang.study.study_report import report_study
-from lipsync_lang.study.study_text import report_text
+from lipsync_lang.text.lines.line_readers import LINE_READERS as LINES
+from lipsync_lang.text.lines.line_readers import read_lines
+from lipsync_lang.text.phonology.g2p.lexicon import read_lexicon
 
 HERE = Path(__file__).parent
 

@@ -6,7 +6,7 @@ from face_models import ARKIT, face
 
 import lipsync_lang as ll
 from lipsync_lang.authoring.character_draft import CharacterWish, draft
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.library import Library
 from lipsync_lang.schedules.schedule import SILENCE
 

@@ -10,7 +10,7 @@ import pytest
 from lanes import full
 from packs_tree import TREE, plant, put
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, fault_codes

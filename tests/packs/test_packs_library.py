@@ -8,7 +8,7 @@ import pytest
 from lanes import full
 from packs_tree import ANNAS_BANK, BANK, CHILD, PARENT, POSESET, TREE, plant, put
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs import finding
 from lipsync_lang.packs import library as library_module
 from lipsync_lang.packs.checking.validate import validate

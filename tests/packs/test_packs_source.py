@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import read_yaml, scan
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from lanes import swept
 from packs_tree import POSESET, TREE
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, get, plain, put, spliced
 from lipsync_lang.packs.yaml.faults import PackFaults

@@ -13,10 +13,10 @@ from strategies import assert_promises
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule, Word
-from lipsync_lang.errors import ScheduleError
-from lipsync_lang.phonology.emphasis import emphasised, touched
-from lipsync_lang.speech.hearing.alignment import aligned
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.base.errors import ScheduleError
+from lipsync_lang.sound.speech.hearing.alignment import aligned
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.phonology.emphasis import emphasised, touched
 
 LABELS = ("D", "AA", "B", "AA", "D", "AA", "P", "AA")
 TIMES = np.arange(9) * 0.15
@@ -116,7 +116,7 @@ def test_an_aligned_recording_has_it(monkeypatch):
     texts = []
     aligner = SimpleNamespace(align=lambda _, text, *__: texts.append(text) or said(0.0))
     monkeypatch.setattr(
-        "lipsync_lang.speech.hearing.align.aligners.ALIGNERS.find", lambda *_: aligner
+        "lipsync_lang.sound.speech.hearing.align.aligners.ALIGNERS.find", lambda *_: aligner
     )
     sound = ll.Audio(np.zeros(100, np.int16), 100)
     schedule = aligned(Speaker.of("tagalog"), sound, "dab *add* app")

@@ -9,7 +9,7 @@ from strategies import undisturbed
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.pipeline.prepare import GIVEN
 
 LABELS = ("M", "AA", "B", "IY", "F", "UW", "P", "AA")

@@ -10,7 +10,7 @@ from strategies import RATES, undisturbed
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.loudness import FULL_SCALE, levels

@@ -15,7 +15,7 @@ from strategies import RATES, any_lines, motions
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
-from lipsync_lang.errors import LipsyncError, ScheduleError
+from lipsync_lang.base.errors import LipsyncError, ScheduleError
 from lipsync_lang.performing.heard import HeardLabel, HeardLabels, HeardWord
 from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.pipeline.levels import Blend, Dial, Level

@@ -12,16 +12,16 @@ from strategies import assert_promises
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
-from lipsync_lang.errors import ScheduleError
-from lipsync_lang.phonology.espeak.phoneme_labels import words_of
-from lipsync_lang.phonology.espeak.process import EspeakProcess
-from lipsync_lang.phonology.g2p import SpokenWord, engine
-from lipsync_lang.phonology.g2p.g2p_engines import Settings
-from lipsync_lang.phonology.labels import Notation
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules.schedule import SILENCE
-from lipsync_lang.speech.speaking.espeak import intervals, read_events
-from lipsync_lang.speech.speaking.joining import estimate, join, stress_read
-from lipsync_lang.speech.speaking.transcripts import Transcript
+from lipsync_lang.sound.speech.speaking.espeak import intervals, read_events
+from lipsync_lang.sound.speech.speaking.joining import estimate, join, stress_read
+from lipsync_lang.sound.speech.speaking.transcripts import Transcript
+from lipsync_lang.text.phonology.espeak.phoneme_labels import words_of
+from lipsync_lang.text.phonology.espeak.process import EspeakProcess
+from lipsync_lang.text.phonology.g2p import SpokenWord, engine
+from lipsync_lang.text.phonology.g2p.g2p_engines import Settings
+from lipsync_lang.text.phonology.labels import Notation
 
 TIMES = [0, 0.1, 0.3, 0.4, 0.6, 0.7, 0.9]
 

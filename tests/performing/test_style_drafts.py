@@ -11,10 +11,10 @@ from test_loudness import line
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.quality.check_animation import check_all
+from lipsync_lang.reports.quality.check_animation import check_all
 
 SAID = Schedule(
     ("M", "AA", "B", "IY", "S", "UW", "P", "AA"), np.arange(9) * 0.13, notation="arpabet"

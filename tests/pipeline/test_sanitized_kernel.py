@@ -58,7 +58,7 @@ def ran(environment, *arguments):
 
 @full
 def test_the_tests_of_the_kernel_hold_under_sanitizers(environment):
-    rooms = "tests/pipeline/test_kernel.py", "tests/gestures/test_compiled_gestures.py"
+    rooms = "tests/pipeline/test_kernel.py", "tests/pipeline/gestures/test_compiled_gestures.py"
     quiet = ("-q", "-p", "no:cacheprovider", "-p", "no:randomly")
     ran(environment, "-m", "pytest", "-p", "sanitized_kernel", *rooms, "-m", "not full", *quiet)
 

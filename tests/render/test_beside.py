@@ -7,7 +7,7 @@ from lanes import full
 from strategies import real
 
 from lipsync_lang import Schedule, resolve
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.render.beside import plot_beside
 
 LINE = Schedule(("M", "AA", "P"), (0.0, 0.1, 0.3, 0.4), notation="arpabet")

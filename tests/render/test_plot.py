@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from lanes import full, swept
 
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.errors import OutputError
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.render.plot import PLOT_FORMATS, STAGES, plot

@@ -17,7 +17,9 @@ from lanes import full, swept
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
-from lipsync_lang.errors import ModelError, OutputError
+from lipsync_lang.base.errors import ModelError, OutputError
+from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.faces.rigs.parts import Part, take, write_glb
 from lipsync_lang.render import sheet, video
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.gltf import Material
@@ -26,8 +28,6 @@ from lipsync_lang.render.model.raster import Window, area, fill, planes, shown
 from lipsync_lang.render.model.scene import FAN, STRIP, _triangles
 from lipsync_lang.render.picture_writers import write_mp4, write_png
 from lipsync_lang.render.staging import staged
-from lipsync_lang.rigs.channel import Channel
-from lipsync_lang.rigs.parts import Part, take, write_glb
 
 SIZE, FPS, RATE = 96, 30, 8000
 WHOLE = Window(0, 0, 64, 64)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from lanes import costly, full
 
 from lipsync_lang import resolve
-from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.packs.library import Library
 from lipsync_lang.resolver.bank_diff import TIMES, diff_banks, told
 

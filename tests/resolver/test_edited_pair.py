@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from packs_tree import plant, put
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import ABSENT
 from lipsync_lang.resolver.compile import compile_pair

@@ -14,7 +14,7 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.settings import motion_with
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 EXACT = 1e-9
 FPS = 30

@@ -14,7 +14,7 @@ from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.hold import demands
-from lipsync_lang.quality.check_animation import check
+from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.resolver.bank_diff import diff_banks
 from lipsync_lang.resolver.bigram_sources import draft_bigrams
 from lipsync_lang.schedules.schedule import Schedule

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.resolving import resolve
-from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.schedules import SILENCE, Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import find_reader
+from lipsync_lang.text.phonology.labels import Notation
 
 
 def read(text, name, **asked):

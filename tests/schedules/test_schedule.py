@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import SNAP_SECONDS, words_from_spans
 from lipsync_lang.schedules.timing_readers import TIMING_READERS

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 from test_schedule import EXAMPLES
 
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules import Schedule, TimedWords, read_timings
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
 

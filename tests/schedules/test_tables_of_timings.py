@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import find_reader

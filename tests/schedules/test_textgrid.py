@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE, Schedule, read_schedule, read_timings
 from lipsync_lang.schedules.readers.textgrid import read_textgrid
 from lipsync_lang.schedules.timing_file import TimingFile

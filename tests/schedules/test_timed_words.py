@@ -6,18 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lipsync_lang.build.planned_line import PlannedLine
-from lipsync_lang.build.timing import schedules
+from lipsync_lang.base.errors import ScheduleError, SpeechError
 from lipsync_lang.cli import main
-from lipsync_lang.errors import ScheduleError, SpeechError
-from lipsync_lang.lines.line_readers import read_lines
-from lipsync_lang.phonology.g2p import SpokenWord
+from lipsync_lang.production.builds.planned_line import PlannedLine
+from lipsync_lang.production.builds.timing import schedules
 from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimedWord, TimedWords, read_schedule
 from lipsync_lang.schedules.timed_words import are_words, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import timings_of
-from lipsync_lang.speech.filling import filled
-from lipsync_lang.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.filling import filled
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.lines.line_readers import read_lines
+from lipsync_lang.text.phonology.g2p import SpokenWord
 
 TABLE = "word,start,end\nmy,0.1,0.3\nmaps,0.3,0.8\n"
 
@@ -128,7 +128,7 @@ def test_a_subtitle_holds_several_words(speaker):
 
 def test_an_aligned_phrase_keeps_the_given_boundaries(speaker, monkeypatch):
     from lipsync_lang.schedules.schedule import Audio, Word
-    from lipsync_lang.speech import filling
+    from lipsync_lang.sound.speech import filling
 
     sound = Audio(np.zeros(16000, np.int16), 16000)
     cuts = []

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.errors import OutputError
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.schedules.writers import TIMING_WRITERS

@@ -7,7 +7,7 @@ import pytest
 from timing_texts import spoken
 
 import lipsync_lang as ll
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,10 @@ import json
 import pytest
 
 import lipsync_lang as ll
-from lipsync_lang.errors import ScheduleError
-from lipsync_lang.lines.line_readers import read_lines
-from lipsync_lang.lines.timings import TIMING_SUFFIXES
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
+from lipsync_lang.text.lines.line_readers import read_lines
+from lipsync_lang.text.lines.timings import TIMING_SUFFIXES
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from packs_tree import BANK
 
-from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import read_yaml

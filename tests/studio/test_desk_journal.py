@@ -10,7 +10,7 @@ import pytest
 from desk_texts import BOUNDARY, STATUS, THEIRS, value
 from packs_tree import BANK, plant
 
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.errors import OutputError
 from lipsync_lang.packs.splicing import ABSENT
 from lipsync_lang.studio import desk as desk_module
 from lipsync_lang.studio.desk import Desk
@@ -204,7 +204,7 @@ def test_an_edit_that_the_journal_could_not_take_is_written_with_the_next(
 
     desk = Desk(journal)
     with monkeypatch.context() as patched:
-        patched.setattr("lipsync_lang.files.writing.replace_file", refused)
+        patched.setattr("lipsync_lang.base.files.writing.replace_file", refused)
         with pytest.raises(OutputError, match="held open"):
             desk.change("One", [(bank, STATUS, "edited")])
     desk.change("Two", [(bank, BOUNDARY, 0.7)])
@@ -314,7 +314,7 @@ def test_a_save_that_fails_stays_unsaved(bank, home, journal, monkeypatch):
             raise PermissionError(13, "held open")
         source.replace(target)
 
-    monkeypatch.setattr("lipsync_lang.files.writing.replace_file", refused)
+    monkeypatch.setattr("lipsync_lang.base.files.writing.replace_file", refused)
     with pytest.raises(OutputError, match="held open"):
         desk.save()
     assert list(desk.contents) == [other], "what reached the disk is saved"

@@ -8,7 +8,7 @@ from packs_tree import TREE, plant, put
 from studio_calls import TOKEN, Caller, unpacked
 
 import lipsync_lang as ll
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.studio.bigram_home import bigram_home
 from lipsync_lang.studio.spoken_line import SpokenLine

@@ -14,8 +14,8 @@ from shipped import LIBRARY
 from studio_calls import Caller
 
 import lipsync_lang as ll
+from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.packs.library import Library
-from lipsync_lang.rigs.model import read_model
 from lipsync_lang.studio.workshop import Workshop
 
 LINE = ll.Schedule(("B", "AA", "W", "S", "TH", "OW", "M"), [0, 0.1, 0.3, 0.4, 0.5, 0.6, 0.8, 0.9])

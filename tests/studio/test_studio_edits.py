@@ -8,7 +8,7 @@ pytest.importorskip("starlette", reason="the studio needs Starlette")
 
 from studio_calls import Caller, unpacked
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.workshop import Workshop

@@ -80,7 +80,7 @@ def test_a_line_with_sound_ends_no_later_than_its_sound(caller, workshop):
 
 
 def test_a_recording_is_heard_without_a_text(caller, monkeypatch):
-    from lipsync_lang.speech.hearing import recognition
+    from lipsync_lang.sound.speech.hearing import recognition
 
     monkeypatch.setattr(recognition, "recognised", lambda *_: LINE)
     assert spoken(caller.post("sound", b"", {"hear": "", "name": "a.wav"}))[

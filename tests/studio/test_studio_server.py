@@ -16,8 +16,8 @@ from lanes import swept
 from studio_calls import HOST, TOKEN, Caller, unpacked
 
 from lipsync_lang import studio
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.cli import main
-from lipsync_lang.errors import LipsyncError
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.routes import line_routes
 from lipsync_lang.studio.routes.requests import MAX_TEXT_CHARS, StudioRequest

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from lipsync_lang.animations.animation_readers import Recording, fail, reader
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import AnimationError
-from lipsync_lang.files.reading import utf8_text
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import AnimationError
+from lipsync_lang.base.files.reading import utf8_text
 
 TIME_COLUMNS = dict.fromkeys(("ms", "timems", "milliseconds"), 1e-3) | dict.fromkeys(
     ("time", "times", "seconds", "sec", "t", "timestamp", "timeseconds", "timecode"), 1.0

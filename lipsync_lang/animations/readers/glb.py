@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from lipsync_lang.animations.animation_readers import Recording, fail, reader
-from lipsync_lang.arrays import Floats
-from lipsync_lang.json_object import Json
-from lipsync_lang.rigs.accessors import MAX_ACCESSOR_VALUES, Accessors
-from lipsync_lang.rigs.model import Model, numbers, read_model
-from lipsync_lang.rigs.tracks import drives
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs.accessors import MAX_ACCESSOR_VALUES, Accessors
+from lipsync_lang.faces.rigs.model import Model, numbers, read_model
+from lipsync_lang.faces.rigs.tracks import drives
 
 
 @reader("glb", suffix=".glb")

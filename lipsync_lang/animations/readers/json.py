@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from lipsync_lang.animations.animation_readers import Recording, fail, reader
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import AnimationError, ScheduleError
-from lipsync_lang.files.reading import utf8_text
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import AnimationError, ScheduleError
+from lipsync_lang.base.files.reading import utf8_text
 from lipsync_lang.schedules.schedule import Schedule
 
 ANIMATION_MARK = "lipsync-lang animation "

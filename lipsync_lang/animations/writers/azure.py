@@ -12,8 +12,8 @@ from typing import TextIO
 
 from lipsync_lang.animations.fixed import FixedColumns, doubts, first_frame, names
 from lipsync_lang.animations.writers import Animation, writer
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import OutputError
 
 AZURE = "Azure"
 FPS = 60

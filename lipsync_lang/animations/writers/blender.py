@@ -19,7 +19,7 @@ from lipsync_lang.animations.fixed import boneless, shape_columns
 from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.animations.moving_shapes import on_model
 from lipsync_lang.animations.writers import Animation, writer
-from lipsync_lang.arrays import Floats
+from lipsync_lang.base.arrays import Floats
 
 TEMPLATE = Path(__file__).parent / "templates" / "blender.txt"
 FIRST = 1

@@ -26,11 +26,11 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.fitted_keys import fit
 from lipsync_lang.animations.keys import margin, needed
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import OutputError
-from lipsync_lang.json_object import Json
-from lipsync_lang.rigs.channel import Channel
-from lipsync_lang.rigs.container import (
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.faces.rigs.container import (
     BINARY_CHUNK,
     JSON_CHUNK,
     binary_of,
@@ -39,10 +39,10 @@ from lipsync_lang.rigs.container import (
     read_chunk,
     write_parts,
 )
-from lipsync_lang.rigs.model import Mesh, Model, known_model, movable_nodes, numbers, some
-from lipsync_lang.rigs.read_outs import still_shapes
-from lipsync_lang.rigs.shape_matching import Placement, on_mesh
-from lipsync_lang.rigs.transforms import parts, product, turns
+from lipsync_lang.faces.rigs.model import Mesh, Model, known_model, movable_nodes, numbers, some
+from lipsync_lang.faces.rigs.read_outs import still_shapes
+from lipsync_lang.faces.rigs.shape_matching import Placement, on_mesh
+from lipsync_lang.faces.rigs.transforms import parts, product, turns
 
 FLOAT_COMPONENT = 5126
 TINY_CHANGE = 1e-6

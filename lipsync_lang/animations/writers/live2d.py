@@ -24,7 +24,7 @@ from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
 
 if TYPE_CHECKING:
-    from lipsync_lang.arrays import Floats
+    from lipsync_lang.base.arrays import Floats
 
 LINEAR_SEGMENT, BEZIER_SEGMENT = 0, 1
 

@@ -13,8 +13,8 @@ from typing import TextIO
 
 from lipsync_lang.animations.held import HeldShape, held
 from lipsync_lang.animations.writers import Animation, writer
-from lipsync_lang.errors import OutputError
-from lipsync_lang.rigs.model import some
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.faces.rigs.model import some
 
 RHUBARB_NAMES = Path(__file__).parent / "names" / "rhubarb.txt"
 

@@ -10,7 +10,7 @@ from html import escape
 from typing import TextIO
 
 from lipsync_lang.animations.writers import Animation, writer
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.errors import OutputError
 
 ARROW = "-->"
 """Separator between the two times of a cue; not allowed within its text."""

@@ -12,8 +12,8 @@ import numpy as np
 
 from lipsync_lang.animations.keys import keyframes
 from lipsync_lang.animations.writers import Animation, binary_writer
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import OutputError
 
 TAKE_MAGIC = b"TAKE\1\0"
 """Start of a file of one take, with its version."""

@@ -13,7 +13,7 @@ from collections import Counter
 from typing import TextIO
 
 from lipsync_lang.animations.writers import Animation, writer
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.errors import OutputError
 
 
 @writer("unreal", suffix=".unreal.csv")

@@ -16,11 +16,11 @@ from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.moving_shapes import shapes
 from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.animations.writers.glb import unplaced
-from lipsync_lang.errors import OutputError
-from lipsync_lang.rigs.model import some
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.faces.rigs.model import some
 
 if TYPE_CHECKING:
-    from lipsync_lang.arrays import Floats
+    from lipsync_lang.base.arrays import Floats
 
 USD_ESCAPES = str.maketrans({"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\t": r"\t"})
 """Characters of a name that a string of USD cannot hold."""

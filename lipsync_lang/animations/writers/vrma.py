@@ -20,11 +20,11 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.fixed import names, shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
-from lipsync_lang.arrays import Floats
-from lipsync_lang.json_object import Json
-from lipsync_lang.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
-from lipsync_lang.rigs.head_turn import HeadTurn
-from lipsync_lang.rigs.shape_matching import placed
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
+from lipsync_lang.faces.rigs.head_turn import HeadTurn
+from lipsync_lang.faces.rigs.shape_matching import placed
 
 VRM_ANIMATION = "VRMC_vrm_animation"
 FLOAT_TYPE = 5126

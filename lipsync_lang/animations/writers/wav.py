@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.animations.writers import Animation, binary_writer
-from lipsync_lang.errors import OutputError
+from lipsync_lang.base.errors import OutputError
 
 
 @binary_writer("wav", suffix=".wav")

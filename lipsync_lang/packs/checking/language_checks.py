@@ -6,18 +6,18 @@ These checks need the pack alone. `authoring.trial` runs the tests with their en
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from lipsync_lang.errors import did_you_mean
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
-from lipsync_lang.phonology.g2p.g2p_engines import Rule
-from lipsync_lang.phonology.g2p.number_words import named_rules
-from lipsync_lang.phonology.g2p.own_words import ipa_labels, stands_alone
-from lipsync_lang.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow
-from lipsync_lang.phonology.labels import Notation, normalise
+from lipsync_lang.text.phonology.g2p.g2p_engines import Rule
+from lipsync_lang.text.phonology.g2p.number_words import named_rules
+from lipsync_lang.text.phonology.g2p.own_words import ipa_labels, stands_alone
+from lipsync_lang.text.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow
+from lipsync_lang.text.phonology.labels import Notation, normalise
 
 
 def check_labels(language: Pack[models.Language]) -> Iterator[Fault]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from lipsync_lang.errors import did_you_mean
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.checking.conflicts import conflicts, unprepared
 from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
 from lipsync_lang.packs.finding import NONE_UNSAVED, beside

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import did_you_mean
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.checking.conflicts import path_between
 from lipsync_lang.packs.checking.pack_checks import check_home, check_poses
 from lipsync_lang.packs.models import PoseSet, RigPack

@@ -6,8 +6,8 @@ from typing import Any, TypeVar, cast
 
 from pydantic import ValidationError
 
-from lipsync_lang.errors import PackError
-from lipsync_lang.files.reach import refuse_outside
+from lipsync_lang.base.errors import PackError
+from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs import models
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.checking import pack_checks as checks
@@ -37,7 +37,7 @@ from lipsync_lang.packs.project import PROJECT, check_paths, find_project
 from lipsync_lang.packs.splicing import ABSENT, put
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
-from lipsync_lang.phonology.language_names import folded_language
+from lipsync_lang.text.phonology.language_names import folded_language
 
 T = TypeVar("T")
 

@@ -5,7 +5,7 @@ from functools import cache
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import SpeechError
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.yaml.faults import Fault
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def check_voices(languages: "Iterable[Pack[models.Language]]") -> Iterator[Fault
 @cache
 def _missing(voices: tuple[str, ...]) -> dict[str, str]:
     """Return hints for the voices that the engine lacks; a process asks once for each set."""
-    from lipsync_lang.phonology.espeak.process import EspeakProcess
+    from lipsync_lang.text.phonology.espeak.process import EspeakProcess
 
     return EspeakProcess().missing(voices)
 

@@ -32,7 +32,7 @@ from lipsync_lang.packs.models.text_models import (
     WordTable,
     check_contexts,
 )
-from lipsync_lang.phonology.labels import Value
+from lipsync_lang.text.phonology.labels import Value
 
 SoundClass = Literal[
     "vowel", "glide", "liquid", "nasal", "stop", "fricative", "affricate", "silence"

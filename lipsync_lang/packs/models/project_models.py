@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.files.names import fault_of_name
+from lipsync_lang.base.files.names import fault_of_name
 from lipsync_lang.packs.models.fields import (
     Name,
     NotNegative,

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from lipsync_lang.errors import PackError, did_you_mean
+from lipsync_lang.base.errors import PackError, did_you_mean
 from lipsync_lang.packs.models import MODELS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

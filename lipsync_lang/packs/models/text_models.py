@@ -17,7 +17,7 @@ from lipsync_lang.packs.models.fields import (
     sound_forms,
 )
 from lipsync_lang.packs.yaml.source import Data
-from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
+from lipsync_lang.text.phonology.g2p.contexts import ContextError, compile_context
 
 
 def check_contexts(contexts: Mapping[str, str]) -> None:

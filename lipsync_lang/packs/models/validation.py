@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from lipsync_lang.errors import did_you_mean
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.models import MODELS, PackModel
 from lipsync_lang.packs.models.attribute_docs import descriptions
 from lipsync_lang.packs.models.fields import PACK_FORMAT

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 
 Severity = Literal["fault", "warning"]
 

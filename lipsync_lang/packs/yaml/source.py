@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 
 MAX_PACK_BYTES = 2**20

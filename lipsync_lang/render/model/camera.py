@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.render.model.scene import MOMENTS, Scene
 
 FIELD_DEGREES = 24.0

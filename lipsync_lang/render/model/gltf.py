@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import OutputError
-from lipsync_lang.extras import install_line
-from lipsync_lang.json_object import Json
-from lipsync_lang.rigs.accessors import Accessors, Array
-from lipsync_lang.rigs.model import Model
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs.accessors import Accessors, Array
+from lipsync_lang.faces.rigs.model import Model
 
 Texels = npt.NDArray[np.uint8]
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.arrays import Bools, Floats, Ints
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.render.model.camera import Camera
 from lipsync_lang.render.model.raster import MIN_AREA, Window, area, depths, fill
 from lipsync_lang.render.model.scene import Scene

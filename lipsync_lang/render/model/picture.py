@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.render.model.camera import Camera, framed
 from lipsync_lang.render.model.gltf import Material
 from lipsync_lang.render.model.light import LINEAR_LIGHT, Normals, encoded, lit, openness

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
 
 DepthKeys = npt.NDArray[np.uint64]
 

@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.arrays import Bools, Floats, Ints
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.arrays import Bools, Floats, Ints
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs.accessors import Array
+from lipsync_lang.faces.rigs.container import fail
+from lipsync_lang.faces.rigs.model import Model, read_model
+from lipsync_lang.faces.rigs.tracks import drives
 from lipsync_lang.render.model.gltf import Gltf, Material, material
-from lipsync_lang.rigs.accessors import Array
-from lipsync_lang.rigs.container import fail
-from lipsync_lang.rigs.model import Model, read_model
-from lipsync_lang.rigs.tracks import drives
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
 """Primitive modes with surfaces."""

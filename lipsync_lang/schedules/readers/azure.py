@@ -15,7 +15,7 @@ from itertools import pairwise
 from math import inf
 from statistics import median
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader
 from lipsync_lang.schedules.rows import Start, shapes_of, until_next
 from lipsync_lang.schedules.timing_file import plain_fields

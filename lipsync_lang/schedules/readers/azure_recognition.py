@@ -6,7 +6,7 @@ Results are a JSON object, or several in a list or one on each line.
 
 from operator import methodcaller
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.readers.azure import TICKS_PER_SECOND
 from lipsync_lang.schedules.timed_words import phones_or_words

@@ -7,7 +7,7 @@ sure of the middle alone: it lasts until the next one then.
 from bisect import bisect_right
 from operator import attrgetter
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 from lipsync_lang.schedules.timing_file import first_item

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from operator import methodcaller
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import Tier, TimeSpan, read_tiers
 

@@ -7,7 +7,7 @@ remark names them.
 
 import re
 
-from lipsync_lang.errors import shortlist
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 from lipsync_lang.schedules.timing_file import first_item
 

@@ -6,7 +6,7 @@ seconds. A voice without phones gives words alone.
 
 from operator import methodcaller
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.rows import listed_rows
 from lipsync_lang.schedules.timed_words import phones_or_words

@@ -8,7 +8,7 @@ the set of its shapes; those of a `.pgo` are Preston Blair's, the program's defa
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 from lipsync_lang.schedules.rows import Start, shapes_of
 from lipsync_lang.schedules.tiers import Tier, only

@@ -15,7 +15,7 @@ from bisect import bisect_left
 from collections.abc import Iterator
 from struct import calcsize, unpack_from
 
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import Tier, read_tiers
 

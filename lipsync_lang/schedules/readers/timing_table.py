@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 from itertools import chain
 
-from lipsync_lang.files.quoting import plain_text
+from lipsync_lang.base.files.quoting import plain_text
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, WORD_TIER_NAME, Tier, read_tiers
 

@@ -5,7 +5,7 @@ the sum of those lengths, as the engine computes it: silence before and after, p
 divided by the speed, and each sound rounded to a whole frame. A question lengthens its last vowel.
 """
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimingFile, reader, schedule_of
 from lipsync_lang.schedules.timing_file import first_item, plain_fields
 

@@ -9,7 +9,7 @@ words is timed as a whole.
 from collections import defaultdict
 from typing import Any, NamedTuple
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import LabelRow, TimedWords, TimingFile, reader, timed_words_of
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 from lipsync_lang.schedules.tiers import Tier, only

@@ -6,7 +6,7 @@ A label that begins like a formula gets an apostrophe, which the reader of table
 import csv
 from io import StringIO
 
-from lipsync_lang.files.quoting import spreadsheet_text
+from lipsync_lang.base.files.quoting import spreadsheet_text
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, tiers_of
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.arrays import Floats
-from lipsync_lang.coverage.facts import authored
-from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.splicing import get
+from lipsync_lang.reports.coverage.facts import authored
 from lipsync_lang.resolver.bigram_sources import beneath, stated, target_curves
 from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import BigramRow, PairPacks

@@ -10,11 +10,13 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.arrays import Floats
-from lipsync_lang.errors import LipsyncError, ModelError
-from lipsync_lang.files import write_all
-from lipsync_lang.files.renaming import replace_file
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import LipsyncError, ModelError
+from lipsync_lang.base.files import write_all
+from lipsync_lang.base.files.renaming import replace_file
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs.model import Model, read_model
+from lipsync_lang.faces.rigs.recognise import Match, find, recognise
 from lipsync_lang.packs.finding import FOLDERS, WHOLE_MODELS
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.trace import VISIBLE
@@ -22,8 +24,6 @@ from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.resolver.pose_arrays import SOFTNESS_SECONDS
 from lipsync_lang.resolver.settings import RANGES
-from lipsync_lang.rigs.model import Model, read_model
-from lipsync_lang.rigs.recognise import Match, find, recognise
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data

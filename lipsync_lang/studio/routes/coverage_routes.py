@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Tally
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.reports.coverage.report import BigramNeed, CoverageReport, Tally
 from lipsync_lang.resolver.layers import DRAFTED, FITTED
 from lipsync_lang.studio.routes.requests import StudioRequest, sent_file
 from lipsync_lang.studio.script_count import script_of, scripts_in

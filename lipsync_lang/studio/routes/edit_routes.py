@@ -4,8 +4,8 @@ import json
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, get_args
 
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.splicing import ABSENT
 from lipsync_lang.studio.merging import MergeSide, SaveConflict
 from lipsync_lang.studio.routes.requests import (

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.exporting import EXPORT_FOLDER, export, format_rows, write_files
 from lipsync_lang.studio.routes.requests import PackedResponse, StudioRequest, listed

@@ -13,9 +13,9 @@ from lipsync_lang.authoring.new_pack import (
     write_new,
 )
 from lipsync_lang.authoring.sound_table import SoundMemory, SoundTable
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files.reach import refuse_outside
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.files.reach import refuse_outside
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.language_models import TAG_PATTERN

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.performing.gesturing import ALL
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performed_line import performer_of
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.quality.check_animation import check
+from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
 from lipsync_lang.schedules.timing_readers import read_timings
-from lipsync_lang.speech.sound import read_audio
+from lipsync_lang.sound.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.beside import other_performer, performed_beside
 from lipsync_lang.studio.face_data import face_data
@@ -64,7 +64,7 @@ def speak(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Read timed phonemes of a file, and keep the sound that was opened before."""
-    from lipsync_lang.speech.filling import filled
+    from lipsync_lang.sound.speech.filling import filled
 
     with TemporaryDirectory() as folder:
         found = read_timings(sent_file(request, Path(folder)), request.query.get("notation"))
@@ -78,8 +78,8 @@ def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 def sound(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Add the sound of the line; align a text with it, or hear it without one."""
-    from lipsync_lang.speech.hearing.alignment import aligned
-    from lipsync_lang.speech.hearing.recognition import recognised
+    from lipsync_lang.sound.speech.hearing.alignment import aligned
+    from lipsync_lang.sound.speech.hearing.recognition import recognised
 
     with TemporaryDirectory() as folder:
         path, text = sent_file(request, Path(folder)), request.query.get("text", "").strip()
@@ -185,7 +185,7 @@ def takes(workshop: Workshop, against: Any) -> PackedResponse:
     pack = ArrayPack()
     made = [_take(workshop.perform_shown(), workshop.performer, pack, "")]
     if isinstance(against, str) and against:
-        from lipsync_lang.quality.baselines import BASELINES
+        from lipsync_lang.reports.quality.baselines import BASELINES
 
         if against == SAVED:
             other = workshop.perform_shown(workshop.saved)

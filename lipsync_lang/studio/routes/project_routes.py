@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.finding import Kind, beside
 from lipsync_lang.packs.library import Library
 from lipsync_lang.studio.routes.requests import StudioRequest

@@ -8,8 +8,8 @@ from functools import cached_property
 from pathlib import Path, PurePath
 from typing import Any
 
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.workshop import Workshop
 

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from functools import partial
 
-from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, MAX_SCHEDULE_SECONDS, SILENCE
 from lipsync_lang.schedules.writers import TIMING_WRITERS
 from lipsync_lang.studio.routes.line_routes import changed, whole
@@ -53,7 +53,7 @@ def phonemes(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 def align(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Align the words of `count` phonemes with their part of the sound, and return the takes."""
-    from lipsync_lang.speech.hearing.alignment import aligned
+    from lipsync_lang.sound.speech.hearing.alignment import aligned
 
     first, count = _number(request), request.body.get("count", 1)
     if type(count) is not int or count < 1:

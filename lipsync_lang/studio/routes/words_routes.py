@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.json_object import Json
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.json_object import Json
 from lipsync_lang.studio.performed_curves import performed_curves
 from lipsync_lang.studio.routes.requests import StudioRequest, whole_number
 from lipsync_lang.studio.spoken_line import excerpt

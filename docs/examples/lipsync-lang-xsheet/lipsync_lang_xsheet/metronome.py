@@ -1,8 +1,8 @@
 """A speech engine: every letter lasts a beat. Its voices are numbers of beats in a minute."""
 
-from lipsync_lang.errors import SpeechError
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules import SILENCE, Schedule
-from lipsync_lang.speech import speech_engine
+from lipsync_lang.sound.speech import speech_engine
 
 
 @speech_engine("metronome")

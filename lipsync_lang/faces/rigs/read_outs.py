@@ -1,0 +1,222 @@
+"""Read-outs of shapes, measured on the mesh of a model: how each shape moves the mouth.
+
+Lengths are in widths of the closed mouth, so models of any scale compare: a human mouth is about
+5 cm wide. The face looks along +z, and y is up, as glTF requires. No name is read: the mouth is
+where points that lie close together come apart most, in the shape that lowers the most of the mesh.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.base.errors import ModelError
+from lipsync_lang.faces.rigs.accessors import Accessors
+from lipsync_lang.faces.rigs.model import Model
+
+NEAR_SHARE = 0.05
+"""Largest distance between the lips at rest, as a fraction of the width of the moving part."""
+
+PARTED_SHARE = 0.15
+"""Smallest opening of a pair of lip points, as a fraction of the largest one."""
+
+STILL_SHARE = 1e-5
+"""Largest way of a point that nobody sees, as a fraction of the size of its mesh."""
+
+MAX_MEASURED_POINTS = 30_000
+"""Largest model whose mouth is looked for in a choice of pose sets: pairs of points cost memory."""
+
+CHIN_BOX = (0.0, -0.7, 0.0), (0.15, 0.25, 0.5)
+"""Middle of the chin from that of the lips, and half its size, in widths of the mouth."""
+
+TONGUE_BOX = (0.0, 0.0, -0.66), (0.3, 0.4, 0.54)
+"""The same of the tongue, which lies behind the lips."""
+
+
+@dataclass(frozen=True)
+class ShapeReadOut:
+    """Movement of the mouth by one shape at full weight, in widths of the mouth."""
+
+    aperture: float
+    """Gap between the lips in the middle, less that at rest."""
+    width: float
+    """Distance between the corners, less that at rest."""
+    protrusion: float
+    """Way of the lips to the front."""
+    corners: float
+    """Way of the corners upwards."""
+    jaw: float
+    """Way of the chin downwards."""
+    tongue_out: float
+    """Farthest way of a point of the tongue to the front, past that of jaw and lips."""
+    tongue_up: float
+    """Farthest way of a point of the tongue upwards, past that of the lips."""
+
+    def to_dict(self) -> dict[str, float]:
+        """Convert to plain data, rounded to a thousandth."""
+        return {name: round(value, 3) for name, value in asdict(self).items()}
+
+
+@dataclass(frozen=True, eq=False)
+class MouthPoints:
+    """Point numbers of a mouth: pairs of lip points from the right corner to the left, and others.
+
+    `width` is the distance between the corners at rest, in units of the model.
+    """
+
+    upper: Ints
+    lower: Ints
+    chin: Ints
+    tongue: Ints
+    width: float
+
+    def measure(self, moved: Floats) -> ShapeReadOut:
+        """Measure a shape by its (V, 3) offsets at full weight."""
+        middle = len(self.upper) // 2
+        above, below = moved[self.upper], moved[self.lower]
+        lips = (above[middle] + below[middle]) / 2
+        right, left = (above[end] + below[end] for end in (0, -1))
+        chin = moved[self.chin].mean(axis=0)
+        inside = moved[self.tongue] if len(self.tongue) else np.zeros((1, 3))
+        found = (
+            above[middle, 1] - below[middle, 1],
+            (left[0] - right[0]) / 2,
+            lips[2],
+            (left[1] + right[1]) / 4,
+            -chin[1],
+            max(0.0, inside[:, 2].max() - max(0.0, chin[2], lips[2])),
+            max(0.0, inside[:, 1].max() - max(0.0, *above[:, 1], *below[:, 1])),
+        )
+        return ShapeReadOut(*(float(value / self.width) for value in found))
+
+
+def read_outs(model: Model) -> Mapping[str, ShapeReadOut]:
+    """Measure each shape of a model at full weight, by its name.
+
+    Raises ModelError if the file is damaged, or no shape of it opens a mouth.
+
+    Examples
+    --------
+    >>> read_outs(read_model(Path("head.glb")))["jawOpen"].aperture  # doctest: +SKIP
+    0.62
+    """
+    rest, shapes = moved_points(model)
+    mouth = find_mouth(rest, shapes, model.path)
+    return {name: mouth.measure(moved) for name, moved in shapes.items()}
+
+
+def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
+    """Read the (V, 3) points of all meshes with shapes, and the (V, 3) offsets of each shape."""
+    arrays = Accessors(model)
+    rows = [
+        (mesh, primitive)
+        for mesh in model.meshes
+        for primitive in model.document["meshes"][mesh.number]["primitives"]
+    ]
+    blocks = []
+    for _, primitive in rows:
+        arrays.unpack(primitive)
+        blocks.append(arrays[primitive["attributes"]["POSITION"]].astype(float))
+    starts = np.cumsum([0, *map(len, blocks)])
+    rest = np.concatenate(blocks)
+    shapes = {name: np.zeros_like(rest) for name in model.shape_names}
+    for (mesh, primitive), start, block in zip(rows, starts, blocks, strict=False):
+        for name, target in zip(mesh.shapes, primitive["targets"], strict=True):
+            if "POSITION" in target:
+                shapes[name][start : start + len(block)] = arrays[target["POSITION"]]
+    return rest, shapes
+
+
+def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthPoints:
+    """Find the mouth among (V, 3) points, where the shape that lowers the most parts them."""
+    opened = max(shapes.values(), key=lambda moved: -np.minimum(moved[:, 1], 0.0).sum())
+    upper, lower = _lip_pairs(rest, opened)
+    if not len(upper) or not np.ptp(rest[upper, 0] + rest[lower, 0]):
+        raise ModelError(f"{path}: no shape opens a mouth, so its shapes cannot be measured")
+    line = (rest[upper] + rest[lower]) / 2
+    width = float(np.ptp(line[:, 0]))
+    lips = line[len(line) // 2]
+    off = (rest - lips) / width
+    chin, tongue = (
+        np.flatnonzero((np.abs(off - middle) < half).all(axis=1))
+        for middle, half in (CHIN_BOX, TONGUE_BOX)
+    )
+    return MouthPoints(upper, lower, chin if len(chin) else lower, tongue, width)
+
+
+def _lip_pairs(rest: Floats, opened: Floats) -> tuple[Ints, Ints]:
+    """Pair points of both lips, from the right corner to the left: the frontmost of each column."""
+    moving = np.flatnonzero(np.abs(opened).max(axis=1) > 0)
+    if not len(moving):
+        return moving, moving
+    size = float(np.ptp(rest[moving, 0]))
+    nothing = np.zeros(0, np.intp)
+    columns = np.round((rest[:, 0] - np.median(rest[moving, 0])) / (NEAR_SHARE * size)).astype(int)
+    found = []
+    for column in np.unique(columns[moving]):
+        here = np.flatnonzero(columns == column)
+        gap = np.linalg.norm(rest[here, None] - rest[here], axis=2)
+        parted = opened[here, None, 1] - opened[here, 1]
+        parted[gap > NEAR_SHARE * size] = 0.0
+        if parted.max(initial=0.0) > 0:
+            found.append((here, parted))
+    most = max((parted.max() for _, parted in found), default=0.0)
+    pairs = []
+    for here, parted in found:
+        above, below = np.nonzero(parted > PARTED_SHARE * most)
+        if len(above):
+            front = np.argmax(rest[here[above], 2] + rest[here[below], 2])
+            pairs.append((here[above[front]], here[below[front]]))
+    if not pairs:
+        return nothing, nothing
+    upper, lower = np.transpose(pairs)
+    return upper, lower
+
+
+@lru_cache(maxsize=8)
+def still_by_mesh(model: Model) -> Mapping[str, frozenset[str]]:
+    """Return the shapes that move no point of a mesh, by its name; empty if unreadable."""
+    found = {}
+    try:
+        arrays = Accessors(model)
+        for mesh in model.meshes:
+            primitives = model.document["meshes"][mesh.number]["primitives"]
+            moving = {
+                name
+                for primitive in primitives
+                for name, target in zip(mesh.shapes, primitive["targets"], strict=True)
+                if "POSITION" in target and _moves(arrays, primitive, target["POSITION"])
+            }
+            found[mesh.name] = frozenset(mesh.shapes) - moving
+    except (ModelError, KeyError, TypeError):
+        return {}
+    return found
+
+
+def still_shapes(model: Model) -> frozenset[str]:
+    """Return the shapes that move no point of any mesh; none if the points cannot be read."""
+    still = still_by_mesh(model)
+    parts = (set(mesh.shapes) - still.get(mesh.name, frozenset()) for mesh in model.meshes)
+    return frozenset(model.shape_names).difference(*parts)
+
+
+def _moves(arrays: Accessors, primitive: Mapping[str, Any], offsets: object) -> bool:
+    size = np.ptp(arrays[primitive["attributes"]["POSITION"]].astype(float), axis=0).max()
+    return bool(np.abs(arrays[offsets]).max() > STILL_SHARE * size)
+
+
+@lru_cache(maxsize=8)
+def apertures(model: Model) -> Mapping[str, float]:
+    """Return how far each shape parts the lips; empty without a mouth, and for a large model."""
+    try:
+        meshes = [model.document["meshes"][mesh.number]["primitives"] for mesh in model.meshes]
+        rows = {one["attributes"]["POSITION"] for own in meshes for one in own}
+        if sum(model.document["accessors"][row]["count"] for row in rows) > MAX_MEASURED_POINTS:
+            return {}
+        return {name: found.aperture for name, found in read_outs(model).items()}
+    except (ModelError, LookupError, TypeError, ValueError):
+        return {}

@@ -1,0 +1,1 @@
+"""Plugins: rooms that register like the packages of others, and that nothing else imports."""

@@ -1,0 +1,242 @@
+"""Readers of captures: lines of signals with their phonemes, from files.
+
+A read-out converts a table of sensors, which are positions, to measures of a pose set. An
+unreadable file is set aside with the reason, and the other files are still read.
+
+Conventions: T samples, M measures; times are in seconds.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple, cast
+
+import numpy as np
+
+from lipsync_lang.animations.animation_readers import (
+    LONGEST_SECONDS,
+    MAX_ANIMATION_BYTES,
+    MAX_VALUE,
+    MIN_FRAMES,
+    Recording,
+    fail,
+    read_animation,
+)
+from lipsync_lang.animations.readers.csv import table_of
+from lipsync_lang.animations.readers.live_link import fits
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import AnimationError, LipsyncError, did_you_mean
+from lipsync_lang.base.files import read_input
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import ReadOut
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.plugins.capture.capture_files import CaptureFiles, find_captures
+from lipsync_lang.plugins.capture.capture_timings import (
+    SILENT_SCHEDULE,
+    aligned_captures,
+    readable,
+    timed_capture,
+)
+from lipsync_lang.plugins.capture.fit_file import SetAside
+from lipsync_lang.plugins.capture.fit_lines import CapturedLine, resampled
+from lipsync_lang.reports.quality.fitting import even_times, placed_columns, some_names
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import HEAD_BYTES
+
+FPS_TOLERANCE = 0.01
+"""Maximum relative difference of the stated frame rate from that of the times."""
+
+
+class SensorSignals(NamedTuple):
+    """Measures from a table of sensors."""
+
+    times: Floats
+    """(T,) seconds."""
+    measures: tuple[str, ...]
+    values: Floats
+    """(T, M) values; NaN for a lost sensor."""
+    remarks: tuple[str, ...]
+
+
+def load_readout(path: Path) -> ReadOut:
+    """Read a read-out; PackFaults has all its faults if it is unsound."""
+    return cast("ReadOut", Library(project=None).load(path, "readout").model)
+
+
+def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
+    """Read a table of sensors; return None without any column of the read-out."""
+    content = read_input(
+        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="check that it is a table of sensors"
+    )
+    times, names, table = table_of(path, content, gaps=True)
+    wanted = {column for sums in readout.measures.values() for column in sums}
+    if wanted.isdisjoint(names):
+        return None
+    _check_times(path, times)
+    lacking = {
+        measure: column
+        for measure, sums in readout.measures.items()
+        for column in sums
+        if column not in names
+    }
+    known = [measure for measure in readout.measures if measure not in lacking]
+    if not known:
+        column = min(wanted - set(names))
+        fail(path, f"has no column '{column}'", did_you_mean(column, names))
+    remarks = [
+        f"{path}: has no column '{column}', so measure '{measure}' is left out"
+        for measure, column in lacking.items()
+    ]
+    sensed = np.where(np.isfinite(table), table, np.nan)
+    if readout.lost is not None:
+        sensed[sensed == readout.lost] = np.nan
+    beyond = (np.abs(sensed) > MAX_VALUE).any(axis=1)
+    if beyond.any():
+        what = f"sample {int(beyond.argmax())}: a value is beyond {MAX_VALUE:g}"
+        fail(path, what, "state such values as `lost` in the read-out, or export the table again")
+    places = {name: at for at, name in enumerate(names)}
+    values = np.column_stack(
+        [
+            sum(
+                weight * sensed[:, places[column]]
+                for column, weight in readout.measures[one].items()
+            )
+            for one in known
+        ]
+    )
+    return SensorSignals(times, tuple(known), values, tuple(remarks))
+
+
+def _check_times(path: Path, times: Floats) -> None:
+    if len(times) < MIN_FRAMES:
+        fail(path, f"has only {len(times)} samples", "export the whole recording")
+    if not (np.isfinite(times) & (np.abs(times) <= LONGEST_SECONDS)).all():
+        fail(
+            path,
+            "a time is not a number of seconds",
+            "name the column time_ms if it has milliseconds",
+        )
+    falls = np.diff(times) <= 0
+    if falls.any():
+        fail(path, f"sample {int(falls.argmax()) + 1}: its time does not rise", "sort the table")
+
+
+class Captures(NamedTuple):
+    """Captured lines, and the captures that are not used."""
+
+    lines: tuple[CapturedLine, ...]
+    set_aside: tuple[SetAside, ...]
+
+
+def read_captures(  # noqa: PLR0913 facts that files may lack
+    performer: Performer,
+    paths: str | Path | Iterable[str | Path],
+    *,
+    readout: str | Path | None = None,
+    speaker: str | None = None,
+    aligner: str | None = None,
+    notation: str | None = None,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Captures:
+    """Read captures (`find_captures`) with their phonemes, as signals of a performer's face.
+
+    By default, the read-out is `readout.yaml` in the folder of the captures or above, the aligner
+    the language's, and the notation that of the read-out or the language. `progress` is called with
+    the numbers of captures read and of all. A fault of one capture sets that one aside.
+    """
+    found, aside = find_captures(paths, speaker=speaker)
+    stated = None if readout is None else load_readout(Path(readout))
+    load = cache(load_readout)
+    lines = []
+    spoken = aligned_captures(performer, found, aligner)
+    for number, files in enumerate(found, 1):
+        try:
+            own = load(files.readout) if stated is None and files.readout else stated
+            lines.append(_line(performer, files, own, notation, spoken.get(files.name)))
+        except (LipsyncError, OSError) as error:
+            aside.append(SetAside(line=files.name, why=str(error)))
+        progress(number, len(found))
+    return Captures(tuple(lines), tuple(aside))
+
+
+def _line(
+    performer: Performer,
+    files: CaptureFiles,
+    readout: ReadOut | None,
+    notation: str | None,
+    spoken: Schedule | LipsyncError | None,
+) -> CapturedLine:
+    """Read one capture: of sensors if the read-out has the columns, or else poses or channels."""
+    line: CapturedLine | None = None
+    may_be_sensors = files.capture.suffix.lower() == ".csv"
+    if may_be_sensors:  # unless it is a take of Live Link Face
+        with files.capture.open("rb") as stream:
+            may_be_sensors = not fits(stream.read(HEAD_BYTES))
+    if readout is not None and may_be_sensors:
+        sensed = read_sensors(files.capture, readout)
+        if sensed is not None:
+            line = _measured(performer, files.capture, sensed)
+    try:
+        line = line or _weighted(performer, read_animation(files.capture))
+    except AnimationError as error:
+        if readout is not None or not may_be_sensors:
+            raise
+        raise AnimationError(f"{error} (for a table of sensors, give a read-out)") from None
+    fps = (len(line.times) - 1) / float(line.times[-1] - line.times[0])
+    if files.fps is not None and abs(fps / files.fps - 1) > FPS_TOLERANCE:
+        raise AnimationError(
+            f"{files.capture}: its times have {fps:.4g} frames per second, but the list states "
+            f"{files.fps:g}; correct the wrong one"
+        )
+    own = None if line.schedule is SILENT_SCHEDULE else line.schedule
+    found = timed_capture(performer, files, readout, notation, spoken or own)
+    schedule, more = readable(performer, found)
+    remarks = (*line.remarks, *schedule.remarks, *more)
+    times, name, who = line.times + files.start, files.name, files.speaker
+    return replace(line, name=name, schedule=schedule, times=times, speaker=who, remarks=remarks)
+
+
+def _measured(performer: Performer, path: Path, sensed: SensorSignals) -> CapturedLine:
+    """Return the measures of sensors that the pose set has."""
+    known = performer.compiled.measures
+    used = [at for at, name in enumerate(sensed.measures) if name in known]
+    if not used:
+        raise AnimationError(
+            f"{path}: its read-out has {some_names(sensed.measures)}, but the measures of "
+            f"{performer.character} are {some_names(known) or 'none'}; use these in the read-out"
+        )
+    signals = tuple(sensed.measures[at] for at in used)
+    gains = np.array([[known[s].get(pose, 0.0) for pose in performer.poses] for s in signals])
+    times, _ = even_times(str(path), sensed.times)
+    values = sensed.values[:, used]
+    if times is not sensed.times:
+        values = resampled(times, sensed.times, values)
+    other = [name for name in sensed.measures if name not in known]
+    remarks = sensed.remarks
+    if other:
+        told = f"{performer.character} has no measure {some_names(other)}; these are left out"
+        remarks += (f"{path}: {told}",)
+    return CapturedLine(
+        str(path), SILENT_SCHEDULE, times, signals, values, gains, free=True, remarks=remarks
+    )
+
+
+def _weighted(performer: Performer, recording: Recording) -> CapturedLine:
+    """Return the recorded poses or rig channels of an animation."""
+    found = placed_columns(recording, performer)
+    names = [found.face[number].name for number in found.numbers.tolist()]
+    gains = found.gains[found.numbers]
+    remarks = found.remarks
+    if found.missing:
+        told = f"has no column for {some_names(found.missing)}; these are not fitted"
+        remarks += (f"{recording.source}: {told}",)
+    deaf = ~gains.any(axis=1)
+    if deaf.all():
+        raise AnimationError(f"{recording.source}: no pose moves any of {some_names(names)}")
+    kept = np.flatnonzero(~deaf)
+    signals = tuple(names[at] for at in kept)
+    schedule, rigged = recording.schedule or SILENT_SCHEDULE, found.face != performer.channels
+    values = found.values[:, kept]
+    line = CapturedLine(recording.source, schedule, found.times, signals, values, gains[kept])
+    return replace(line, rigged=rigged, remarks=remarks)

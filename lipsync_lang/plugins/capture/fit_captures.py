@@ -1,0 +1,241 @@
+"""Fits of a pair to captures: targets, motion and bigrams, tested on held-out lines.
+
+The poses of a pose set rest at 0. Captured shapes often rest higher, because the tracker has
+another neutral face; the weights of a capture during silence are subtracted before a fit.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.plugins.capture.fit_file import (
+    VALUE_DECIMALS,
+    FitFold,
+    FitItem,
+    FitProposal,
+    FitVerdict,
+    SetAside,
+)
+from lipsync_lang.plugins.capture.fit_folds import (
+    FitShares,
+    FitTask,
+    Fold,
+    choose,
+    errors,
+    folds,
+    run_fits,
+)
+from lipsync_lang.plugins.capture.fit_items import fit_items
+from lipsync_lang.plugins.capture.fit_lines import CapturedLine, ShownLine, fit_rate, lay_lines
+from lipsync_lang.plugins.capture.fit_values import FitFace, FitValues
+from lipsync_lang.plugins.capture.judging import outlying_lines
+from lipsync_lang.resolver.retouch import OpenPair
+
+AWAY_SECONDS = 0.15
+"""Seconds around sounds that do not count as rest."""
+
+ENOUGH_SECONDS = 0.5
+"""Minimum seconds of rest for its level; otherwise the lowest weights of speech determine it."""
+
+LOWEST_SHARE = 0.05
+"""Quantile of the weights of speech that is the rest level if there are no pauses."""
+
+LEAST_LEVEL, MOST_LEVEL = 0.02, 0.4
+"""Range of subtracted levels; lower levels are noise, and higher ones are expressions."""
+
+WHOLE_CHANGE = FitShares(1.0, 0.0)
+"""Shares of a refused fit in the report: the full change, without bigrams."""
+
+ONE_SPEAKER = "all lines are of one speaker, so the fit was not tested on another speaker"
+
+Progress = Callable[[str], None]
+
+
+def without_rest(performer: Performer, captured: Sequence[CapturedLine]) -> list[CapturedLine]:
+    """Return lines with rest levels subtracted, and remarks on them.
+
+    All lines of a speaker have the same levels. Signals without a scale are unchanged.
+    """
+    resting, speaking = defaultdict(list), defaultdict(list)
+    read = performer.labels.read([line.schedule for line in captured]) if captured else []
+    for line, sounds in zip(captured, read, strict=True):
+        spoken = sounds.ids != performer.compiled.tables.silence
+        starts, ends = sounds.times[:-1][spoken], sounds.times[1:][spoken]
+        at = line.times[:, None]
+        rest = ~((at > starts - AWAY_SECONDS) & (at < ends + AWAY_SECONDS)).any(axis=1)
+        for name, values in zip(line.signals, line.values.T, strict=True):
+            known = np.isfinite(values)
+            resting[line.speaker, name].append(values[known & rest])
+            speaking[line.speaker, name].append(values[known & ~rest])
+    fps = max(((len(one.times) - 1) / np.ptp(one.times) for one in captured), default=1.0)
+    levels = {}
+    for key, parts in resting.items():
+        at_rest, speech = np.concatenate(parts), np.concatenate(speaking[key])
+        level = 0.0
+        if len(at_rest) >= ENOUGH_SECONDS * float(fps):
+            level = float(np.median(at_rest))
+        elif len(speech):
+            level = float(np.quantile(speech, LOWEST_SHARE))
+        levels[key] = level if LEAST_LEVEL <= level <= MOST_LEVEL else 0.0
+    out = []
+    for line in captured:
+        own = np.array([levels[line.speaker, name] for name in line.signals])
+        if line.free or not own.any():
+            out.append(line)
+            continue
+        each = zip(line.signals, own, strict=True)
+        named = ", ".join(f"{name} {level:.2f}" for name, level in each if level)
+        who = f" of {line.speaker}" if line.speaker else ""
+        told = f"weights at rest{who} that were subtracted: {named}"
+        out.append(replace(line, values=line.values - own, remarks=(*line.remarks, told)))
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class CaptureFit:
+    """The result of a fit."""
+
+    proposal: FitProposal
+    shown: tuple[ShownLine, ...]
+    face: FitFace
+    values: FitValues
+    """The values of the proposal's items; for a refused fit, those of the full fit."""
+
+
+def fit_captures(  # noqa: PLR0913 the pair, its captures and options
+    pair: OpenPair,
+    performer: Performer,
+    captured: Sequence[CapturedLine],
+    *,
+    workers: int = 1,
+    progress: Progress = lambda _: None,
+    set_aside: Sequence[SetAside] = (),
+) -> CaptureFit:
+    """Fit the targets, motion and bigrams of a pair to captured lines.
+
+    The performer is of the same pair. In a script, more than one worker process requires
+    `if __name__ == "__main__":`. `progress` is called with a phrase for each step;
+    `set_aside` are lines that were left out before. Raises LipsyncError if there are no lines, or
+    none of their signals shows a pose.
+    """
+    progress("fitting all lines")
+    task, full, strays = _without_strays(pair, performer, captured, set_aside)
+    parts = folds(task.lines)
+    fits = []
+    for number, fit in enumerate(run_fits(task, [part.kept for part in parts], workers), 1):
+        progress(f"cross-validation {number} of {len(parts)}")
+        fits.append(fit)
+    shares = choose(task, parts, fits) if parts else FitShares(0.0, 0.0)
+    verdict = _verdict(task, parts, fits, shares)
+    start, shown = task.face.start, shares if verdict.accepted else WHOLE_CHANGE
+    values = start.towards(full, *shown)
+    others = [
+        start.towards(fit, *shown)
+        for part, fit in zip(parts, fits, strict=True)
+        if part.by == "line"
+    ]
+    items = tuple(fit_items(pair, task, values, others))
+    proposal = _proposal(pair, task, verdict, items, (*set_aside, *strays))
+    before, after = (task.face.shown(one, task.lines) for one in (start, values))
+    pages = tuple(map(ShownLine.of, task.lines, before, after))
+    return CaptureFit(proposal, pages, task.face, values)
+
+
+def _proposal(
+    pair: OpenPair,
+    task: FitTask,
+    verdict: FitVerdict,
+    items: tuple[FitItem, ...],
+    set_aside: tuple[SetAside, ...],
+) -> FitProposal:
+    captured = [line.captured for line in task.lines]
+    remarks = dict.fromkeys(remark for line in captured for remark in line.remarks)
+    if len({line.speaker for line in captured}) == 1:
+        remarks[ONE_SPEAKER] = None
+    return FitProposal(
+        language=pair.compiled.language,
+        character=pair.compiled.character,
+        poseset=pair.compiled.poseset,
+        lines=len(captured),
+        seconds=round(
+            sum(float(line.seen.any(axis=1).sum()) / line.frames.fps for line in task.lines), 3
+        ),
+        speakers=tuple(sorted({line.speaker for line in captured} - {""})),
+        verdict=verdict,
+        items=items,
+        remarks=tuple(remarks),
+        set_aside=set_aside,
+    )
+
+
+def _without_strays(
+    pair: OpenPair,
+    performer: Performer,
+    captured: Sequence[CapturedLine],
+    set_aside: Sequence[SetAside],
+) -> tuple[FitTask, FitValues, tuple[SetAside, ...]]:
+    """Fit all lines, and then again without the outliers."""
+    if not captured:
+        reasons = "".join(f"\n  {one.line}: {one.why}" for one in set_aside)
+        raise LipsyncError(f"no capture can be used; {len(set_aside)} were set aside{reasons}")
+    lines = lay_lines(performer, without_rest(performer, captured), fit_rate(captured))
+    if not any(line.seen.any() for line in lines):
+        raise LipsyncError(
+            "the captures have no motion during the speech; check that the timings belong to them"
+        )
+    soft: dict[str, list[int]] = defaultdict(list)  # poses by region
+    ahead: dict[str, list[int]] = defaultdict(list)
+    for number, pose in enumerate(pair.shelf.face.poses.values()):
+        if pose.region and pose.softness is None:
+            soft[pose.region].append(number)
+        if pair.compiled.tables.anticipate[number] > 0:
+            ahead[pose.region].append(number)
+    groups = ({region: np.array(one) for region, one in by.items()} for by in (soft, ahead))
+    task = FitTask(FitFace.of(pair, lines), lines, *groups)
+    full = task.fit(range(len(lines)))
+    names = [line.captured.name for line in lines]
+    strays = outlying_lines({name: task.error(full, [n]) for n, name in enumerate(names)})
+    if not strays:
+        return task, full, ()
+    aside = {one.line for one in strays}
+    kept = tuple(line for line in lines if line.captured.name not in aside)
+    task = replace(task, face=FitFace.of(pair, kept), lines=kept)
+    return task, task.fit(range(len(kept))), strays
+
+
+def _verdict(
+    task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: FitShares
+) -> FitVerdict:
+    """Judge a fit by its error on held-out lines."""
+    if not parts:
+        return FitVerdict(
+            accepted=False, why="a single line cannot show that a fit generalises; add lines"
+        )
+    accepted = shares.values > 0
+    shown = shares if accepted else WHOLE_CHANGE
+    before = [task.error(task.face.start, part.tested) for part in parts]
+    after = errors(task, parts, fits, shown)
+    told = tuple(
+        FitFold(
+            held_out=part.name,
+            by=part.by,
+            before=round(b, VALUE_DECIMALS),
+            after=round(a, VALUE_DECIMALS),
+        )
+        for part, b, a in zip(parts, before, after, strict=True)
+    )
+    units = " and ".join(f"{by}s" for by in dict.fromkeys(part.by for part in parts))
+    means = f"{np.mean(before):.4f} before, {np.mean(after):.4f} after"
+    if not accepted:
+        unseen = f"on held-out {units}"
+        why = f"the fit does not generalise: {unseen}, the mean error is {means}"
+    else:
+        extent = f"; {shares.values:.0%} of the change gives the lowest error"
+        extent = "" if shares.values == 1 else extent
+        bigrams = "" if shares.bigrams else "; fitted bigrams do not lower it and are left out"
+        why = f"on held-out {units}, the mean error is {means}{extent}{bigrams}"
+    return FitVerdict(accepted=accepted, why=why, folds=told)

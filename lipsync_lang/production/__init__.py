@@ -1,0 +1,1 @@
+"""Production: whole games, and characters that speak live."""

@@ -1,0 +1,141 @@
+"""Put outputs of workers in place: record them, then rename them or pack them into archives."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from lipsync_lang.base.files.renaming import replace_file
+from lipsync_lang.base.files.signals import undisturbed
+from lipsync_lang.production.builds.archives import rewrite, split_archive
+from lipsync_lang.production.builds.making import MadeLine
+from lipsync_lang.production.builds.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.production.builds.planning import BuildPlan, PlannedStep
+from lipsync_lang.production.builds.records import (
+    Key,
+    LineRecord,
+    OutputRecord,
+    Records,
+    as_json,
+    packed_figures,
+    unpacked_figures,
+    unusable,
+)
+from lipsync_lang.production.builds.standing import StandingOutputs
+
+MAX_WAITING_LINES = 10_000
+"""Maximum number of waiting lines, at which their archives are rewritten."""
+
+
+@dataclass
+class OutputKeeper:
+    """Keeper of a build's outputs; at its end, it deletes waiting outputs."""
+
+    folder: Path
+    records: Records
+    steps: Mapping[Key, PlannedStep]
+    _rows: list[tuple[Key, LineRecord]] = field(default_factory=list)
+    """Records of lines whose archives are not written yet."""
+    _moves: list[tuple[str, Path]] = field(default_factory=list)
+    _members: dict[str, dict[str, Path]] = field(default_factory=dict)
+    """Files of new members, by archive and name."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for new in self._members.values():
+            for temporary in new.values():
+                temporary.unlink(missing_ok=True)
+
+    def keep(self, made: Sequence[MadeLine]) -> list[str]:
+        """Record lines and put their outputs in place; return kept files of other origin."""
+        kept: list[str] = []
+        standing = StandingOutputs(self.folder)
+        for one in made:
+            step = self.steps[one.built.line.key]
+            outputs = dict(step.record.outputs) if step.record is not None else {}
+            for file in one.files:
+                stands = standing.digest(file.path) if file.path in step.unknown else ""
+                if stands not in ("", file.digest):
+                    kept.append(file.path)
+                    outputs[file.path] = OutputRecord(0, 0, "")
+                    Path(file.temporary).unlink(missing_ok=True)
+                    continue
+                before = outputs[file.path].digest if file.path in outputs else ""
+                outputs[file.path] = OutputRecord(file.size, file.changed, file.digest, before)
+                split = split_archive(file.path)
+                if split is None:
+                    self._moves.append((file.temporary, self.folder / file.path))
+                else:
+                    self._members.setdefault(split[0], {})[split[1]] = Path(file.temporary)
+            row = LineRecord(
+                step.inputs,
+                as_json(one.contents),
+                self.records.packed(one.needs),
+                outputs,
+                one.built.verdict,
+                one.built.confidence,
+                *packed_figures(one.built.figures),
+                as_json(
+                    (
+                        one.built.outcome,
+                        one.built.message,
+                        one.built.seconds,
+                        [(figure.at, figure.words) for figure in one.built.figures],
+                    )
+                ),
+            )
+            self._rows.append((one.built.line.key, row))
+        if not self._members or len(self._rows) >= MAX_WAITING_LINES:
+            self.flush()
+        return kept
+
+    def flush(self) -> None:
+        """Put the waiting outputs into their archives."""
+        with undisturbed():
+            self.records.put(self._rows)
+            for temporary, target in self._moves:
+                replace_file(Path(temporary), target)
+        for archive, new in self._members.items():
+            rewrite(self.folder / archive, new)
+            for temporary_file in new.values():
+                temporary_file.unlink(missing_ok=True)
+        self._rows, self._moves, self._members = [], [], {}
+
+
+def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
+    """Delete the outputs of lines that the script no longer has, and return their paths.
+
+    Outputs that a person changed are kept, and removed from the record.
+    """
+    standing = StandingOutputs(folder)
+    deleted = [
+        path
+        for _, record in plan.gone
+        for path, written in record.outputs.items()
+        if standing.is_within(path) and standing.digest(path) == written.digest
+    ]
+    standing.delete(deleted)
+    records.forget(key for key, _ in plan.gone)
+    return deleted
+
+
+def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> BuiltLine:
+    """Return a line of an earlier build from its record and `Records.result`."""
+    try:
+        outcome, message, seconds, notes = result
+        values, limits, heads = unpacked_figures(record.heading, [record.figures])
+        stated = np.array([values[0], limits[0]])
+        known = stated.astype(object)
+        known[np.isnan(stated)] = None
+        rows = zip(heads, *known.tolist(), notes, strict=True)
+        figures = [
+            JudgedFigure(name, value, unit, limit, at, words, binding)
+            for (name, unit, binding), value, limit, (at, words) in rows
+        ]
+        return BuiltLine(line, outcome, message, seconds, record.confidence, tuple(figures))
+    except (TypeError, ValueError):
+        raise unusable() from None

@@ -1,0 +1,323 @@
+"""A project for a table, or for a table and its recordings, drafted from their common names.
+
+The column of ids is the one whose cells name the most recordings; without recordings, the name of
+the column tells. Folders that are called like languages or speakers become placeholders.
+"""
+
+import json
+import os
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
+from lipsync_lang.base.files.names import folded_name
+from lipsync_lang.packs.finding import Finder, Kind
+from lipsync_lang.production.builds.project_folder import from_template, starter
+from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+from lipsync_lang.text.lines.columns import NAME_COLUMNS, SPEAKER_COLUMNS, first_column, text_column
+from lipsync_lang.text.lines.line_readers import LineFile, by_suffix, line_files
+from lipsync_lang.text.lines.table import cell
+
+FACE_KINDS: tuple[Kind, ...] = ("character", "poseset")
+
+COMPARED_STEMS = 40
+"""Maximum number of recordings to search for ids within their names."""
+
+MAX_COMPARED = 5_000
+"""Maximum number of cells of a column to search for."""
+
+MAX_SHOWN_CHARS = 60
+"""Maximum length of a column's cells in a message."""
+
+MAX_TABLE_ROWS = 100_000
+"""Maximum number of rows of the table to compare with the recordings."""
+
+LEAST_SHARE = 0.3
+"""Minimum share of the recordings that the column of ids names."""
+
+SHOWN_FILES = 4
+"""Maximum number of examples of each kind in a message."""
+
+SHOWN_SPEAKERS = 20
+
+
+class FoundRecording(NamedTuple):
+    """A recording below the project's folder."""
+
+    folders: tuple[str, ...]
+    stem: str
+
+
+class Cells(NamedTuple):
+    """A table by its columns."""
+
+    head: list[str]
+    columns: list[list[str]]
+
+    def at(self, column: int) -> list[str]:
+        """Return the cells of a column that are not empty; none for the column -1."""
+        return [one for one in self.columns[column] if one] if column >= 0 else []
+
+
+class IdColumn(NamedTuple):
+    """Column that names recordings, and the parts of their names around it."""
+
+    column: int
+    before: str = ""
+    after: str = ""
+
+    def stem(self, name: str) -> str:
+        """Return the folded name of a line's recording."""
+        return folded_name(f"{self.before}{name}{self.after}")
+
+
+class NewProject(NamedTuple):
+    """A drafted project."""
+
+    text: str
+    """Text of `lipsync.yaml`, with comments."""
+    matches: tuple[str, ...]
+    """Counts of the recordings and lines that belong together, with examples."""
+
+
+def new_project(  # noqa: PLR0913 the parts of a draft
+    recordings: Path | None,
+    table: Path,
+    *,
+    folder: Path,
+    finder: Finder,
+    language: str | None = None,
+    characters: Sequence[str] = (),
+) -> NewProject:
+    """Draft the project of a table, and of a folder of recordings if there is one.
+
+    Parameters
+    ----------
+    recordings : folder of recordings, with folders for languages or speakers; None for none yet
+    table : the script, a row for each line
+    folder : the project's folder, which holds both
+    language : of the recordings; None if folders or columns tell; without recordings, all columns
+        that are named after languages, or else the language of new projects
+
+    Raises
+    ------
+    LipsyncError
+        The two have nothing in common, or a language or character is not known.
+    """
+    for path in (recordings, table):
+        if path is not None and not path.resolve().is_relative_to(folder.resolve()):
+            what = "move both into it, or start in the folder of both"
+            raise LipsyncError(f"{path}: is outside of {folder}, the project's folder; {what}")
+    found, suffix = recordings_below(recordings, folder) if recordings else ([], "")
+    cells = read_cells(table)
+    ids = find_ids(found, cells, recordings, table) if recordings else _named_ids(cells, table)
+    speaker = first_column(cells.head, SPEAKER_COLUMNS, [ids.column])
+    named = {ids.stem(name) for name in cells.at(ids.column)}
+    matching = [one for one in found if folded_name(one.stem) in named]
+    taken = {ids.column, speaker}
+    if matching:
+        pattern, words = _folders(matching, cells.at(speaker), finder)
+    else:
+        usual = starter().language
+        pattern, words = [], _headed(cells, taken, finder) or {usual: usual}
+    languages, text = _languages(cells, taken, words, finder, language)
+    for name in characters:
+        if not any(finder.lookup(kind, name) for kind in FACE_KINDS):
+            raise finder.unknown(name, *FACE_KINDS)
+    if not characters:
+        known = sorted({one.name for kind in FACE_KINDS for one in finder.names(kind)})
+        raise LipsyncError(f"the character is missing; name one of: {shortlist(known, MAX_KNOWN)}")
+    columns = {"id": cells.head[ids.column], **text}
+    columns |= {"speaker": cells.head[speaker]} if speaker >= 0 else {}
+    spoken = Counter(cells.at(speaker)).most_common(SHOWN_SPEAKERS)
+    several = "{language}/" if len(languages) > 1 else ""
+    same = all(name == word for name, word in languages.items())
+    drafted: dict[str, Any] = {
+        "lines": table.resolve().relative_to(folder.resolve()).as_posix(),
+        "columns": columns,
+        "languages": list(languages) if same else languages,
+        "audio": "/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
+        "usual_audio": f"vo/{several}{{id}}.wav",
+        "characters": list(characters),
+        "speakers": [json.dumps(name, ensure_ascii=False) for name, _ in spoken],
+        "outputs": f"takes/{several}{{character}}/{{id}}.csv",
+    }
+    matches = _matches(found, cells.at(ids.column), ids, matching)
+    return NewProject(from_template("script.yaml", drafted), matches)
+
+
+# What there is
+
+
+def recordings_below(recordings: Path, folder: Path) -> tuple[list[FoundRecording], str]:
+    """List the recordings below a folder, and return their most frequent suffix."""
+    if not recordings.is_dir():
+        raise LipsyncError(f"{recordings}: no such folder; name the folder of the recordings")
+    home = folder.resolve()
+    found: list[tuple[str, FoundRecording]] = []
+    for here, inner, names in os.walk(recordings.resolve()):
+        inner[:] = sorted(name for name in inner if not name.startswith("."))
+        parts = Path(here).relative_to(home).parts
+        for name in sorted(names):
+            stem, suffix = os.path.splitext(name)  # noqa: PTH122 there may be many
+            if suffix.lower() in AUDIO_SUFFIXES and not name.startswith("."):
+                found.append((suffix, FoundRecording(parts, stem)))
+    if not found:
+        raise LipsyncError(f"{recordings}: contains no {', '.join(AUDIO_SUFFIXES)}; name another")
+    usual = Counter(suffix for suffix, _ in found).most_common(1)[0][0]
+    return [one for suffix, one in found if suffix.lower() == usual.lower()], usual
+
+
+def read_cells(table: Path) -> Cells:
+    """Read the first rows of a table."""
+    ((file, _),) = line_files(table, lambda _: None)
+    opened = by_suffix()[file.suffix.lower()].table
+    if opened is None:
+        known = ", ".join(sorted(s for s, one in by_suffix().items() if one.table is not None))
+        raise LipsyncError(f"{table}: is not a table; known: {known}")
+    head, rows = opened(LineFile(file, lambda _: None).at(file))
+    taken = [row for _, row in islice(rows, MAX_TABLE_ROWS)]
+    return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
+
+
+# What the two have in common
+
+
+def find_ids(
+    found: Sequence[FoundRecording], cells: Cells, recordings: Path, table: Path
+) -> IdColumn:
+    """Return the column whose cells name the most recordings, as they are or within a name."""
+    stems = {folded_name(one.stem) for one in found}
+    plain = [IdColumn(at) for at in range(len(cells.head))]
+    for candidates in (plain, [one for at in plain for one in _within(stems, cells, at.column)]):
+        shares = []
+        for one in candidates:
+            counts = Counter(map(one.stem, cells.at(one.column)))
+            # a cell that is repeated is not an id
+            named = sum(count == 1 and stem in stems for stem, count in counts.items())
+            shares.append((named, -one.column, one))
+        most, _, best = max(shares, default=(0, 0, IdColumn(0)))
+        if most >= LEAST_SHARE * len(stems):
+            return best
+    columns = ""
+    for at, name in enumerate(cells.head):
+        text = ", ".join(cells.at(at)[:2]) or "empty"
+        short = text if len(text) <= MAX_SHOWN_CHARS else f"{text[: MAX_SHOWN_CHARS - 3]}..."
+        columns += f"\n  {name}: {short}"
+    raise LipsyncError(
+        f"{table}: no column names the {len(found)} recordings in {recordings}, such as "
+        f"{', '.join(one.stem for one in found[:SHOWN_FILES])}; add a column with their names. Its "
+        "columns:"
+        f"{columns}"
+    )
+
+
+def _named_ids(cells: Cells, table: Path) -> IdColumn:
+    """Return the column that is named like one of ids."""
+    column = first_column(cells.head, NAME_COLUMNS)
+    if column < 0:
+        known = ", ".join(NAME_COLUMNS)
+        raise LipsyncError(
+            f"{table}:1: no column is named like one of ids ({known}); rename the column of ids, "
+            f"or add one. Its columns: {shortlist(cells.head, MAX_KNOWN)}"
+        )
+    return IdColumn(column)
+
+
+def _within(stems: Collection[str], cells: Cells, at: int) -> Iterator[IdColumn]:
+    """Yield the text around cells of a column in names of recordings, most frequent first."""
+    names = {folded_name(one) for one in cells.at(at)[:MAX_COMPARED]}
+    around: Counter[tuple[str, str]] = Counter()
+    for stem in sorted(stems)[:: max(1, len(stems) // COMPARED_STEMS)]:
+        inner = max((name for name in names if name in stem), key=len, default="")
+        if len(inner) > 1:
+            around[stem[: stem.index(inner)], stem[stem.index(inner) + len(inner) :]] += 1
+    for (before, after), _ in around.most_common(1):
+        yield IdColumn(at, before, after)
+
+
+def _folders(
+    found: Sequence[FoundRecording], speakers: Sequence[str], finder: Finder
+) -> tuple[list[str], dict[str, str]]:
+    """Return the pattern of the folders with the most recordings, and the words of languages."""
+    depth = Counter(len(one.folders) for one in found).most_common(1)[0][0]
+    levels = zip(*(one.folders for one in found if len(one.folders) == depth), strict=True)
+    pattern: list[str] = []
+    languages: dict[str, str] = {}
+    known = {folded_name(one) for one in speakers}
+    for level in levels:
+        names = Counter(level)
+        tongues = {name: _language(finder, name) for name in names}
+        if all(tongues.values()) and not languages:
+            pattern.append("{language}")
+            languages = {own: name for name, own in tongues.items() if own}
+        elif len(names) > 1 and all(folded_name(name) in known for name in names):
+            pattern.append("{speaker}")
+        else:
+            pattern.append(names.most_common(1)[0][0])
+    return pattern, languages
+
+
+def _headed(cells: Cells, taken: Collection[int], finder: Finder) -> dict[str, str]:
+    """Return the names of columns with texts by the languages that they are called like."""
+    return {
+        own: name
+        for at, name in enumerate(cells.head)
+        if at not in taken and cells.at(at) and (own := _language(finder, name))
+    }
+
+
+def _languages(
+    cells: Cells, taken: Collection[int], folders: dict[str, str], finder: Finder, asked: str | None
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the words of languages, and their text column if the project must state it."""
+    heads = _headed(cells, taken, finder)
+    if asked is not None:
+        own = _language(finder, asked)
+        if own is None:
+            raise finder.unknown(asked, "language")
+        words = {own: folders.get(own, heads.get(own, own))}
+    else:
+        words = folders or heads
+    if len(words) > 1 and not folders:
+        which = f"`language='{next(iter(words))}'`, or another of {shortlist(words, MAX_KNOWN)}"
+        raise LipsyncError(f"the language of the recordings is unknown; state {which}")
+    if not words:
+        raise LipsyncError("the language of the recordings is unknown; state `language='NAME'`")
+    if words.keys() <= heads.keys():
+        return words, {}
+    at = text_column(cells.head)
+    if at in {-1, *taken}:
+        free = [at for at in range(len(cells.head)) if at not in taken]
+        at = max(free, key=lambda at: sum(map(len, cells.at(at))), default=-1)
+    return words, {"text": cells.head[at]} if at >= 0 and len(words) == 1 else {}
+
+
+def _language(finder: Finder, name: str) -> str | None:
+    """Return the language with the name of a folder or column."""
+    found = finder.lookup("language", name) if name else ()
+    return Path(found[0]).stem if found else None
+
+
+def _matches(
+    found: Sequence[FoundRecording],
+    names: Sequence[str],
+    ids: IdColumn,
+    matching: Sequence[FoundRecording],
+) -> tuple[str, ...]:
+    """Count matched and unmatched lines and recordings, with examples."""
+    if not found:
+        return ()
+    there = {folded_name(one.stem) for one in found}
+    silent = [name for name in names if ids.stem(name) not in there]
+    known = set(matching)
+    loose = ["/".join([*one.folders, one.stem]) for one in found if one not in known]
+    told = [f"{len(matching):,} of {len(found):,} recordings have a line"]
+    for what, of, some in (("recording", "line", loose), ("line", "recording", silent)):
+        if some:
+            many = f"{len(some):,} {what}{'s' * (len(some) > 1)}"
+            told.append(f"{many} without a {of}: {shortlist(some, SHOWN_FILES)}")
+    return tuple(told)

@@ -1,0 +1,260 @@
+"""Compare the lines of a script with the record of the last build, to find stale lines."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.production.builds.digests import digest, file_digest, joined
+from lipsync_lang.production.builds.needs import PairNeeds, told
+from lipsync_lang.production.builds.output_paths import recorded_path
+from lipsync_lang.production.builds.planned_line import PlannedLine
+from lipsync_lang.production.builds.records import (
+    NEED,
+    Key,
+    LineRecord,
+    OutputRecord,
+    Records,
+    as_json,
+    from_json,
+    unusable,
+)
+from lipsync_lang.production.builds.standing import StandingOutputs
+from lipsync_lang.text.phonology.g2p.tokens import plain
+
+TICK_NANOSECONDS = 2_000_000_000
+"""Coarsest time stamps of a file system; a file may change twice in this time."""
+
+Needs = Mapping[tuple[str, str], PairNeeds]
+"""Needs of every pair with its current packs, by language and character."""
+
+INPUTS = {
+    "text": "its text",
+    "words": "a pronunciation of its words",
+    "edits": "the edits of the line",
+    "outputs": "its outputs",
+    "timings": "its timings",
+    "audio": "its recording",
+}
+"""Parts of a line's inputs in words."""
+
+FILE_INPUTS = ("timings", "audio")
+"""Parts of the inputs that are files: path, size, and times of change of content and of status.
+
+Tools that copy or restore files may set the first time; nobody sets the second.
+"""
+
+REMAKE_REASONS = {
+    "missing": "is missing",
+    "unfinished": "was not finished",
+    "replaced": "was edited",
+}
+"""States of an output that make its line stale, in words."""
+
+STANDING = ("edited", "unknown")
+"""States of an output that a build must not replace."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStep:
+    """A line with the reasons to make it, in words; none if its outputs are valid."""
+
+    line: PlannedLine
+    inputs: str
+    """Inputs for its record, as JSON."""
+    reasons: tuple[str, ...] = ()
+    kept: tuple[str, ...] = ()
+    """Outputs that somebody changed since the last build, which are left alone."""
+    unknown: tuple[str, ...] = ()
+    """Outputs that stand where no build wrote."""
+    record: LineRecord | None = None
+    """Record of the last build."""
+
+    @property
+    def making(self) -> PlannedLine:
+        """The line with the outputs that are to be written."""
+        if not self.kept:
+            return self.line
+        outputs = tuple(one for one in self.line.outputs if one[1] not in self.kept)
+        return replace(self.line, outputs=outputs)
+
+
+@dataclass(frozen=True)
+class BuildPlan:
+    """All lines of a project, and records without a line."""
+
+    steps: tuple[PlannedStep, ...]
+    gone: tuple[tuple[Key, LineRecord], ...] = ()
+
+    @property
+    def stale(self) -> tuple[PlannedStep, ...]:
+        """The lines to make."""
+        return tuple(step for step in self.steps if step.reasons)
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """The outputs to keep, because a person changed them."""
+        return tuple(path for step in self.steps for path in step.kept)
+
+
+def plan(  # noqa: PLR0913 the lines, records and options
+    lines: Sequence[PlannedLine],
+    folder: Path,
+    records: Records,
+    needs: Needs,
+    *,
+    force: bool = False,
+    overwrite: bool = False,
+) -> BuildPlan:
+    """Find the lines whose outputs are not up to date.
+
+    Parameters
+    ----------
+    lines : of the project, each with a key of its own
+    force : make every line
+    overwrite : write outputs that somebody changed, too
+    """
+    known = records.lines()
+    planner = _Planner(folder, needs, force, overwrite, StandingOutputs(folder))
+    changed = _changed_needs(lines, known, records, needs)
+    steps = tuple(
+        planner.step(line, known.get(line.key), changed.get(line.key, ())) for line in lines
+    )
+    now = {line.key for line in lines}
+    gone = tuple((key, record) for key, record in known.items() if key not in now)
+    return BuildPlan(steps, gone)
+
+
+def _changed_needs(
+    lines: Iterable[PlannedLine],
+    known: Mapping[Key, LineRecord],
+    records: Records,
+    needs: Needs,
+) -> dict[Key, tuple[str, ...]]:
+    """Return the names of the needs of each line whose values have changed; one comparison a pair.
+
+    Lines without a change are left out.
+    """
+    grouped: dict[tuple[str, str], list[Key]] = {}
+    for line in lines:
+        if line.key in known:
+            grouped.setdefault((line.language, line.character), []).append(line.key)
+    out: dict[Key, tuple[str, ...]] = {}
+    for pair, keys in grouped.items():
+        own = records.needs(pair)
+        each = [own[key[2]] for key in keys]
+        every = np.frombuffer(b"".join(each), NEED)
+        if every["number"].max(initial=0) > len(records.names):
+            raise unusable()
+        used = np.flatnonzero(np.bincount(every["number"]))
+        values = [needs[pair].current(records.name(number)) for number in used.tolist()]
+        now = np.zeros(used.max(initial=0) + 1, "<u8")
+        now[used] = np.frombuffer(b"".join(values), "<u8")
+        other = np.flatnonzero(now[every["number"]] != every["digest"])
+        if other.size:
+            ends = np.cumsum([len(one) for one in each]) // NEED.itemsize
+            for place, row in zip(other.tolist(), ends.searchsorted(other, "right"), strict=True):
+                name = records.name(int(every["number"][place]))
+                out[keys[row]] = (*out.get(keys[row], ()), name)
+    return out
+
+
+@dataclass
+class _Planner:
+    folder: Path
+    needs: Needs
+    force: bool
+    overwrite: bool
+    standing: StandingOutputs
+
+    def step(
+        self, line: PlannedLine, record: LineRecord | None, changed: Sequence[str]
+    ) -> PlannedStep:
+        inputs = line_inputs(line, self.folder, self.needs[line.language, line.character].performer)
+        text = as_json(inputs)
+        reasons: list[str] = []
+        kept: list[str] = []
+        unknown: list[str] = []
+        if record is None:
+            reasons.append("it is new")
+        else:
+            text = record.inputs if text == record.inputs else text  # one text for both
+            reasons += self._inputs_changed(inputs, text, record)
+            reasons += [f"{told(name)} changed" for name in changed]
+            if record.verdict == "failed":
+                reasons.append("it failed in the last build")
+        if self.force:
+            reasons.append("all lines were requested")
+        for _, path in line.outputs:
+            written = record.outputs.get(path) if record is not None else None
+            state = self._state(path, written)
+            if state in STANDING:
+                (kept if state == "edited" else unknown).append(path)
+            elif state in REMAKE_REASONS and written is not None:
+                reasons.append(f"{path} {REMAKE_REASONS[state]}")
+        if line.outputs and len(kept) == len(line.outputs):
+            reasons = []
+        return PlannedStep(line, text, tuple(reasons), tuple(kept), tuple(unknown), record)
+
+    def _inputs_changed(
+        self, inputs: Mapping[str, Any], text: str, record: LineRecord
+    ) -> Iterator[str]:
+        sure = record.at - TICK_NANOSECONDS
+        late = {part for part in FILE_INPUTS if part in inputs and max(inputs[part][2:]) > sure}
+        if record.verdict == "failed" or (text == record.inputs and not late):
+            return
+        before = from_json(record.inputs)
+        for part, words in INPUTS.items():
+            now, then = inputs.get(part), before.get(part)
+            if now == then and part not in late:
+                continue
+            # A file may have another time, but the content of the last build.
+            if part in FILE_INPUTS and now and isinstance(then, list) and now[:1] == then[:1]:
+                with suppress(OSError):
+                    if file_digest(self.folder / now[0]) == from_json(record.contents).get(now[0]):
+                        continue
+            yield f"{words} changed"
+
+    def _state(self, path: str, written: OutputRecord | None) -> str:
+        """Return the state of an output: `sound`, or one of `REMAKE_REASONS` or `STANDING`."""
+        stamp = self.standing.stamp(path)
+        if stamp is None:
+            return "missing"
+        if written is None:
+            return "replaced" if self.overwrite else "unknown"
+        if stamp == (written.size, written.changed):
+            return "sound"
+        found = self.standing.digest(path)
+        if found == written.digest:
+            return "sound"
+        if found == written.before:
+            return "unfinished"
+        return "replaced" if self.overwrite else "edited"
+
+
+def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[str, Any]:
+    """Return the inputs of a line as JSON data for its record."""
+    compiled = performer.compiled
+    text = plain(line.text) if compiled.words else ""
+    words = {word: sounds for word, sounds in compiled.words.items() if word in text}
+    edits = compiled.line_edits.get(line.name), compiled.line_deliveries.get(line.name)
+    inputs: dict[str, Any] = {
+        "text": joined(line.text.encode("utf-8", "surrogatepass")).hex(),
+        "words": digest(words).hex() if words else "",
+        "edits": digest(*edits).hex() if any(edits) else "",
+        "outputs": [list(one) for one in line.outputs],
+    }
+    for part, path in (("timings", line.timings), ("audio", line.audio)):
+        if path is not None:
+            try:
+                stat = os.stat(os.path.join(folder, path))  # noqa: PTH116, PTH118 once a line
+                stamp = stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
+            except OSError:
+                stamp = 0, 0, 0
+            inputs[part] = [recorded_path(folder, path), *stamp]
+    return inputs

@@ -1,0 +1,210 @@
+"""Rows of a script: its tables and other files of lines, in all languages of a build."""
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from hashlib import sha256
+from pathlib import Path
+from typing import NamedTuple
+from unicodedata import normalize
+
+from lipsync_lang.base.errors import LipsyncError, ScheduleError
+from lipsync_lang.base.files.names import fault_of_name
+from lipsync_lang.packs.models.project_models import ScriptColumns
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.production.builds.script_faults import ScriptFaults
+from lipsync_lang.text.lines import Line, read_lines
+from lipsync_lang.text.lines.columns import (
+    NAME_COLUMNS,
+    SPEAKER_COLUMNS,
+    known_column,
+    lacking,
+    language_column,
+    stated_column,
+    text_column,
+)
+from lipsync_lang.text.lines.line_readers import LineFile, Table, by_suffix
+from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
+from lipsync_lang.text.lines.table import cell
+from lipsync_lang.text.lines.yarn import LINE_TAG
+
+MAX_SLUG_CHARS = 32
+DIGEST_CHARS = 8
+
+ENCODING = re.compile(r"`encoding='([\w-]+)'`")
+"""An argument of Python in the messages of readers; here it is a field of the project."""
+
+
+class ScriptLanguage(NamedTuple):
+    """A language of a build."""
+
+    name: str
+    """Name of its pack, or ENGINE:CODE."""
+    word: str
+    """Word for ``{language}`` in paths."""
+    answers: tuple[str, ...]
+    """Names that a column may have, folded, likeliest first."""
+
+
+class ScriptRow(NamedTuple):
+    """A line of the script in some languages."""
+
+    number: int | str
+    """Line of the file; for a spreadsheet's other sheets, with their title."""
+    name: str
+    speaker: str
+    texts: tuple[tuple[int, str], ...]
+    """Texts by index of the language; empty where it is not translated."""
+    timings: Path | None = None
+    """File of timed phonemes that is a line by itself."""
+
+
+@dataclass(frozen=True)
+class ScriptFile:
+    """A file of lines, with the languages that it holds by their index."""
+
+    path: Path
+    languages: dict[int, ScriptLanguage]
+    encoding: str | None = None
+    among_others: bool = False
+    """True if it was found in a folder, which may hold other files too."""
+    cleaning: Cleaning = AS_WRITTEN
+
+    @cached_property
+    def shown(self) -> str:
+        """The path as text; a path object makes it again for every line."""
+        return str(self.path)
+
+
+PlanRemark = Callable[[str | Fault], None]
+
+
+def read_rows(
+    file: ScriptFile, columns: ScriptColumns, faults: ScriptFaults, remark: PlanRemark
+) -> Iterator[ScriptRow]:
+    """Yield the rows of a file; its faults are collected, and end its reading."""
+    try:
+        opened = by_suffix()[file.path.suffix.lower()].table
+        if opened is not None:
+            settings = LineFile(file.path, remark, encoding=file.encoding, cleaning=file.cleaning)
+            source = settings.at(file.path)
+            yield from _table_rows(file, source, opened(source), columns, faults)
+            return
+        if len(file.languages) > 1:
+            faults.add_error(
+                f"{file.path}: has one language, but the build has {len(file.languages)}; add "
+                "{language} to its path"
+            )
+            return
+        index = next(iter(file.languages))
+        lines = list(read_lines(
+            file.path, encoding=file.encoding, remark=remark, cleaning=file.cleaning,
+            speaker=columns.speaker,
+        ))  # fmt: skip
+        for line, name in zip(lines, _identifiers(lines), strict=True):
+            number = line.place.rpartition(":")[2]
+            timings = file.path if line.schedule is not None else None
+            yield ScriptRow(number, name, line.speaker, ((index, line.text),), timings)
+    except ScheduleError as error:
+        if not file.among_others:
+            faults.add_error(error)
+        else:
+            remark(f"{str(error).partition(chr(10))[0].removesuffix(':')}; left out")
+    except LipsyncError as error:
+        faults.add_error(ENCODING.sub(r"`encoding: \1`", str(error)), first=True)
+
+
+def _table_rows(
+    file: ScriptFile,
+    source: LineFile,
+    table: Table,
+    columns: ScriptColumns,
+    faults: ScriptFaults,
+) -> Iterator[ScriptRow]:
+    texts = _text_columns(source, table, file, columns.text)
+    taken = [at for _, at in texts]
+    name = known_column(source, table.head, columns.id, NAME_COLUMNS, taken)
+    speaker = known_column(source, table.head, columns.speaker, SPEAKER_COLUMNS, [*taken, name])
+    if name < 0:
+        raise lacking(
+            source,
+            table.head,
+            "has no column of ids for the file names; add one, or state `columns: {id: NAME}`",
+        )
+    for number, row in table.rows:
+        said: list[tuple[int, str]] = []
+        for index, at in texts:
+            text = cell(row, at)
+            part = spoken(text, source.cleaning)
+            for remark in part.remarks:
+                source.remark(f"{source.path}:{number}: {remark}")
+            # A cell of markup alone stays, and is performed as rest.
+            said.append((index, part.text or (text.strip() if part.dropped else "")))
+        own = cell(row, name).removeprefix(LINE_TAG)
+        if own:
+            yield ScriptRow(number, own, cell(row, speaker), tuple(said))
+        elif any(text for _, text in said):
+            faults.add(f"{file.path}:{number}", "this line has no id for its file names")
+
+
+def _text_columns(
+    source: LineFile, table: Table, file: ScriptFile, asked: str | None
+) -> list[tuple[int, int]]:
+    """Return (index of the language, column) for each language."""
+    found: dict[int, str] = {}
+    texts: list[tuple[int, int]] = []
+    for index, language in file.languages.items():
+        if asked is not None:
+            own = asked.replace("{language}", language.word)
+            at = stated_column(replace(source, names=language.answers), table.head, own)
+        else:
+            alone = len(file.languages) == 1
+            at = language_column(table.head, language.answers)
+            if at < 0 and alone:
+                at = text_column(table.head)
+            if at < 0:
+                which = f"which column is the text in {language.word}?"
+                what = f"{which} State `columns: {{text: NAME}}`"
+                if not alone:
+                    what += ", or what the column calls the language: `languages: {NAME: CODE}`"
+                raise lacking(source, table.head, what)
+        if at in found:
+            what = f"one column for {found[at]} and {language.word}"
+            raise lacking(
+                source, table.head, f"{what}: state `columns: {{text: ...}}` with {{language}}"
+            )
+        found[at] = language.word
+        texts.append((index, at))
+    return texts
+
+
+def _identifiers(lines: Sequence[Line]) -> Iterator[str]:
+    """Yield an id for each line: its own name, or else a slug of its text and a digest.
+
+    The order of lines does not count, except among lines of equal name and text.
+    """
+    named = Counter(line.name for line in lines)
+    used: Counter[str] = Counter()
+    for line in lines:
+        text = line.original or line.text
+        if not line.name:
+            name = _slug(text, text)
+        elif fault_of_name(line.name):
+            name = _slug(line.name, line.name + (text if named[line.name] > 1 else ""))
+        elif named[line.name] > 1:
+            name = f"{line.name}-{_digest(text)}"
+        else:
+            name = line.name
+        used[name] += 1
+        yield name if used[name] == 1 else f"{name}-{used[name]}"
+
+
+def _slug(text: str, whole: str) -> str:
+    words = re.sub(r"[^\w]+", "-", normalize("NFC", text))[:MAX_SLUG_CHARS].strip("-")
+    return f"{words}-{_digest(whole)}".lstrip("-")
+
+
+def _digest(text: str) -> str:
+    return sha256(normalize("NFC", text).encode("utf-8", "replace")).hexdigest()[:DIGEST_CHARS]

@@ -1,0 +1,172 @@
+"""Outlets: send the frames of a live session to its receivers, each at its time and address."""
+
+import errno
+import json
+import socket
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from time import localtime
+from typing import TYPE_CHECKING, Any, TextIO
+
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.faces.rigs.head_turn import HeadTurn
+from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.production.live.addresses import STANDARD_OUTPUT, LiveAddress
+from lipsync_lang.production.live.live_frame import LiveFrame, Outlet, as_row
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.production.live.live_player import LivePlayer
+    from lipsync_lang.production.live.web_socket import Session
+
+NOT_CONNECTED = (errno.ENOTCONN, errno.EDESTADDRREQ)
+"""Errors of a socket that had no way to its receiver when it was opened."""
+
+RECOVERED_SECONDS = 1.0
+"""Time without an error after which a receiver is there again."""
+
+
+class LineOutlet:
+    """Writes frames as lines of JSON."""
+
+    def __init__(self, out: TextIO) -> None:
+        self.out = out
+
+    def send(self, frame: LiveFrame) -> None:
+        """Write the time and the weights of a frame."""
+        self.tell(as_row(frame))
+
+    def tell(self, event: Mapping[str, Any]) -> None:
+        """Write an event."""
+        self.out.write(json.dumps(event, separators=(",", ":")) + "\n")
+        self.out.flush()
+
+    def close(self) -> None:
+        """Leave the stream open; its owner closes it."""
+
+
+class PacketOutlet:
+    """Sends frames as packets over UDP; `complain` takes messages about the receiver.
+
+    An unknown host is a LipsyncError.
+    """
+
+    def __init__(
+        self,
+        address: LiveAddress,
+        pack: Callable[[LiveFrame], bytes],
+        complain: Callable[[str], None],
+    ) -> None:
+        self.address, self.pack, self.complain = address, pack, complain
+        self.failed: float | None = None
+        """Time of the last frame that was not received; None while all are."""
+        try:
+            found = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_DGRAM)
+        except OSError as error:
+            raise LipsyncError(
+                f"{address.kind}: no host '{address.host}' ({error.strerror or error}); give the "
+                "address of the machine that the engine runs on; 127.0.0.1 is this machine"
+            ) from None
+        family, kind, protocol, _, target = found[0]
+        self.target: Any = target
+        self.socket = socket.socket(family, kind, protocol)
+        with suppress(OSError):  # then the system tells which packets no program received
+            self.socket.connect(target)
+
+    def send(self, frame: LiveFrame) -> None:
+        """Send a packet, even if no program receives it."""
+        packet, kind = self.pack(frame), self.address.kind
+        where = f"{kind}: {self.address.host}:{self.address.port}"
+        try:
+            self._send(packet)
+        except OSError as error:
+            refused = isinstance(error, ConnectionRefusedError)
+            if self.failed is None and refused:
+                self.complain(f"{where} does not listen; start the engine, frames are sent on")
+            elif self.failed is None:
+                why = error.strerror or error
+                self.complain(f"{where} gets no frames ({why}); check the network")
+            self.failed = frame.seconds
+            if refused:  # the error is of an earlier packet, and this one was not sent
+                with suppress(OSError):
+                    self._send(packet)
+        else:
+            if self.failed is not None and frame.seconds - self.failed > RECOVERED_SECONDS:
+                self.complain(f"{where} gets frames again")
+                self.failed = None
+
+    def _send(self, packet: bytes) -> None:
+        try:
+            self.socket.send(packet)
+        except OSError as error:
+            if error.errno not in NOT_CONNECTED:
+                raise
+            self.socket.connect(self.target)
+            self.socket.send(packet)
+
+    def tell(self, event: Mapping[str, Any]) -> None:
+        """Do nothing: an engine reads only frames."""
+
+    def close(self) -> None:
+        """Close the socket."""
+        self.socket.close()
+
+
+def outlet(  # noqa: PLR0913 the frames, the names that a receiver knows, and the user
+    address: LiveAddress,
+    player: "LivePlayer",
+    session: "Session",
+    *,
+    subject: str,
+    renamed: Mapping[str, str],
+    complain: Callable[[str], None],
+) -> Outlet:
+    """Open an outlet; Live Link needs a `subject`, VMC `renamed` poses, a WebSocket the session."""
+    performer, fps, channels = player.performer, player.fps, player.channels
+    if player.gestures is not None:
+        channels += performer.gesture_channels
+    if address.kind == STANDARD_OUTPUT:
+        return LineOutlet(sys.stdout)
+    if address.kind == "ws":
+        from lipsync_lang.production.live.web_socket import WebSocketOutlet
+
+        return WebSocketOutlet(address, session)
+    if address.kind == "livelink":
+        from lipsync_lang.production.live.packets import LiveLinkPacket
+
+        now = localtime()
+        start = round(((now.tm_hour * 60 + now.tm_min) * 60 + now.tm_sec) * fps)
+        pack = LiveLinkPacket(channels, fps, subject, start)
+        return PacketOutlet(address, pack, complain)
+    from lipsync_lang.production.live.packets import vmc_messages
+
+    shapes = [channel.name if channel.node is None else "" for channel in channels]
+    if not (head := HeadTurn.of(channels)).columns:
+        return PacketOutlet(address, vmc_messages(shapes, renamed), complain)
+    place = _head_place(performer, channels[head.columns[0]].node, complain)
+    return PacketOutlet(address, vmc_messages(shapes, renamed, head, place), complain)
+
+
+def _head_place(
+    performer: "Performer", bone: str | None, complain: Callable[[str], None]
+) -> tuple[float, float, float]:
+    """Return the place of the head in its parent, in the axes of Unity, if a model tells it."""
+    document = read_model(performer.model).document if performer.model else {}
+    for node in document.get("nodes", ()):
+        if node.get("name") == bone:
+            x, y, z = node.get("translation", (0.0, 0.0, 0.0))
+            return (-x, y, z) if performer.compiled.gestures["front"] == "z" else (x, y, -z)
+    complain(
+        f"vmc: no model tells the place of the head, '{bone}'; perform on your model (-c FILE), or "
+        "let the receiver take no places of bones (EVMC4U: BonePositionSynchronize)"
+    )
+    return 0.0, 0.0, 0.0
+
+
+def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:
+    """Refuse to rename unknown poses."""
+    for pose in renamed:
+        if pose not in poses:
+            hint = did_you_mean(pose, poses)
+            raise LipsyncError(f"--rename {pose}: unknown pose '{pose}'; {hint}")

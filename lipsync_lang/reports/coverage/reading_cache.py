@@ -1,0 +1,89 @@
+"""Words of texts on disk, by text, language and version, so that a text is read once.
+
+A damaged, locked or unwritable file costs only time: the texts are read again.
+"""
+
+import json
+import re
+import sqlite3
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import cache
+from hashlib import blake2b, sha256
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
+
+from lipsync_lang.base.extras import PROGRAM
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.resolver.cache import compiler, folder
+from lipsync_lang.text.phonology.g2p import SpokenWord
+from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES
+
+READINGS_FILE = "readings.sqlite"
+
+MAX_READINGS_BYTES = 2**29
+"""Maximum size of the file, which is then deleted."""
+
+KEY_BYTES = 16
+"""Length of the digest of a text with its settings."""
+
+
+class ReadingCache:
+    """Words of texts, as read with some settings."""
+
+    def __init__(self, path: Path, settings: bytes) -> None:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if path.exists() and path.stat().st_size > MAX_READINGS_BYTES:
+            path.unlink()
+        self._settings = settings
+        self._rows = sqlite3.connect(path, timeout=1)
+        self._rows.execute("PRAGMA synchronous = OFF")
+        self._rows.execute("CREATE TABLE IF NOT EXISTS readings (key BLOB PRIMARY KEY, words TEXT)")
+
+    def get(self, text: str) -> tuple[SpokenWord, ...] | None:
+        """Return the words of a text; None if it was not read yet."""
+        with suppress(sqlite3.Error, TypeError, ValueError):
+            query = "SELECT words FROM readings WHERE key = ?"
+            for (row,) in self._rows.execute(query, [self._key(text)]):
+                return tuple(
+                    SpokenWord(spelling, tuple(labels), respelled, unread, tuple(stress))
+                    for spelling, labels, respelled, unread, stress in json.loads(row)
+                )
+        return None
+
+    def update(self, read: Mapping[str, tuple[SpokenWord, ...]]) -> None:
+        """Keep the words of texts."""
+        rows = [(self._key(text), json.dumps(words)) for text, words in read.items()]
+        with suppress(sqlite3.Error), self._rows:
+            self._rows.executemany("INSERT OR REPLACE INTO readings VALUES (?, ?)", rows)
+
+    def _key(self, text: str) -> bytes:
+        written = text.encode("utf-8", "surrogatepass")
+        return blake2b(written, key=self._settings, digest_size=KEY_BYTES).digest()
+
+
+def reading_cache(performer: Performer) -> ReadingCache | None:
+    """Return the words that a performer's language was read as; None if they cannot be kept."""
+    manner, home = performer.speaker.manner, folder()
+    if home is None or manner.engine not in G2P_ENGINES.modules:
+        return None  # nobody knows when an engine of another package changes
+    plain = manner.plain()
+    plain["settings"]["labels"].sort()
+    try:
+        lexicon = manner.settings.file.read_bytes() if manner.settings.file else b""
+        settings = json.dumps([plain, performer.compiled.notations, versions()], sort_keys=True)
+        whole = sha256(settings.encode() + lexicon).digest()
+        return ReadingCache(home / READINGS_FILE, whole)
+    except (OSError, sqlite3.Error):
+        return None
+
+
+@cache
+def versions() -> list[str]:
+    """Return the digest of the program's code, and the versions of all libraries that it uses."""
+    found = [compiler()]
+    for requirement in requires(PROGRAM) or ():
+        name = re.split(r"[^\w.-]", requirement)[0]
+        with suppress(PackageNotFoundError):
+            found.append(f"{name} {version(name)}")
+    return sorted(set(found))

@@ -1,0 +1,150 @@
+"""Figures of a report, from counted lines and a character."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from lipsync_lang.base.arrays import Ints
+from lipsync_lang.base.presentation.percentages import percent
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.reports.coverage import plan
+from lipsync_lang.reports.coverage.corpus import Count, Pages
+from lipsync_lang.reports.coverage.facts import AuthoredShare, NextHour, WorkLeft, authored
+from lipsync_lang.reports.coverage.report import BigramNeed, CoverageReport, Sentence, TrigramNeed
+from lipsync_lang.resolver.compiled import Origin
+
+
+class CountFigures:
+    """A count, with the figures that do not depend on the character."""
+
+    def __init__(self, counted: Count, pages: Pages) -> None:
+        self.count = counted
+        self.pages = pages
+        self.examples = counted.examples()
+        codes = np.arange(counted.size**2)
+        sounding = counted.sounding(codes)
+        self.spoken = np.where(sounding, counted.bigrams, 0)
+        self.silent = np.where(sounding, 0, counted.bigrams)
+        self.unused = [int(c) for c in codes if sounding[c] and not counted.bigrams[c]]
+
+    def trigrams(self, performer: Performer) -> tuple[TrigramNeed, ...]:
+        """Return the trigrams that a character plays, most frequent first.
+
+        Trigrams of shades are left out, like bigrams of shades.
+        """
+        compiled, counted = performer.compiled, self.count
+        numbers = {name: number for number, name in enumerate(compiled.counted)}
+        found = []
+        for name, origin in {one.name: one for one in compiled.origins if one.triple}.items():
+            one, two, three = (numbers.get(phoneme, -1) for phoneme in origin.triple or ())
+            if min(one, two, three) < 0:
+                continue
+            lines = counted.first_trigrams.get((one, two, three), ())
+            need = TrigramNeed(
+                trigram=name,
+                count=counted.trigrams.get((one, two, three), 0),
+                layer=origin.layer,
+                status=origin.status,
+                places=tuple(self.pages[line][0] for line in lines),
+            )
+            found.append(need)
+        return tuple(sorted(found, key=lambda need: (-need.count, need.trigram)))
+
+    def bigrams(
+        self,
+        counts: Ints,
+        origins: dict[int, Origin],
+        names: Sequence[str],
+        trigrams: Iterable[TrigramNeed],
+    ) -> tuple[BigramNeed, ...]:
+        """Return the ranked bigrams; authored trigrams replace some of their occurrences."""
+        within: Counter[str] = Counter()
+        for one in trigrams:
+            if authored(one.layer, one.status):
+                first, middle, last = one.trigram.split("-")
+                within[f"{first}-{middle}"] += one.count
+                within[f"{middle}-{last}"] += one.count
+        total, running = int(counts.sum()), 0
+        found = []
+        for code in plan.ranked(counts):
+            number = int(counts[code])
+            running += number
+            found.append(
+                BigramNeed(
+                    bigram=names[code],
+                    count=number,
+                    percent=percent(number, total),
+                    running=percent(running, total),
+                    layer=origins[code].layer,
+                    status=origins[code].status,
+                    example=self.examples.get(code, ""),
+                    places=tuple(self.pages[line][0] for line in self.count.first[code]),
+                    in_trigrams=within[names[code]],
+                )
+            )
+        return tuple(found)
+
+    def sentences(self, missing: Sequence[int], names: Sequence[str]) -> tuple[Sentence, ...]:
+        """Return a short list of lines that together have all missing bigrams."""
+        sets, starts = self.count.sets()
+        found = []
+        for line, new in plan.cover(sets, starts, np.array(missing, np.int64)):
+            place, text = self.pages[line]
+            bigrams = tuple(names[code] for code in new)
+            found.append(Sentence(place=place, text=text, bigrams=bigrams))
+        return tuple(found)
+
+
+def report_of(
+    performer: Performer,
+    counted_lines: CountFigures,
+    minutes: float,
+    title: str,
+    *,
+    sentences: bool = True,
+) -> CoverageReport:
+    """Return the report of counted lines for a character.
+
+    Parameters
+    ----------
+    minutes : minutes of work for a bigram
+    sentences : False for no short list of lines, which takes most of the time
+    """
+    counted, phonemes = counted_lines.count, performer.compiled.counted
+    names = [f"{a}-{b}" for a in phonemes for b in phonemes]
+    codes = {name: code for code, name in enumerate(names)}
+    bigrams = (origin for origin in performer.compiled.origins if origin.triple is None)
+    origins = {codes[one.name]: one for one in bigrams if one.name in codes}
+    trigrams = counted_lines.trigrams(performer)
+    rows = counted_lines.bigrams(counted_lines.spoken, origins, names, trigrams)
+    total = sum(row.count for row in rows)
+    missing = [row for row in rows if not row.authored]
+    soon = missing[: plan.affordable(minutes)]
+    drawn = sum(row.covered for row in rows)
+    gain = sum(row.count - row.covered for row in soon)
+    return CoverageReport(
+        language=performer.language,
+        language_title=title or performer.language,
+        character=performer.character,
+        poseset=performer.compiled.poseset,
+        lines=counted.lines,
+        words=counted.words,
+        phonemes={name: int(counted.phonemes[n]) for n, name in enumerate(phonemes) if n},
+        occurrences=total,
+        bigrams=rows,
+        silence=counted_lines.bigrams(counted_lines.silent, origins, names, trigrams),
+        unused=tuple(names[code] for code in counted_lines.unused),
+        needed=plan.needed([row.count for row in rows]),
+        authored=AuthoredShare(bigrams=len(rows) - len(missing), percent=percent(drawn, total)),
+        left=WorkLeft(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
+        next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=percent(gain, total)),
+        sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names)
+        if sentences
+        else (),
+        unread=counted.unread.tallies(),
+        unmapped=counted.unmapped.tallies(),
+        other_scripts=counted.others.tallies(),
+        entries=counted.entries.tallies(),
+        trigrams=trigrams,
+    )

@@ -1,0 +1,127 @@
+"""Words in a script that a language is not written in.
+
+The scripts of a language are those of its pack's own tests. A voice reads a word in another script
+as a word of another language, or it spells the word. A comparison of the sounds of the word with
+those of its letters distinguishes the two. Actors do not spell, so spelled words are not counted; a
+pronunciation in the pack or the character states their sounds.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from difflib import SequenceMatcher
+from functools import cache
+from unicodedata import category, name, normalize
+
+from lipsync_lang.packs.models.language_models import Language
+from lipsync_lang.reports.coverage.report import OtherScript
+from lipsync_lang.reports.coverage.tally_counter import MAX_TALLY_NAMES, TallyCounter
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.lines import Line
+from lipsync_lang.text.phonology.g2p.tokens import PAUSES, counts, pieces
+
+TextSpans = list[tuple[int, int]]
+"""Start and stop of each part of a text."""
+
+LETTER_CATEGORIES = frozenset(("Lu", "Ll", "Lt", "Lo"))
+
+SPELLED_SIMILARITY = 0.9
+"""Minimum similarity of a spelled phrase to its letters; voices slur the names of letters."""
+
+MAX_PHRASE_CHARS = 40
+"""Maximum length of the judged start of a phrase, and of the named start of a word."""
+
+_PHRASE = re.compile(r"([^- m])(?:(?:\1|[ m])*\1)?m*")
+"""Pattern of a phrase in one other script, over the classes of characters.
+
+Each other script has its own class; marks are `m`, ends are `-`, all else is a space.
+"""
+
+
+@cache
+def script(character: str) -> str:
+    """Return the script of a letter from its Unicode name; empty for other characters.
+
+    The script is the first word of that name; other widths and styles count as the plain letter.
+    """
+    if category(character) not in LETTER_CATEGORIES:
+        return ""
+    return name(normalize("NFKC", character)[0], "").partition(" ")[0]
+
+
+def scripts_of(language: Language) -> frozenset[str]:
+    """Return the scripts of a pack's own tests."""
+    return frozenset(script(c) for test in language.tests for c in test.text) - {""}
+
+
+class OtherScripts:
+    """Words of lines in other scripts, read or spelled; none if `own` scripts are unknown."""
+
+    def __init__(self, speaker: Speaker, own: Iterable[str]) -> None:
+        self._speaker = speaker
+        self._own = frozenset(own)
+        self._classes: dict[str, str] = {}
+        self._spells: dict[str, bool] = {}
+        self._read, self._spelled = TallyCounter(), TallyCounter()
+
+    def spelled(self, lines: Sequence[Line]) -> list[TextSpans]:
+        """Count the words of lines in other scripts; return the spans of spelled words."""
+        spans: list[TextSpans] = []
+        for line in lines:
+            foreign = self._own and any(map(self._foreign, set(line.text)))
+            shape = "".join(map(self._class, line.text)) if foreign else ""
+            spans.append([match.span() for match in _PHRASE.finditer(shape)])
+        pairs = [(line, span) for line, found in zip(lines, spans, strict=True) for span in found]
+        self._judge({_judged(line.text[slice(*span)]) for line, span in pairs})
+        spelled_spans: list[TextSpans] = []
+        for line, found in zip(lines, spans, strict=True):
+            spelled_spans.append([])
+            for span in found:
+                phrase = line.text[slice(*span)]
+                is_spelled = self._spells[_judged(phrase)]
+                if is_spelled:
+                    spelled_spans[-1].append(span)
+                for word in (piece.text for piece in pieces(phrase)):
+                    if any(map(script, word)) and not self._speaker.has_entry(word):
+                        short = len(word) <= MAX_PHRASE_CHARS
+                        what = word if short else word[: MAX_PHRASE_CHARS - 1] + "…"
+                        (self._spelled if is_spelled else self._read).add(what, line.place)
+        return spelled_spans
+
+    def tallies(self) -> tuple[OtherScript, ...]:
+        """Return the words, most frequent first."""
+        found = []
+        for counter in (self._read, self._spelled):
+            for tally in counter.tallies():
+                own = next(filter(None, map(script, tally.what)))
+                stated = {"script": own, "counted": counter is self._read}
+                found.append(OtherScript(**tally.model_dump(), **stated))
+        return tuple(sorted(found, key=lambda one: (-one.count, one.what)))
+
+    def _foreign(self, character: str) -> bool:
+        return script(character) not in ("", *self._own)
+
+    def _class(self, character: str) -> str:
+        if self._foreign(character):
+            return self._classes.setdefault(script(character), chr(0xE000 + len(self._classes)))
+        if script(character) or character in PAUSES:
+            return "-"
+        return "m" if counts(character) and not character.isdigit() else " "
+
+    def _judge(self, phrases: set[str]) -> None:
+        """Remember whether the voice spells each phrase."""
+        if len(self._spells) > MAX_TALLY_NAMES:
+            self._spells.clear()
+        unmet = sorted(phrases - self._spells.keys())
+        letters = sorted({c for phrase in unmet for c in phrase if counts(c)})
+        heard = iter(self._speaker.transcribe((*unmet, *letters)) if unmet else ())
+        said = [next(heard).phonemes for _ in unmet]
+        names = {letter: next(heard).phonemes for letter in letters}
+        for phrase, sounds in zip(unmet, said, strict=True):
+            spelled = [sound for c in phrase for sound in names.get(c, ())]
+            like = SequenceMatcher(None, sounds, spelled, autojunk=False).ratio()
+            self._spells[phrase] = like >= SPELLED_SIMILARITY
+
+
+def _judged(phrase: str) -> str:
+    """Return the start of a phrase in lower case, because voices may spell capitals."""
+    return phrase[:MAX_PHRASE_CHARS].lower()

@@ -1,0 +1,167 @@
+"""The total of all reports: the work that is left, with shared work counted once, and its order.
+
+A work item is a bigram of a pose set. Drawn once in the pose set's bank, it serves every language
+that needs it and every face of that pose set. A draft in the bank of one language or one character
+is an item of its own, because it takes precedence over the shared bank.
+
+The gain of an item is its share of the missing occurrences of each language, averaged over the
+languages. Languages have equal weights by default, because each player hears one language.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from lipsync_lang.base.presentation.percentages import WHOLE_PERCENT, rounded
+from lipsync_lang.reports.coverage import plan
+from lipsync_lang.reports.coverage.facts import AuthoredShare, Fact, NextHour, WorkLeft
+
+if TYPE_CHECKING:
+    from lipsync_lang.reports.coverage.report import BigramNeed, CoverageReport
+
+
+class WorkKey(NamedTuple):
+    """Identity of a work item."""
+
+    bigram: str
+    poseset: str
+    bank: str
+
+
+class WorkItem(Fact):
+    """A bigram to author, once for all languages and faces that it serves."""
+
+    bigram: str
+    poseset: str
+    bank: str
+    """The language or character with a draft of it in its own bank; empty for the shared bank."""
+    count: int
+    """Occurrences in all reports that nobody has drawn."""
+    percent: float
+    """Gain in authored speech in percentage points, averaged over the languages."""
+    reaches: float
+    """Authored percentage after this and all items before it are drawn."""
+    languages: tuple[str, ...]
+    """Languages that it serves."""
+    characters: tuple[str, ...]
+    """Characters that it serves."""
+
+    @property
+    def piece(self) -> WorkKey:
+        """Its identity among all work."""
+        return WorkKey(self.bigram, self.poseset, self.bank)
+
+
+class TotalFigures(Fact):
+    """Figures over several languages; shared work counts once."""
+
+    languages: tuple[str, ...]
+    needed: int
+    """Different bigrams that the languages need."""
+    authored: AuthoredShare
+    left: WorkLeft
+    next_hour: NextHour
+
+
+class FaceTotal(TotalFigures):
+    """The total of all languages on one character."""
+
+    character: str
+    poseset: str
+
+
+class Total(TotalFigures):
+    """The total of all languages on all characters."""
+
+    weights: dict[str, float]
+    """Weight of each language in percentages."""
+    faces: tuple[FaceTotal, ...]
+    ranking: tuple[WorkItem, ...] = ()
+    """The bigrams that are left, largest gain first."""
+
+
+def total_of(
+    reports: "Sequence[CoverageReport]", minutes: float, weights: Mapping[str, float] | None = None
+) -> Total:
+    """Return the total of reports, with minutes per bigram; a language without a weight has 1."""
+    stated = weights or {}
+    full = {report.language: float(stated.get(report.language, 1)) for report in reports}
+    faces: dict[str, list[CoverageReport]] = {}
+    for report in reports:
+        faces.setdefault(report.character, []).append(report)
+    totals: list[FaceTotal] = []
+    for character, own in faces.items():
+        figures, _ = _figures(own, minutes, full)
+        totals.append(FaceTotal(**figures, character=character, poseset=own[0].poseset))
+    figures, ranking = _figures(reports, minutes, full)
+    return Total(**figures, weights=full, faces=tuple(totals), ranking=tuple(ranking))
+
+
+def _figures(
+    reports: "Sequence[CoverageReport]", minutes: float, weights: Mapping[str, float]
+) -> tuple[dict[str, object], list[WorkItem]]:
+    """Return the fields of `TotalFigures`, and the work that is left, the largest gain first."""
+    worth = _worth(reports, weights)
+    done = sum(need.covered * worth[one.language] for one in reports for need in one.bigrams)
+    ranking = _ranking(reports, worth, done)
+    needed = {piece_of(report, need) for report in reports for need in report.bigrams}
+    soon = ranking[: plan.affordable(minutes)]
+    left = len(ranking)
+    gain = round(max(soon[-1].reaches - done, 0.0), 4) if soon else 0.0
+    is_all = not any(item.percent for item in ranking)
+    figures: dict[str, object] = {
+        "languages": tuple(dict.fromkeys(report.language for report in reports)),
+        "needed": len(needed),
+        "authored": AuthoredShare(bigrams=len(needed) - left, percent=rounded(done, is_all=is_all)),
+        "left": WorkLeft(bigrams=left, hours=round(left * minutes / 60, 2)),
+        "next_hour": NextHour(bigrams=tuple(item.bigram for item in soon), percent=gain),
+    }
+    return figures, ranking
+
+
+def _ranking(
+    reports: "Sequence[CoverageReport]", worth: Mapping[str, float], reached: float
+) -> list[WorkItem]:
+    """Rank the work that is left from the percentage `reached` on, the largest gain first."""
+    gains: defaultdict[WorkKey, float] = defaultdict(float)
+    counts: Counter[WorkKey] = Counter()
+    serves: dict[WorkKey, list[CoverageReport]] = {}
+    for report in reports:
+        for need in report.bigrams:
+            if not need.authored:
+                piece, missing = piece_of(report, need), need.count - need.covered
+                gains[piece] += missing * worth[report.language]
+                counts[piece] += missing
+                serves.setdefault(piece, []).append(report)
+    items: list[WorkItem] = []
+    for piece in sorted(serves, key=lambda one: (-round(gains[one], 9), one)):
+        reached += gains[piece]
+        items.append(
+            WorkItem(
+                **piece._asdict(),
+                count=counts[piece],
+                percent=rounded(gains[piece], is_all=False),
+                reaches=round(min(reached, WHOLE_PERCENT), 4),
+                languages=tuple(dict.fromkeys(report.language for report in serves[piece])),
+                characters=tuple(dict.fromkeys(report.character for report in serves[piece])),
+            )
+        )
+    return items
+
+
+def piece_of(report: "CoverageReport", need: "BigramNeed") -> WorkKey:
+    """Return the work item of a bigram of a report."""
+    own = {"language": report.language, "character": report.character}
+    return WorkKey(need.bigram, report.poseset, own.get(need.layer, ""))
+
+
+def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> dict[str, float]:
+    """Return the percentage of one occurrence in each language."""
+    heard: Counter[str] = Counter()
+    for report in reports:
+        heard[report.language] += report.occurrences
+    whole = sum(weights[language] for language, number in heard.items() if number)
+    return {
+        language: WHOLE_PERCENT * weights[language] / (whole * number) if number and whole else 0.0
+        for language, number in heard.items()
+    }

@@ -1,0 +1,110 @@
+"""Judgement of a finished animation: every measure, compared with the limits of its face."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.performing.performed_line import PerformedLine, performer_of
+from lipsync_lang.reports.quality.figures import Figure, Quality
+from lipsync_lang.reports.quality.measured_scene import scene_of
+from lipsync_lang.reports.quality.measures import load_measures
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+
+MAX_SUBJECT_CHARS = 60
+"""Characters of the text of a line in the subject of its quality."""
+
+BLOCK_LINES = 32
+"""Lines that are judged at once: their arrays stay in the processor's cache."""
+
+Limits = Mapping[str, float]
+"""Highest acceptable values by the name of the measure."""
+
+HEARD_REMARK = (
+    "the sounds were heard, not known: the figures compare the mouth with what was heard, and "
+    "cannot judge contacts that were missed or invented in hearing"
+)
+
+
+def check(
+    animation: "Animation",
+    *,
+    performer: "Performer | None" = None,
+    limits: Limits | None = None,
+    remarks: tuple[str, ...] = (),
+) -> Quality:
+    """Measure an animation and compare it with limits.
+
+    Parameters
+    ----------
+    animation : animation of a performer's poses, or of its rig's channels
+    performer : performer of this face; by default the one that performed the animation
+    limits : limits by measure; they override those of the pose set and the character
+    remarks : notes to print with the result, such as those of the reader
+
+    Raises
+    ------
+    LipsyncError
+        The animation has no performer and none is given, a limit is not a number
+        of at least 0, or the animation is of another face.
+
+    Examples
+    --------
+    >>> performer = ll.resolve("english", "facefx")
+    >>> animation = performer.perform(ll.Schedule(("M", "AA"), [0, 0.1, 0.3]))
+    >>> ll.check(animation)["contacts lips"].verdict
+    'ok'
+    """
+    performer = performer or performer_of(animation)
+    if performer is None:
+        raise LipsyncError("this animation has no performer; give a performer of its face")
+    (quality,) = check_all([animation], performer, limits)
+    said = PerformedLine.of(animation)
+    if said and animation.without_gestures() is not animation:
+        from lipsync_lang.performing.gesturing import gesture_rates
+
+        remarks = (gesture_rates(said, animation), *remarks)
+    if animation.schedule is not None and animation.schedule.likely:
+        remarks = (*remarks, HEARD_REMARK)
+    return replace(quality, remarks=remarks)
+
+
+def check_all(
+    animations: "Sequence[Animation]", performer: "Performer", limits: Limits | None = None
+) -> list[Quality]:
+    """Measure animations of one face at once: `check` takes four times as long for each."""
+    measures = load_measures()
+    asked = {name: one.limit for name, one in measures.items()}
+    asked["speed"] = performer.motion.speed_limit
+    asked |= performer.compiled.checks["limits"]
+    for name, value in (limits or {}).items():
+        if name not in measures:
+            raise LipsyncError(f"unknown measure '{name}'; {did_you_mean(name, measures)}")
+        if not isfinite(value) or value < 0:
+            raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
+        asked[name] = value
+    figures: list[list[Figure]] = [[] for _ in animations]
+    for start in range(0, len(animations), BLOCK_LINES):
+        scene = scene_of(animations[start : start + BLOCK_LINES], performer)
+        for name, one in measures.items():
+            for own, found in zip(figures[start:], one.find(scene), strict=False):
+                for figure in found:
+                    limit = asked[name] if figure.limit is None else figure.limit
+                    whole = f"{name} {figure.name}".rstrip()
+                    own.append(figure._replace(name=whole, unit=one.unit, limit=limit))
+    return [
+        Quality(_subject(animation, performer), tuple(own))
+        for animation, own in zip(animations, figures, strict=True)
+    ]
+
+
+def _subject(animation: "Animation", performer: "Performer") -> str:
+    words = " ".join(word.text for word in animation.schedule.words)
+    said = repr(words) if words else animation.schedule.source
+    if len(said) > MAX_SUBJECT_CHARS:
+        said = f"{said[: MAX_SUBJECT_CHARS - 3]}..."
+    return f"{performer.language} on {performer.character}, {animation.fps:g} fps: {said}"

@@ -1,0 +1,1 @@
+"""Sound: voices that speak, and recordings that are heard."""

@@ -1,0 +1,190 @@
+"""The ear: causal features of a sound that arrives in parts, and scores of its phones.
+
+Frames are 10 ms apart; frame n has its middle at ``n FRAME_SECONDS + MIDDLE_SECONDS``. The features
+are those of the acoustic model, but the mean of the cepstra follows a live voice: it begins at that
+of ordinary recordings. Phones are those without a context.
+
+Scores are natural logarithms of likelihoods; T frames, N phones.
+"""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.base.arrays import Floats, Ints, Singles
+from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.sound.listening.belief import PhoneLoop
+from lipsync_lang.sound.listening.voice import ToneTrack
+from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG
+from lipsync_lang.sound.speech.hearing.sphinx.features import (
+    CEPSTRA,
+    DELTA_FRAMES,
+    FRAME_SECONDS,
+    WINDOW_SAMPLES,
+    CepstralFrames,
+    derived,
+)
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import HISS_DEVIATION
+from lipsync_lang.sound.speech.sound import SPEECH_RATE
+
+if TYPE_CHECKING:
+    from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import AcousticModel
+
+STREAMS = 3
+"""Number of streams of a model that is listened with."""
+
+MEAN_PRIOR = np.array([52.0, 0.6, -2.0, 8.3, -3.7, -0.6, -3.3, -5.1, -0.7, -1.8, 3.4, -2.4, -0.8])
+"""(13,) mean cepstra of ordinary recordings, from which that of a voice begins."""
+
+PRIOR_FRAMES = 100.0
+"""Frames of a voice that weigh as much as the prior."""
+
+MEMORY_FRAMES = 800.0
+"""Frames after which a frame counts 1 / e in the mean."""
+
+HISS_SAMPLES = 1 << 16
+"""Length of the added noise, which is repeated."""
+
+CACHED_FRAMES = 16
+"""Frames whose Gaussians are worked out at once, to stay in the processor's cache."""
+
+MIDDLE_SECONDS = WINDOW_SAMPLES / SPEECH_RATE / 2
+"""Middle of the first frame, in seconds."""
+
+LOOK_AHEAD_SECONDS = DELTA_FRAMES * FRAME_SECONDS + MIDDLE_SECONDS
+"""Sound after the middle of a frame that its features need, in seconds."""
+
+
+class PhoneScores:
+    """Scores of the phones of an acoustic model, by the groups of their neighbours.
+
+    Parameters
+    ----------
+    neighbours : groups of phones; all others are one more
+    """
+
+    def __init__(self, model: "AcousticModel", neighbours: Sequence[Sequence[str]]) -> None:
+        self.model = model
+        number = {name: group for group, names in enumerate(neighbours) for name in names}
+        groups = np.array([number.get(name, len(neighbours)) for name in model.names])
+        self.loop = PhoneLoop(groups, np.isin(np.arange(len(groups)), sorted(model.fillers)))
+        states = np.array([phone.states for phone in model.alone])
+        books = model.books[states]
+        if model.weights.shape[0] != STREAMS or (books != books[:, :1]).any():
+            raise SpeechError(
+                "listening without a text needs an acoustic model of three streams whose phones "
+                "each have one codebook; other models align texts"
+            )
+        gaussians = model.gaussians[books[:, 0]]
+        # (streams, N, 27, Gaussians), so that each product is too small for threads, which cost
+        # more than it does
+        self._factors = np.ascontiguousarray(gaussians.swapaxes(0, 1))
+        self._weights = _group_weights(model, groups)
+
+    def of(self, features: Floats) -> Singles:
+        """Return the log likelihood of each frame, (T, 3, 13), in each state: (T, N, S)."""
+        terms = np.concatenate([features**2, features, np.ones_like(features[..., :1])], axis=-1)
+        rows = terms.astype(np.float32).swapaxes(0, 1)[:, None]
+        found = np.empty((len(features), *self._weights.shape[1::2]), np.float32)
+        for start in range(0, len(features), CACHED_FRAMES):
+            block = slice(start, start + CACHED_FRAMES)
+            near = rows[:, :, block] @ self._factors
+            most = near.max(axis=-1, keepdims=True)
+            near -= most
+            np.maximum(near, FAINTEST_LOG, out=near)
+            shares = np.exp(near, out=near) @ self._weights
+            found[block] = (np.log(shares, out=shares) + most).sum(axis=0).swapaxes(0, 1)
+        return found
+
+
+def _group_weights(model: "AcousticModel", groups: Ints) -> Singles:
+    """Return the mixture weights of each state: (streams, N, Gaussians, S).
+
+    They are the means over all contexts whose neighbour is of the group, of the phone without a
+    context if the model has none.
+    """
+    count = int(groups.max()) + 1
+    # as `context_key` has them
+    here, left, right = (model.keys >> shift & 255 for shift in (24, 16, 8))
+    states = model.states[model.rows]
+    found = np.empty((STREAMS, len(groups), model.weights.shape[1], 2 * count + 1), np.float32)
+    for phone, alone in enumerate(model.alone):
+        own = here == phone
+        columns = [(own & (groups[left] == group), 0) for group in range(count)]
+        columns += [(own, 1)]
+        columns += [(own & (groups[right] == group), 2) for group in range(count)]
+        for column, (chosen, state) in enumerate(columns):
+            used = states[chosen, state] if chosen.any() else [alone.states[state]]
+            found[:, phone, :, column] = model.weights[:, :, used].mean(axis=-1)
+    return found
+
+
+@cache
+def phone_scores(
+    model: "AcousticModel", neighbours: tuple[tuple[str, ...], ...] = ()
+) -> PhoneScores:
+    """Return the scores of a model's phones, which all listeners share."""
+    return PhoneScores(model, neighbours)
+
+
+class Heard(NamedTuple):
+    """Some frames of a sound."""
+
+    features: Floats
+    """(k, 3, 13)"""
+    tones: Floats
+    """(k,) as `ToneTrack` measures them."""
+
+
+class Ear:
+    """Features of a sound that arrives in parts, at `SPEECH_RATE`."""
+
+    def __init__(self) -> None:
+        self._frames, self._tones = CepstralFrames(), ToneTrack()
+        self._heard = 0
+        self._wide = np.zeros((0, CEPSTRA))
+        self._last_tone = np.zeros(1)
+        self._sum, self._count = MEAN_PRIOR * PRIOR_FRAMES, PRIOR_FRAMES
+
+    def hear(self, samples: Floats) -> Heard:
+        """Return the frames that are complete now."""
+        at = (self._heard + np.arange(len(samples))) % HISS_SAMPLES
+        self._heard += len(samples)
+        sound = samples + _hiss()[at]
+        tones = self._tones.push(sound)
+        self._last_tone = tones[-1:] if len(tones) else self._last_tone
+        found = self._derived(self._less_mean(self._frames.push(sound)))
+        # tones need no later frames, so the first of them come before the first features
+        return Heard(found, tones[len(tones) - len(found) :])
+
+    def finish(self) -> Heard:
+        """Return the last frames."""
+        last = self._less_mean(self._frames.cepstra(self._frames.last(np.zeros(0))))
+        end = last if len(last) else self._wide
+        found = self._derived(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
+        return Heard(found, np.repeat(self._last_tone, len(found)))
+
+    def _less_mean(self, cepstra: Floats) -> Floats:
+        """Take the mean of the voice so far from cepstra."""
+        less = np.empty_like(cepstra)
+        keep = 1 - 1 / MEMORY_FRAMES
+        for number, here in enumerate(cepstra):
+            self._sum, self._count = self._sum * keep + here, self._count * keep + 1
+            less[number] = here - self._sum / self._count
+        return less
+
+    def _derived(self, less: Floats) -> Floats:
+        if not len(self._wide):  # the first frame stands in for those before it
+            less = np.concatenate([np.repeat(less[:1], DELTA_FRAMES, axis=0), less])
+        wide = np.concatenate([self._wide, less])
+        self._wide = wide[-2 * DELTA_FRAMES :]
+        if len(wide) <= 2 * DELTA_FRAMES:
+            wide = np.zeros((2 * DELTA_FRAMES, CEPSTRA))
+        return derived(wide)
+
+
+@cache
+def _hiss() -> Floats:
+    return np.random.default_rng(0).normal(0.0, HISS_DEVIATION, HISS_SAMPLES)

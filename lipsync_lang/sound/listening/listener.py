@@ -1,0 +1,247 @@
+"""The listener: sound in, final frames out.
+
+Times are seconds from the first sample. A frame at time t is final once sound until t + `delay` is
+known. No later sound changes it.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.base.arrays import Floats, Singles
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.pipeline.perform import FinalFrames
+from lipsync_lang.resolver.nearest_phonemes import model_phones
+from lipsync_lang.sound.listening.belief import Smoother, thirds
+from lipsync_lang.sound.listening.ear import (
+    LOOK_AHEAD_SECONDS,
+    MIDDLE_SECONDS,
+    Ear,
+    Heard,
+    PhoneScores,
+    phone_scores,
+)
+from lipsync_lang.sound.listening.mouth import Mouth, heard_values, state_targets
+from lipsync_lang.sound.listening.resampler import Resampler
+from lipsync_lang.sound.listening.voice import VoiceGate, change_of, contrast_of
+from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
+from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
+from lipsync_lang.sound.speech.sound import FASTEST, INT16_FULL_SCALE, SLOWEST, SPEECH_RATE
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from lipsync_lang.pipeline.motion import Motion
+    from lipsync_lang.pipeline.tables import Tables
+    from lipsync_lang.text.phonology.labels import Notation
+
+MOST_DELAY = 1.0
+"""Seconds."""
+
+ROUNDED_FRAMES = 1e-6
+"""Tolerance of a frame's time, as a share of a frame."""
+
+EARLIER_SECONDS = 0.04
+"""Seconds by which lips are shown earlier, where the delay allows: they move before the sound."""
+
+
+class Listener:
+    """Lips of a voice that arrives in parts; see `Performer.listen`.
+
+    Examples
+    --------
+    >>> listener = ll.resolve("english", "facefx").listen(rate=16000, delay=0.08, fps=60)
+    >>> times, weights = listener.push(np.zeros(1600, np.int16))
+    >>> weights.shape
+    (2, 9)
+    """
+
+    def __init__(  # noqa: PLR0913 what it hears with, what it moves, and three settings
+        self,
+        scores: PhoneScores,
+        mouth: "Mouth",
+        poses: tuple[str, ...],
+        *,
+        rate: int,
+        delay: float,
+        fps: float,
+    ) -> None:
+        if not SLOWEST <= rate <= FASTEST:
+            raise LipsyncError(
+                f"{rate} samples per second; speech needs {SLOWEST} to {FASTEST}: resample it"
+            )
+        self._resampler = Resampler(rate) if rate != SPEECH_RATE else None
+        # The ear's own frames are 10 ms apart, and a frame between two of them awaits the second.
+        self.delays = {"features": LOOK_AHEAD_SECONDS, "frames": FRAME_SECONDS}
+        if self._resampler is not None:
+            self.delays["rate"] = self._resampler.look_ahead
+        least = sum(self.delays.values())
+        if not least <= delay <= MOST_DELAY:
+            raise LipsyncError(
+                f"a delay of {delay:g} s is out of range; sound needs {least:.3f} to "
+                f"{MOST_DELAY:g} s"
+            )
+        lag = int(max(delay - least - EARLIER_SECONDS, 0) / FRAME_SECONDS + 1e-9)
+        self.delays["belief"] = lag * FRAME_SECONDS
+        self.delays["lead"] = delay - sum(self.delays.values())
+        self.poses, self.rate, self.fps = poses, rate, fps
+        self.phones = scores.model.names
+        self.scores, self._ear = scores, Ear()
+        self._smoother = Smoother(scores.loop, lag)
+        self._mouth = mouth
+        self._gate, self._voiced = VoiceGate(), np.zeros(1)
+        self._given = self._frames = 0
+        self._last = np.zeros((0, len(mouth.tables.priority)))
+        self.belief = scores.loop.start.sum(axis=-1)
+        """(N,) probability of each phone in the newest frame."""
+
+    @property
+    def delay(self) -> float:
+        """Seconds of sound after a frame that must be known before it is final."""
+        return sum(self.delays.values())
+
+    def push(self, samples: npt.ArrayLike) -> FinalFrames:
+        """Hear the next samples, and return the frames that are final now.
+
+        Parameters
+        ----------
+        samples : (n,) int16, or floats from -1 to 1, at `rate`
+
+        Raises
+        ------
+        LipsyncError
+            The samples have another form.
+        """
+        return self.push_together([self], [samples])[0]
+
+    def finish(self) -> FinalFrames:
+        """Return the last frames; the mouth comes to rest."""
+        rest = np.zeros(0) if self._resampler is None else self._resampler.finish()
+        both = zip(self._ear.hear(rest), self._ear.finish(), strict=True)
+        heard = Heard(*map(np.concatenate, both))
+        belief, last = self._calmed(heard, self.scores.of(heard.features)), self._smoother.finish()
+        calmed = self._smoother.loop.calmed(last, np.repeat(self._voiced, len(last)))
+        return self._moved(np.concatenate([belief, calmed]))
+
+    @staticmethod
+    def push_together(
+        listeners: "Sequence[Listener]", sounds: "Sequence[npt.ArrayLike]"
+    ) -> list[FinalFrames]:
+        """Push the next samples of many voices, which costs less than one after the other.
+
+        Parameters
+        ----------
+        listeners : each once
+        sounds : samples of each, as for `push`; an empty array waits
+
+        Raises
+        ------
+        LipsyncError
+            Samples have another form; no voice has heard anything then.
+
+        Examples
+        --------
+        >>> voices = [ll.resolve("english", "facefx").listen() for _ in range(20)]
+        >>> found = voices[0].push_together(voices, [np.zeros(1600, np.int16)] * 20)
+        >>> found[19].weights.shape
+        (2, 9)
+        """
+        checked = [_samples(sound) for sound in sounds]
+        if len({one.scores for one in listeners}) > 1:
+            return [one.push(sound) for one, sound in zip(listeners, sounds, strict=True)]
+        heard = [one.hear(sound) for one, sound in zip(listeners, checked, strict=True)]
+        if not heard:
+            return []
+        scores = listeners[0].scores.of(np.concatenate([one.features for one in heard]))
+        parts = np.split(scores, np.cumsum([len(one.features) for one in heard])[:-1])
+        both = zip(listeners, heard, parts, strict=True)
+        return [one.move(own, part) for one, own, part in both]
+
+    def hear(self, sound: Floats) -> Heard:
+        """Return the frames that are complete with these samples."""
+        return self._ear.hear(sound if self._resampler is None else self._resampler.push(sound))
+
+    def move(self, heard: Heard, scores: Singles) -> FinalFrames:
+        """Return the frames that are final with the next ones heard, given their scores."""
+        return self._moved(self._calmed(heard, scores))
+
+    def _calmed(self, heard: Heard, scores: Singles) -> Floats:
+        """Return the belief of the frames that are final; it is quiet where nobody speaks."""
+        belief = self._smoother.push(scores)
+        contrast = contrast_of(scores, self.scores.loop.quiet)
+        voiced = self._gate.push(change_of(heard.features), heard.tones, contrast)
+        self._voiced = voiced[-1:] if len(voiced) else self._voiced
+        # the newest frames tell most about those that the smoother returns
+        return self._smoother.loop.calmed(belief, voiced[len(voiced) - len(belief) :])
+
+    def _moved(self, belief: Floats) -> FinalFrames:
+        """Return the frames that are final with the belief of the ear's next frames."""
+        if len(belief):
+            self.belief = belief[-1].sum(axis=-1)
+        first = self._frames - len(self._last)
+        curves = np.concatenate([self._last, self._mouth.push(thirds(belief))])
+        self._frames += len(belief)
+        self._last = curves[-2:]
+        late = MIDDLE_SECONDS - self.delays["lead"]
+        newest = (self._frames - 1) * FRAME_SECONDS + late
+        count = int(np.floor(newest * self.fps + ROUNDED_FRAMES)) + 1 if self._frames else 0
+        times = np.arange(self._given, max(count, self._given)) / self.fps
+        self._given += len(times)
+        if not len(times):
+            return FinalFrames(times, np.zeros((0, len(self.poses))))
+        weights = np.zeros((len(times), len(self.poses)))
+        # straight between the frames of the ear; the first one stands in for those before it
+        at = np.clip((times - late) / FRAME_SECONDS - first, 0, len(curves) - 1)
+        low = np.minimum(at.astype(int), max(len(curves) - 2, 0))
+        share = (at - low)[:, None]
+        high = np.minimum(low + 1, len(curves) - 1)
+        shown = curves[low] * (1 - share) + curves[high] * share
+        weights[:, : shown.shape[1]] = self._mouth.constrained(shown)
+        return FinalFrames(times, weights)
+
+
+def _samples(samples: npt.ArrayLike) -> Floats:
+    """Return samples in the range of int16."""
+    sound = np.asarray(samples)
+    if sound.ndim != 1:
+        raise LipsyncError(f"samples of shape {sound.shape}: give one channel, shape (n,)")
+    if sound.dtype != np.int16:
+        if sound.dtype.kind != "f" or not np.isfinite(sound).all():
+            raise LipsyncError(
+                f"samples of type {sound.dtype} that are no sound: give int16, or finite floats "
+                "from -1 to 1"
+            )
+        sound = sound * float(INT16_FULL_SCALE)
+    return sound.astype(np.float64)
+
+
+def open_listener(  # noqa: PLR0913 what moves, the language, and three settings
+    tables: "Tables",
+    motion: "Motion",
+    poses: tuple[str, ...],
+    notation: "Notation | None",
+    numbers: "Mapping[str, int]",
+    *,
+    rate: int,
+    delay: float,
+    fps: float,
+) -> Listener:
+    """Open a listener for the poses of some tables; see `Performer.listen`.
+
+    Parameters
+    ----------
+    poses : names of the columns; those after the poses of the tables stay 0
+    notation : of the language, in IPA
+    numbers : number of each common phoneme in the tables
+    """
+    known = model_phones()
+    if known is None:
+        raise LipsyncError("the pack of the IPA names no acoustic model (`hearing`)")
+    if notation is None:
+        raise LipsyncError("the language has no notation 'ipa', which listening needs")
+    scores = phone_scores(find_models(known.model).model, known.neighbours)
+    values = heard_values(known, notation)
+    heard = [values.get(name, ()) for name in scores.model.names]
+    mouth = Mouth(tables, motion, *state_targets(tables, heard, numbers))
+    return Listener(scores, mouth, poses, rate=rate, delay=delay, fps=fps)

@@ -1,0 +1,178 @@
+"""Adaptation of an acoustic model to recordings and their texts, without labels.
+
+Lines are aligned, and the means of the model move towards what is heard; then again, with the new
+model. The result counts if lines that were kept out of it became likelier.
+"""
+
+import shutil
+import struct
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.base.errors import OutputError, SpeechError
+from lipsync_lang.schedules.schedule import DOUBTFUL
+from lipsync_lang.sound.speech.hearing import progress
+from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import WordReader, unfit
+from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import AcousticModel
+from lipsync_lang.sound.speech.hearing.sphinx.adapting import (
+    AlignedFrames,
+    GaussianSums,
+    aligned_frames,
+    means_of,
+)
+from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
+from lipsync_lang.sound.speech.hearing.sphinx.line_search import best_heard
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import line_confidence, prepared
+from lipsync_lang.sound.speech.results import raised
+from lipsync_lang.sound.speech.sound import read_audio
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+if TYPE_CHECKING:
+    from lipsync_lang.sound.speech.speaking.transcripts import Transcript
+
+LEAST_CONFIDENCES = (0.1, DOUBTFUL)
+"""For each alignment of the lines, the least confidence of a line that fits.
+
+The first model may know a voice badly that the next one knows well.
+"""
+
+HELD_OUT = 5
+"""Number of lines of which one is held out."""
+
+MIN_LINES = 2 * HELD_OUT
+"""Least number of lines that fit."""
+
+TEXT_SUFFIXES = (".txt", ".lab")
+"""Endings of files with the text of a recording beside them."""
+
+
+class SpokenFile(NamedTuple):
+    """A recording with its text."""
+
+    path: Path
+    text: str
+
+
+class Adaptation(NamedTuple):
+    """An adapted model, with the mean log likelihoods of the frames of held-out lines."""
+
+    model: AcousticModel
+    before: float
+    after: float
+    lines: int
+    """Number of lines that fit."""
+    left_out: tuple[str, ...]
+    """Lines that do not fit, with the reason."""
+
+    @property
+    def gains(self) -> bool:
+        """True if the held-out lines became likelier."""
+        return self.after > self.before
+
+
+def spoken_files(folder: Path) -> list[SpokenFile]:
+    """Return the recordings below a folder that have a text of their name beside them.
+
+    A folder without any is a `SpeechError`.
+    """
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    texts = {path.with_suffix(""): path for path in files if path.suffix in TEXT_SUFFIXES}
+    found = [
+        SpokenFile(path, texts[path.with_suffix("")].read_text("utf-8", "replace").strip())
+        for path in files
+        if path.suffix not in TEXT_SUFFIXES and path.with_suffix("") in texts
+    ]
+    if not found:
+        raise SpeechError(f"{folder}: no recording has its text beside it, as a.wav and a.txt")
+    return found
+
+
+def adapt(speaker: Speaker, lines: Sequence[SpokenFile], models: Models) -> Adaptation:
+    """Adapt the model of a language to recordings of a voice, or of several.
+
+    A line whose text does not fit is left out. With fewer than `MIN_LINES` it is a `SpeechError`.
+    """
+    first, held = models.model, dict[Path, AlignedFrames]()
+    for turn in range(len(LEAST_CONFIDENCES)):
+        fitting, left_out = _frames(speaker, lines, models, turn)
+        if len(fitting) < MIN_LINES:
+            raise SpeechError(
+                f"{len(fitting)} of {len(lines)} lines fit their text, and adaptation needs "
+                f"{MIN_LINES}; {'; '.join(left_out) or 'add more lines'}"
+            )
+        held = held or {path: fitting[path] for path in [*fitting][::HELD_OUT]}
+        evidence = GaussianSums(models.model)
+        for path, line in fitting.items():
+            if path not in held:
+                evidence.add(line)
+        model = evidence.adapted()
+        models = replace(models, given=model)
+    before, after = (
+        float(np.mean([*map(GaussianSums(one).add, held.values())])) for one in (first, model)
+    )
+    for path in held:
+        if path in fitting:
+            evidence.add(fitting[path])
+    return Adaptation(evidence.adapted(), before, after, len(fitting), tuple(left_out))
+
+
+def _frames(
+    speaker: Speaker, lines: Sequence[SpokenFile], models: Models, turn: int
+) -> tuple[dict[Path, AlignedFrames], list[str]]:
+    """Return the frames of the lines that fit, and those that do not with the reason."""
+    fitting: dict[Path, AlignedFrames] = {}
+    left_out: list[str] = []
+    read = speaker.transcripts([line.text for line in lines])
+    reader = WordReader(models, speaker, [x for x in read if not isinstance(x, SpeechError)])
+    for number, (line, one) in enumerate(zip(lines, read, strict=True)):
+        progress.tell(turn * len(lines) + number, len(LEAST_CONFIDENCES) * len(lines))
+        try:
+            found = _fitting(reader, line.path, raised(one), LEAST_CONFIDENCES[turn])
+        except SpeechError as error:
+            left_out.append(f"{line.path.name}: {error}")
+        else:
+            fitting[line.path] = found
+    return fitting, left_out
+
+
+def _fitting(
+    reader: WordReader, path: Path, transcript: "Transcript", least: float
+) -> AlignedFrames:
+    """Return the frames of a line with their states; a text that does not fit is an error.
+
+    They are those in which the line is aligned: noise that is taken away there is no part of a
+    voice.
+    """
+    ways = [one.ways for one in reader.sayings(transcript.words)]
+    audio = read_audio(path)
+    heard, features = best_heard(reader.models, prepared(audio), ways)
+    if not (ways and heard):
+        raise SpeechError(unfit(audio, len(transcript.labels)))
+    if (sure := line_confidence(heard)) < least:
+        raise SpeechError(f"the text hardly fits (confidence {sure:.2f})")
+    return aligned_frames(reader.models.model, features, heard)
+
+
+def write_adapted(models: Models, adapted: AcousticModel, folder: Path) -> None:
+    """Write a copy of a model of CMU Sphinx with other means, under the same terms.
+
+    A model of another form is a `SpeechError`; a folder that exists is an `OutputError`.
+    """
+    if not (models.acoustic / "means").is_file():
+        raise SpeechError(f"{models.acoustic}: only models of CMU Sphinx are written")
+    if folder.exists():
+        raise OutputError(f"{folder}: exists; name another folder, or delete it")
+    _, means = means_of(adapted)
+    values = means.swapaxes(2, 3).astype("<f4")
+    books, streams, count, length = values.shape
+    sizes = (books, streams, count, *[length] * streams, values.size)
+    head = b"s3\nversion 1.0\nendhdr\n" + struct.pack("<I", 0x11223344)
+    shutil.copytree(models.acoustic, folder)
+    if models.dictionary is not None and models.dictionary.parent != models.acoustic:
+        shutil.copy(models.dictionary, folder)
+    table = struct.pack(f"<{len(sizes)}i", *sizes) + values.tobytes()
+    (folder / "means").write_bytes(head + table)

@@ -1,0 +1,282 @@
+"""Alignment of recordings with their texts, by the aligners of the language pack.
+
+*Alignment* finds phoneme times of a known text. Its result is a schedule with the sound, for
+performance like any other schedule. The aligners of a language are tried in order until one is
+sure.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import tee, zip_longest
+from pathlib import Path
+from typing import NamedTuple, overload
+
+from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.packs.finding import Paths
+from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, Audio, Schedule
+from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS, Aligner, BatchAligner
+from lipsync_lang.sound.speech.hearing.engine_names import engine_and_model
+from lipsync_lang.sound.speech.results import exhaust, next_result, raised
+from lipsync_lang.sound.speech.sound import SoundSource, sound_of
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.synthesis import NO_VALUES, PlaceholderValues
+from lipsync_lang.sound.speech.speaking.written_text import WrittenText, as_written, silent
+from lipsync_lang.text.lines.markup import Cleaning
+
+MAX_DOUBTFUL_WORDS = 5
+"""Maximum number of doubtful words in a remark."""
+
+MAX_WAITING_LINES, MAX_WAITING_SECONDS = 64, 600.0
+"""Maximum number and length of lines that wait, so that the next aligner starts once for many."""
+
+
+@overload
+def align(  # type: ignore[overload-overlap]  # a str comes first, though iterable too
+    audio: SoundSource,
+    text: str,
+    language: str | Path,
+    *,
+    aligner: str | None = None,
+    values: PlaceholderValues = NO_VALUES,
+    paths: Paths = (),
+) -> Schedule: ...
+@overload
+def align(
+    audio: Iterable[SoundSource],
+    text: Iterable[str],
+    language: str | Path,
+    *,
+    aligner: str | None = None,
+    values: PlaceholderValues = NO_VALUES,
+    paths: Paths = (),
+) -> Iterator[Schedule]: ...
+def align(  # noqa: PLR0913 a recording, its text, a language, and options
+    audio: SoundSource | Iterable[SoundSource],
+    text: str | Iterable[str],
+    language: str | Path,
+    *,
+    aligner: str | None = None,
+    values: PlaceholderValues = NO_VALUES,
+    paths: Paths = (),
+) -> Schedule | Iterator[Schedule]:
+    """Find when each phoneme of a text is said in a recording of it.
+
+    Parameters
+    ----------
+    audio : the recording, or a file of it; or several
+    text : what is said in it; or what is said in each
+    language : a language pack's name, tag or file
+    aligner : another aligner than the pack's; `NAME:MODEL` names its model as well
+    values : of placeholders in the texts, by name
+    paths : a folder to search for packs before all others, or several
+
+    Returns
+    -------
+    A schedule; of several recordings an iterator, which reads one recording at a time, keeps ten
+    minutes of them where it asks another aligner, and may take up to 500 texts ahead
+
+    Raises
+    ------
+    SpeechError
+        A recording cannot be read, nothing of the text fits it, or there are more recordings than
+        texts.
+
+    Examples
+    --------
+    >>> spoken = ll.speak("Please buy five maps", "english")
+    >>> [word.text for word in ll.align(spoken.audio, "Please buy five maps", "english").words]
+    ['Please', 'buy', 'five', 'maps']
+    """
+    speaker = Speaker.of(language, paths, Cleaning(values))
+    if isinstance(audio, SoundSource):
+        if not isinstance(text, str):
+            raise SpeechError("`audio` is one recording, so `text` must be one string")
+        return aligned(speaker, audio, text, aligner=aligner)
+    if isinstance(text, str):
+        raise SpeechError(
+            "`audio` is a list of recordings, so `text` must be a list of the same length"
+        )
+    return map(raised, align_many(speaker, _paired(audio, text), aligner=aligner))
+
+
+def _paired(
+    audio: Iterable[SoundSource], texts: Iterable[str]
+) -> Iterator[tuple[SoundSource, str]]:
+    for one, text in zip_longest(audio, texts):
+        if one is None or text is None:
+            more = "texts than recordings" if one is None else "recordings than texts"
+            raise SpeechError(f"there are more {more}; give one text for each recording")
+        yield one, text
+
+
+def aligned(
+    speaker: Speaker, audio: SoundSource, text: str, *, aligner: str | None = None
+) -> Schedule:
+    """Align as `align` does, with a prepared language."""
+    (found,) = align_many(speaker, [(audio, text)], aligner=aligner)
+    return raised(found)
+
+
+def align_many(
+    speaker: Speaker, recordings: Iterable[tuple[SoundSource, str]], *, aligner: str | None = None
+) -> Iterator[Schedule | SpeechError]:
+    """Align each recording with its text, as `align` does, with a prepared language.
+
+    Models load once in a process. Sound is read when its turn comes. Lines wait while one of them
+    is to be asked of another aligner.
+
+    Yields
+    ------
+    For each pair, in order, its schedule, or the error that `align` raises
+    """
+    try:
+        engines = aligners(speaker, aligner)
+    except SpeechError as error:
+        yield from (error for _ in recordings)
+        return
+    ours, theirs = tee((partial(sound_of, a), speaker.written(text)) for a, text in recordings)
+    sounding = ((sound, text.text) for sound, text in theirs if not text.silent)
+    found = engines[0].all(sounding, speaker)
+    waiting: list[AlignmentAttempt] = []
+    for sound, text in ours:
+        first = _rest(speaker, sound, text) if text.silent else next_result(found)
+        waiting.append(AlignmentAttempt(sound, text, [(engines[0].name, first)]))
+        lasting = sum(one.seconds for one in waiting)
+        many = len(waiting) >= MAX_WAITING_LINES or lasting > MAX_WAITING_SECONDS
+        if many or not any(one.unsure for one in waiting):
+            yield from finished(waiting, engines[1:], speaker)
+            waiting = []
+    yield from finished(waiting, engines[1:], speaker)
+    exhaust(found)
+
+
+def _rest(
+    speaker: Speaker, sound: Callable[[], Audio], text: WrittenText
+) -> Schedule | SpeechError:
+    """Return silence as long as a recording, or the error of reading it."""
+    try:
+        return silent(text, speaker.manner, sound())
+    except SpeechError as error:
+        return error
+
+
+class NamedAligner(NamedTuple):
+    """An aligner with its name, and its model of the language."""
+
+    name: str
+    aligner: "Aligner"
+    model: str | None
+
+    def all(
+        self, pairs: Iterable[tuple[Callable[[], Audio], str]], speaker: Speaker
+    ) -> Iterator[Schedule | SpeechError]:
+        """Yield for each sound and text the schedule, or the error of aligning it."""
+        if isinstance(self.aligner, BatchAligner):
+            yield from self.aligner.align_many(pairs, speaker, self.model)
+            return
+        for sound, text in pairs:
+            try:
+                yield self.aligner.align(sound(), text, speaker, self.model)
+            except SpeechError as error:
+                yield error
+
+
+def aligners(speaker: Speaker, named: str | None) -> list[NamedAligner]:
+    """Return the language's aligners in order, or the one that is named."""
+    stated = speaker.manner.audio
+    models = dict.fromkeys(stated.align) | {stated.align[0]: stated.model}
+    if named is not None:
+        # A pack may state `NAME:MODEL`; the name alone means the pack's model, too.
+        names = {one: (one, one.partition(":")[0].strip()) for one in models}
+        models = {one: models[one] for one in models if named in names[one]} or {named: None}
+    pairs = [engine_and_model(named, one, model) for one, model in models.items()]
+    return [NamedAligner(n or "", ALIGNERS.find(n or "", SpeechError), m) for n, m in pairs]
+
+
+@dataclass
+class AlignmentAttempt:
+    """A line with the results of the aligners that were asked, by name."""
+
+    sound: Callable[[], Audio]
+    text: WrittenText
+    results: list[tuple[str, Schedule | SpeechError]]
+
+    @property
+    def best(self) -> Schedule | SpeechError:
+        """The most confident result, the first of equal ones."""
+        return max((result for _, result in self.results), key=_sureness)
+
+    @property
+    def unsure(self) -> bool:
+        """True if the next aligner should be asked."""
+        if self.text.silent or _sureness(self.best) >= DOUBTFUL:
+            return False
+        # Most words fit where only other sound beside them makes the line doubtful.
+        words = self.best.words if isinstance(self.best, Schedule) else ()
+        sure = sorted(word.confidence for word in words if word.confidence is not None)
+        return not sure or sure[len(sure) // 2] < DOUBTFUL
+
+    @property
+    def seconds(self) -> float:
+        """Length of the sound in memory."""
+        sounds = [one.audio for _, one in self.results if isinstance(one, Schedule)]
+        return sum(sound.seconds for sound in sounds if sound is not None)
+
+    @property
+    def surest(self) -> Schedule | SpeechError:
+        """The best result with the doubts about it, and with the markup of the text."""
+        if isinstance(self.best, SpeechError) or self.text.silent:
+            return self.best
+        schedule, first = _doubted(self.best), self.results[0][1]
+        if len(self.results) > 1:
+            rates = [(name, _sureness(one)) for name, one in self.results]
+            asked = ", ".join(f"{n} {'failed' if rate < 0 else f'{rate:.2f}'}" for n, rate in rates)
+            kept = max(rates, key=lambda one: one[1])[0]
+            remark = f"aligned by {kept}, the most confident of: {asked}"
+            if isinstance(first, SpeechError):
+                remark += f" ({first})"
+            schedule = replace(schedule, remarks=(*schedule.remarks, remark))
+        return as_written(self.text, schedule)
+
+
+def finished(
+    lines: Sequence[AlignmentAttempt], others: Sequence[NamedAligner], speaker: Speaker
+) -> Iterator[Schedule | SpeechError]:
+    """Ask each further aligner about all unsure lines at once, and yield the surest results."""
+    for engine in others:
+        unsure = [one for one in lines if one.unsure]
+        if unsure:
+            pairs = [(one.sound, one.text.text) for one in unsure]
+            answers = engine.all(pairs, speaker)
+            for one in unsure:
+                one.results.append((engine.name, next_result(answers)))
+            exhaust(answers)
+    return (one.surest for one in lines)
+
+
+def _doubted(schedule: Schedule) -> Schedule:
+    """Return a schedule with a remark if it is in doubt, and the words that are least sure."""
+    sure = schedule.confidence
+    if sure is None or sure >= DOUBTFUL:
+        return schedule
+    words = [
+        (word.confidence, f"'{word.text}' at {schedule.times[word.first]:.1f} s")
+        for word in schedule.words
+        if word.confidence is not None and word.confidence < DOUBTFUL
+    ]
+    least = [place for _, place in sorted(words)[:MAX_DOUBTFUL_WORDS]]
+    pace = sum(label != SILENCE for label in schedule.labels) / schedule.end
+    told = (
+        f"the text hardly fits the recording (confidence {sure:.2f}, {pace:.1f} phonemes a second, "
+        f"where 8 to 16 are usual); check that it is the right text, in {schedule.language}"
+        + (f"; in doubt: {', '.join(least)}" if least else "")
+    )
+    return replace(schedule, remarks=(told, *schedule.remarks))
+
+
+def _sureness(result: Schedule | SpeechError) -> float:
+    """Return the confidence of a result: -1 for an error, 1 if the aligner states none."""
+    if isinstance(result, SpeechError):
+        return -1.0
+    return 1.0 if result.confidence is None else result.confidence

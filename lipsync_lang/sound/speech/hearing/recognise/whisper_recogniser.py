@@ -1,0 +1,297 @@
+"""Recognition by Whisper: its words, aligned by the language's own aligner.
+
+Whisper's own times are some 0.1 s off. They divide the sound into stretches between pauses; within
+a stretch the aligner finds the times. Each stretch is aligned apart, so that a word that was not
+said misplaces its stretch alone.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise, zip_longest
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.schedules.schedule import (
+    DOUBTFUL,
+    SILENCE,
+    SNAP_SECONDS,
+    Audio,
+    Schedule,
+    Word,
+)
+from lipsync_lang.sound.speech.hearing import progress
+from lipsync_lang.sound.speech.hearing.alignment import align_many
+from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
+    SHOWN_CHARS,
+    doubt_remarks,
+    heard_remark,
+    placed,
+    recogniser,
+)
+from lipsync_lang.sound.speech.hearing.recognise.whisper_models import language_code, whisper_model
+from lipsync_lang.sound.speech.hearing.sphinx.decoders import parts
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import listed
+from lipsync_lang.sound.speech.sound import INT16_FULL_SCALE, SPEECH_RATE, resampled
+
+if TYPE_CHECKING:
+    from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+PART_SAMPLES = 300 * SPEECH_RATE, 600 * SPEECH_RATE
+"""Least and most samples that are transcribed at once; an hour would take gigabytes."""
+
+VOICE_THRESHOLD = 0.15
+"""Probability of speech above which sound is heard at all: a whisper passes, noise does not."""
+
+NO_SPEECH = 0.6
+"""Probability of no speech above which words are invented; those of noise have 0.8 and more."""
+
+REPETITION = 2.4
+"""Compression ratio of text above which the model repeats itself, as it does in music and noise."""
+
+SETTINGS = {
+    "beam_size": 5,
+    "temperature": 0.0,  # the same words each time
+    "condition_on_previous_text": False,  # so that a mistake does not spread
+    "word_timestamps": True,
+    "vad_filter": True,
+    "vad_parameters": {"threshold": VOICE_THRESHOLD},
+}
+"""Options of transcription."""
+
+NOISES = re.compile(r"\[[^\]]*\]|\([^)]*\)|[♪♫*]")
+"""Text of a model for sounds that are not words."""
+
+STRETCH_PAUSE_SECONDS = 0.3
+"""Shortest pause between stretches; recognisers place words to within 0.1 s."""
+
+STRETCH_MARGIN_SECONDS = 0.5
+"""Sound before and after the words of a stretch, for words placed too late or too early."""
+
+QUIET_SECONDS = 0.05
+"""Window of the loudness measure."""
+
+QUIET_SHARE = 0.1
+"""Loudness of the quietest moment of a pause, at most, as a share of the words' own."""
+
+
+class RecognisedWord(NamedTuple):
+    """A word of a recogniser: its text as written, its time in seconds, and its probability.
+
+    A space in front of the text separates it from the word before.
+    """
+
+    text: str
+    start: float
+    end: float
+    chance: float
+
+
+class Stretch(NamedTuple):
+    """Words between two pauses, and the part of the sound that holds them, in seconds."""
+
+    words: tuple[RecognisedWord, ...]
+    start: float
+    stop: float
+
+    @property
+    def text(self) -> str:
+        """The words as written."""
+        return "".join(word.text for word in self.words).strip()
+
+
+@recogniser("whisper")
+class WhisperRecogniser:
+    """Recogniser for every language that a Whisper model knows."""
+
+    def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
+        """Recognise the words of a recording, as `Recogniser` states.
+
+        `model` is the folder of a Whisper model; None stands for one that a Python package ships.
+        A language that it does not know is a `SpeechError`, as is sound that nothing aligns with.
+        """
+        loaded = whisper_model(model)
+        code = language_code(loaded, speaker.manner.audio.code, speaker.manner.language)
+        heard = stretches(_words(loaded, audio, code), audio)
+        if not heard:
+            return Schedule(
+                (SILENCE,),
+                np.array([0.0, audio.seconds]),
+                language=speaker.manner.language,
+                audio=audio,
+                source="recording",
+                remarks=(heard_remark(""),),
+                recognised=True,
+                confidence=0.0,
+            )
+        return _laid(heard, audio, speaker)
+
+
+def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
+    """Return the words of a model, without those that it invents in parts without speech."""
+    samples = resampled(audio, SPEECH_RATE).samples.astype(np.float32) / INT16_FULL_SCALE
+    found: list[RecognisedWord] = []
+    for start, stop in parts(samples, *PART_SAMPLES):
+        segments, _ = model.transcribe(samples[start:stop], language=code, **SETTINGS)
+        with progress.part(start, stop, len(samples)):
+            for segment in segments:
+                progress.tell(float(segment.end), (stop - start) / SPEECH_RATE)
+                invented = segment.no_speech_prob > NO_SPEECH
+                if invented or segment.compression_ratio > REPETITION:
+                    continue
+                for word in segment.words or ():
+                    text = NOISES.sub(" ", word.word)
+                    # Times count from the start of the part, and some pass the end of the sound.
+                    begin, end = (
+                        min(start / SPEECH_RATE + float(at), audio.seconds)
+                        for at in (word.start, word.end)
+                    )
+                    if any(map(str.isalnum, text)):
+                        found.append(RecognisedWord(text, begin, end, float(word.probability)))
+    return found
+
+
+def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedule:
+    """Align each stretch, and join them; words that do not fit their sound are left out."""
+    pairs = [(part(audio, one), one.text) for one in heard]
+    with progress.followed(lambda _: None):  # each stretch tells its own share
+        found = [*align_many(speaker, pairs)]
+        if len({one.notation for one in found if isinstance(one, Schedule)}) > 1:
+            found = [*align_many(speaker, pairs, aligner=speaker.manner.audio.align[0])]
+    both = [*zip(heard, found, strict=True)]
+    laid = [(stretch, _sure(stretch, one)) for stretch, one in both if isinstance(one, Schedule)]
+    if not laid:
+        text = " ".join(stretch.text for stretch in heard)
+        raise SpeechError(f"heard '{text[:SHOWN_CHARS]}', but {found[0]}")
+    whole = joined([(stretch.start, one) for stretch, one in laid], audio)
+    lost = [
+        placed(stretch.text, stretch.start) for stretch, one in both if isinstance(one, SpeechError)
+    ]
+    doubtful = [
+        (word.text, word.start)
+        for stretch, _ in laid
+        for word in stretch.words
+        if word.chance < DOUBTFUL
+    ]
+    remarks = [heard_remark(" ".join(stretch.text for stretch, _ in laid))]
+    remarks += doubt_remarks(doubtful)
+    remarks += (
+        [f"left out, because the recording does not support it: {listed(lost)}"] if lost else []
+    )
+    count = sum(len(stretch.words) for stretch in heard)
+    return replace(
+        whole,
+        unread=tuple(dict.fromkeys(sign for _, one in laid for sign in one.unread)),
+        remarks=tuple(remarks),
+        recognised=True,
+        confidence=sum((one.confidence or 0.0) * len(s.words) for s, one in laid) / count,
+    )
+
+
+def _sure(stretch: Stretch, laid: Schedule) -> Schedule:
+    """Return an aligned stretch with the confidence on which recogniser and aligner agree.
+
+    Of words with a probability of 0.3, 0.5, 0.7 and 0.99, some 0.32, 0.47, 0.67 and 0.94 are right.
+    The aligner lowers this where the words hardly fit the sound, or are not found in it.
+    """
+    fit = 1.0 if laid.confidence is None else min(1.0, laid.confidence / DOUBTFUL)
+    chances = [fit * word.chance for word in stretch.words]
+    mean = sum(chances) / len(chances)
+    if len(chances) != len(laid.words):  # numbers, and words that the aligner divides or leaves out
+        chances = [mean] * len(laid.words)
+    words = zip(laid.words, chances, strict=True)
+    return replace(
+        laid,
+        words=tuple(replace(word, confidence=sure) for word, sure in words),
+        confidence=mean * min(1.0, len(laid.words) / len(stretch.words)),
+    )
+
+
+def stretches(words: Sequence[RecognisedWord], audio: Audio) -> list[Stretch]:
+    """Divide words at their pauses, each cut at the quietest moment of a pause."""
+    if not words:
+        return []
+    groups, cuts = [[words[0]]], []
+    window = round(QUIET_SECONDS * audio.rate)
+    for before, word in pairwise(words):
+        first, last, stop = (round(at * audio.rate) for at in (before.end, word.start, word.end))
+        # A word without length is not where it was placed: the aligner looks for it.
+        if word.start - before.end < STRETCH_PAUSE_SECONDS or word.end <= word.start:
+            groups[-1].append(word)
+            continue
+        spoken = audio.samples[round(before.start * audio.rate) : stop].astype(np.float64)
+        # Energy of each window as the difference of running sums; float64, as squares of int16
+        # overflow.
+        energy = np.cumsum(np.square(audio.samples[first:last].astype(np.float64)))
+        moments = energy[window:] - energy[:-window]
+        if moments.min() > QUIET_SHARE * window * np.square(spoken).mean():
+            groups[-1].append(word)
+        else:
+            groups.append([word])
+            cuts.append((first + int(moments.argmin()) + window / 2) / audio.rate)
+    edges = [0.0, *cuts, audio.seconds]
+    return [
+        Stretch(
+            tuple(group),
+            max(before, group[0].start - STRETCH_MARGIN_SECONDS),
+            min(after, group[-1].end + STRETCH_MARGIN_SECONDS),
+        )
+        for group, before, after in zip(groups, edges[:-1], edges[1:], strict=True)
+    ]
+
+
+def part(audio: Audio, stretch: Stretch) -> Audio:
+    """Return the sound of a stretch."""
+    first, stop = (round(seconds * audio.rate) for seconds in (stretch.start, stretch.stop))
+    return replace(audio, samples=audio.samples[first:stop])
+
+
+def joined(pieces: Sequence[tuple[float, Schedule]], audio: Audio) -> Schedule:
+    """Return one schedule from those of stretches, with silence between them.
+
+    Parameters
+    ----------
+    pieces : start of each stretch in seconds, and its schedule, in order; at least one
+    audio : the whole sound
+
+    Returns
+    -------
+    The first schedule with the labels, words and stress of all, from 0 s to the end of the sound
+    """
+    rows: list[tuple[str, float, int | None]] = []
+    words: list[Word] = []
+    end = 0.0
+    for offset, one in pieces:
+        if offset - end > SNAP_SECONDS:
+            _add(rows, SILENCE, end)
+        places = [
+            _add(rows, label, offset + start, mark)
+            for label, start, mark in zip_longest(one.labels, one.times[:-1].tolist(), one.stress)
+        ]
+        words += [
+            replace(word, first=places[word.first], stop=places[word.stop - 1] + 1)
+            for word in one.words
+        ]
+        end = offset + one.end
+    if audio.seconds - end > SNAP_SECONDS:
+        _add(rows, SILENCE, end)
+    labels, starts, marks = zip(*rows, strict=True)
+    return replace(
+        pieces[0][1],
+        labels=labels,
+        times=np.array([0.0, *starts[1:], audio.seconds]),
+        words=tuple(words),
+        stress=marks if any(mark is not None for mark in marks) else (),
+        audio=audio,
+    )
+
+
+def _add(
+    rows: list[tuple[str, float, int | None]], label: str, start: float, mark: int | None = None
+) -> int:
+    """Append a label, adjacent silences as one; return its index."""
+    if not rows or (label, rows[-1][0]) != (SILENCE, SILENCE):
+        rows.append((label, start, mark))
+    return len(rows) - 1

@@ -1,0 +1,201 @@
+"""Acoustic models: the likelihood of each frame of a sound in each state of each phoneme.
+
+A codebook has Gaussians, in one stream of features or several; each state has mixture weights for
+its codebook. All states share one codebook (semi-continuous), the states of a phoneme do
+(phonetically tied), or each state has its own (continuous). The states of a phoneme may depend on
+its neighbours and its position in the word.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.base.arrays import Floats, Ints, Singles
+from lipsync_lang.sound.speech.hearing.sphinx.features import FrontEnd
+
+
+class WordPosition(IntEnum):
+    """Position of a phoneme in its word."""
+
+    INSIDE = 0
+    BEGIN = 1
+    END = 2
+    ALONE = 3
+
+
+STATES = 3
+"""Number of states per phoneme, in sequence."""
+
+MAX_KEPT_BOOKS = 256
+"""Number of codebooks up to which the likelihoods of their Gaussians are kept for further states.
+
+A model with more has a codebook for each state.
+"""
+
+MAX_BLOCK_CELLS = 200_000
+"""Row block size of the matrix product."""
+
+OUTSIDE = -1
+"""Number in place of a phoneme or word, for none."""
+
+VARIANCE_FLOOR = 1e-4
+"""Variance floor."""
+
+FAINTEST_LOG = -40.0
+"""Log floor of a Gaussian relative to the nearest: negligible below, and slow to add."""
+
+
+class Phone(NamedTuple):
+    """A phoneme in context: its number and states."""
+
+    number: int
+    states: tuple[int, ...]
+
+
+PhoneContext = tuple[int, int, int, WordPosition | None]
+"""A phoneme, the ones before and after it, and its position; None outside words: no context."""
+
+
+@dataclass(frozen=True, eq=False)
+class AcousticModel:
+    """Emission and transition parameters of every phoneme state.
+
+    Parameters
+    ----------
+    names : phoneme names by number
+    silence : the number of silence
+    fillers : numbers of non-speech phonemes
+    alone : context-independent phonemes by number
+    keys : ascending, one for each phoneme in context (`context_key`)
+    rows : state row of each key
+    states : state numbers, (rows, `STATES`)
+    stay : (phonemes, `STATES`) log probability of staying in a state for another frame
+    gaussians : (books, S, 2 V + 1, Gaussians) factors of a frame's squares, of its values, and of
+        1, for S streams of V values; their sum is the log likelihood of the frame
+    weights : (S, Gaussians, states) mixture weights
+    books : the codebook of each state
+    front_end : extraction of features from samples at `SPEECH_RATE`: (T, S, V) or another shape
+        with these values in this order; the first stream has the cepstra less their mean
+    """
+
+    names: tuple[str, ...]
+    silence: int
+    fillers: frozenset[int]
+    alone: tuple[Phone, ...]
+    keys: Ints
+    rows: Ints
+    states: Ints
+    stay: Floats
+    gaussians: Singles
+    weights: Singles
+    books: Ints
+    front_end: FrontEnd
+
+    def phones(self, contexts: Iterable[PhoneContext]) -> list[Phone]:
+        """Return phonemes in context; each is the closest match in the model."""
+        return [self._phone(*context) for context in contexts]
+
+    def _phone(self, here: int, left: int, right: int, place: WordPosition | None) -> Phone:
+        if place is None:
+            return self.alone[here]
+        # Models are trained on the contexts of their corpus alone. Silence is the neighbour in
+        # most of them, so it comes before a phoneme without any context.
+        for beside in ((left, right), (self.silence, right), (left, self.silence)):
+            for where in dict.fromkeys((place, *WordPosition)):
+                key = context_key(here, *beside, where)
+                at = int(self.keys.searchsorted(key))
+                if at < len(self.keys) and self.keys[at] == key:
+                    return Phone(here, tuple(self.states[self.rows[at]].tolist()))
+        return self.alone[here]
+
+
+@dataclass(frozen=True, eq=False)
+class Listening:
+    """Log likelihoods of a sound under a model.
+
+    Parameters
+    ----------
+    model : acoustic model
+    features : (T, S, V) of the sound, by the model's front end
+    """
+
+    model: AcousticModel
+    features: Floats
+    _near: dict[tuple[int, int], tuple[Singles, Singles]] = field(
+        init=False, repr=False, default_factory=dict
+    )
+
+    def scores(self, phones: Sequence[Phone]) -> Singles:
+        """Return the log likelihood of each frame in each state of the given phonemes.
+
+        Parameters
+        ----------
+        phones : P phonemes
+
+        Returns
+        -------
+        (T, P, `STATES`) natural logarithms
+        """
+        states = np.array([phone.states for phone in phones])
+        wanted, back = np.unique(states, return_inverse=True)
+        books = self.model.books[wanted]
+        found = np.empty((len(self.features), len(wanted)), np.float32)
+        for book in np.unique(books).tolist():
+            own = np.flatnonzero(books == book)
+            heard = np.zeros((len(self.features), len(own)), np.float32)
+            for stream, weights in enumerate(self.model.weights):
+                # log sum exp, with the nearest Gaussian taken out so that no exponent underflows
+                shares, most = self._shares(book, stream)
+                heard += np.log(_product(shares, weights[:, wanted[own]])) + most
+            found[:, own] = heard
+        return found[:, back.reshape(states.shape)]
+
+    def _shares(self, book: int, stream: int) -> tuple[Singles, Singles]:
+        """Return Gaussian likelihoods relative to the nearest, and the log likelihood of that."""
+        key = (book, stream)
+        if key in self._near:
+            return self._near[key]
+        gaussians = self.model.gaussians[key]
+        here = self.features.reshape(len(self.features), len(self.model.weights), -1)[:, stream]
+        terms = np.hstack([here * here, here, np.ones((len(here), 1))]).astype(np.float32)
+        near = _product(terms, gaussians)
+        most = near.max(axis=1, keepdims=True)
+        near -= most
+        np.maximum(near, FAINTEST_LOG, out=near)
+        found = np.exp(near, out=near), most
+        if len(self.model.gaussians) <= MAX_KEPT_BOOKS:
+            self._near[key] = found
+        return found
+
+
+def _product(many: Singles, few: Singles) -> Singles:
+    """Multiply a long matrix by a small one, in blocks of rows.
+
+    A single product would start threads whose synchronisation costs more than the work.
+    """
+    # BLAS multiplies a stack of small matrices in this thread; only the rest is left over.
+    rows = max(MAX_BLOCK_CELLS // few.size, 1)
+    whole = len(many) // rows * rows
+    found = np.empty((len(many), few.shape[1]), np.float32)
+    pieces = many[:whole].reshape(-1, rows, many.shape[1])
+    np.matmul(pieces, few, out=found[:whole].reshape(-1, rows, few.shape[1]))
+    np.matmul(many[whole:], few, out=found[whole:])
+    return found
+
+
+def context_key(here: Any, left: Any, right: Any, place: Any) -> Any:
+    """Return the integer key of a phoneme in context; vectorised."""
+    return ((here * 256 + left) * 256 + right) * 256 + place
+
+
+def gaussian_factors(means: Floats, variances: Floats) -> Singles:
+    """Return diagonal Gaussians as `AcousticModel.gaussians` has them, from (..., Gaussians, V)."""
+    precision = 1 / np.maximum(variances, VARIANCE_FLOOR)
+    # log N(x) = sum(log(p / 2 pi) - p (x - m)^2) / 2, with p for 1 / variance, as factors of x^2, x
+    # and 1, so that one matrix product has all frames
+    constant = (np.log(precision / (2 * np.pi)) - precision * means**2).sum(axis=-1) / 2
+    factors = [-precision / 2, precision * means, constant[..., None]]
+    return np.concatenate(factors, axis=-1).swapaxes(-1, -2).astype(np.float32)

@@ -1,0 +1,310 @@
+"""Acoustic features: cepstra of a sound and their time derivatives.
+
+Processing steps and constants match the training of the CMU Sphinx models.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.sound.speech.sound import SPEECH_RATE
+
+HOP_SAMPLES = 160
+"""Frame step in samples."""
+
+FRAME_SECONDS = HOP_SAMPLES / SPEECH_RATE
+"""Frame step in seconds."""
+
+WINDOW_SAMPLES = 410
+"""Frame window in samples."""
+
+FFT_POINTS = 512
+"""Size of the Fourier transform."""
+
+PRE_EMPHASIS = 0.97
+
+CEPSTRA = 13
+
+
+DELTA_FRAMES = 3
+"""Frames on each side of a frame on which its derivatives depend."""
+
+QUIET_PERCENT = 10
+"""Percentage of the frames of a whole sound, the quietest ones, that are its steady noise."""
+
+CLEAR_RATIO = 100.0
+"""Power of a sound relative to that noise (20 dB) from which it stays as it is."""
+
+NOTHING_ELSE_RATIO = 1.5
+"""Power relative to that noise (2 dB) below which a sound is noise and nothing else."""
+
+LEAST_BAND_GAIN = 0.25
+"""Minimum gain of a band; noise is attenuated no further, because it may be a voice."""
+
+PAUSE_RATIO = 1e-3
+"""Power of a pause relative to the loudest frame (-30 dB), if the noise is no louder."""
+
+PAUSE_SHARE = 0.3
+"""Maximum share of pauses in the mean of a sound's cepstra.
+
+With all of them, long pauses would make a voice far louder than those of the models' training.
+"""
+
+GAIN_FRAMES = 2
+"""Frames on each side of a frame on whose mean power its gain depends."""
+
+
+class FrontEnd(ABC):
+    """Extraction of a model's features from samples at `SPEECH_RATE`."""
+
+    @abstractmethod
+    def __call__(self, samples: Floats) -> Floats:
+        """Return the features of each frame of a sound: (T, streams, values) or another shape."""
+
+    def hearings(self, samples: Floats) -> Iterator[Floats]:
+        """Yield the features of a sound, and others that may fit better."""
+        yield self(samples)
+
+
+@dataclass(frozen=True)
+class SphinxFrontEnd(FrontEnd):
+    """Settings of features; unless stated, those of a model that states none.
+
+    Parameters
+    ----------
+    bands, lowest, highest : number of mel bands, and their limits in hertz
+    transform : of the bands' logarithms to cepstra: `legacy`, `dct` or `htk`
+    lifter : weight of high cepstra, 0 for none
+    quieted : True for the subtraction of noise from each band
+    """
+
+    bands: int = 40
+    lowest: float = 133.33334
+    highest: float = 6855.4976
+    transform: str = "legacy"
+    lifter: int = 0
+    quieted: bool = False
+
+    def __call__(self, samples: Floats) -> Floats:
+        """Return three streams of features for each frame of a sound.
+
+        Parameters
+        ----------
+        samples : (N,) at `SPEECH_RATE`
+
+        Returns
+        -------
+        (T, 3, 13): cepstra less their mean, first and second derivatives; T = N / `HOP_SAMPLES`
+        """
+        return next(self.hearings(samples))
+
+    def hearings(self, samples: Floats) -> Iterator[Floats]:
+        """Yield the features of a sound, and those with less noise if it has a steady one.
+
+        Less noise keeps words of a foreign language in their place; where music stops and starts,
+        it costs more of the voice than of the music. The alignment tells what fits better.
+        """
+        spectra = CepstralFrames(self).last(samples)
+        loud = spectra.sum(axis=1)
+        noise = spectra[loud <= np.percentile(loud, QUIET_PERCENT)].mean(axis=0)
+        yield self._normalised(spectra)
+        if NOTHING_ELSE_RATIO <= loud.mean() / max(noise.sum(), 1e-9) <= CLEAR_RATIO:
+            # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over yet.
+            wide = np.pad(spectra, ((GAIN_FRAMES, GAIN_FRAMES), (0, 0)), mode="edge")
+            smooth = sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
+            gain = np.maximum(1 - noise / np.maximum(smooth, 1e-9), LEAST_BAND_GAIN)
+            yield self._normalised(spectra * gain**2)
+
+    def _normalised(self, spectra: Floats) -> Floats:
+        """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
+        cepstra = CepstralFrames(self).cepstra(spectra)
+        cepstra -= voice_mean(cepstra, spectra.sum(axis=1))
+        return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
+
+
+features = SphinxFrontEnd(25, 130.0, 6800.0, "dct", 22, quieted=True)
+"""The front end of the model that hears every language."""
+
+
+def voice_mean(cepstra: Floats, power: Floats) -> Floats:
+    """Return the mean of cepstra, (T, V), in which pauses have a limited share: (V,).
+
+    A microphone adds a constant to the logarithm of each band, which the mean takes away
+    (cepstral mean normalisation). The power of each frame, (T,), tells pauses from the voice.
+    """
+    noise = np.percentile(power, QUIET_PERCENT)
+    quiet = power < max(NOTHING_ELSE_RATIO * noise, PAUSE_RATIO * power.max())
+    # A steady sound, such as a held vowel, is all as loud as its noise: no part of it is a pause.
+    voiced = int((~quiet).sum()) or len(quiet)
+    most = PAUSE_SHARE / (1 - PAUSE_SHARE) * voiced / max(int(quiet.sum()), 1)
+    weights = np.where(quiet, min(most, 1.0), 1.0)
+    mean: Floats = np.average(cepstra, axis=0, weights=weights)
+    return mean
+
+
+def derived(wide: Floats) -> Floats:
+    """Return cepstra, (T + 2 `DELTA_FRAMES`, 13), with their derivatives: (T, 3, 13)."""
+    count = len(wide) - 2 * DELTA_FRAMES
+
+    def at(later: int) -> Floats:
+        return wide[DELTA_FRAMES + later : DELTA_FRAMES + later + count]
+
+    # The decoder of the models takes these differences over 4 and 6 frames, without the usual
+    # weights: other derivatives fit none of their Gaussians.
+    change = at(2) - at(-2)
+    turn = (at(3) - at(-1)) - (at(1) - at(-3))
+    return np.concatenate([at(0), change, turn], axis=1).reshape(count, 3, CEPSTRA)
+
+
+class CepstralFrames:
+    """Cepstra of a sound that arrives in parts, before any mean is taken away."""
+
+    def __init__(self, settings: SphinxFrontEnd = features) -> None:
+        self._settings = settings
+        self._sound = np.zeros(0)
+        self._before = 0.0
+        self._noise: _BandNoise | None = None
+
+    def push(self, samples: Floats) -> Floats:
+        """Return the cepstra of the frames that are complete with these samples: (k, 13)."""
+        return self.cepstra(self.spectra(samples))
+
+    def spectra(self, samples: Floats) -> Floats:
+        """Return the power of each band in those frames: (k, `BANDS`)."""
+        # Pre-emphasis, across the parts.
+        earlier = np.concatenate([[self._before], samples])
+        self._before = float(earlier[-1])
+        sound = np.concatenate([self._sound, samples - PRE_EMPHASIS * earlier[:-1]])
+        count = max((len(sound) - WINDOW_SAMPLES) // HOP_SAMPLES + 1, 0)
+        self._sound = sound[count * HOP_SAMPLES :]
+        return _spectra(sound, count, self._settings)
+
+    def cepstra(self, spectra: Floats) -> Floats:
+        """Return the cepstra of the next frames, (k, 13), from the power of their bands."""
+        if not len(spectra):
+            return np.zeros((0, CEPSTRA))
+        if self._settings.quieted:
+            if self._noise is None:
+                self._noise = _BandNoise(spectra[0])
+            spectra = self._noise.quieted(spectra)
+        cepstra: Floats = np.log(spectra + 1e-4) @ _cosines(self._settings).T
+        return cepstra
+
+    def last(self, samples: Floats) -> Floats:
+        """Return the power of the last frames: the rest of the samples, filled up with zeros."""
+        whole = len(self._sound) + len(samples)
+        # Ceiling division: the last frame may hold less sound than a hop.
+        count = max(-(-whole // HOP_SAMPLES), 1)
+        missing = max(count * HOP_SAMPLES + WINDOW_SAMPLES - HOP_SAMPLES - whole, 0)
+        return self.spectra(np.pad(samples, (0, missing)))[:count]
+
+
+@cache
+def _cosines(settings: SphinxFrontEnd) -> Floats:
+    """Return the transform of bands to liftered cepstra: (`CEPSTRA`, bands)."""
+    bands, lifter = settings.bands, settings.lifter
+    order = np.arange(CEPSTRA)[:, None]
+    waves = np.cos(np.pi * order * (np.arange(bands) + 0.5) / bands)
+    if settings.transform == "legacy":
+        waves /= bands
+        waves[:, 0] /= 2  # the first band counts half
+    else:
+        waves *= np.sqrt(2 / bands)
+        if settings.transform == "dct":  # unitary: the constant has another factor
+            waves[0] = np.sqrt(1 / bands)
+    if lifter:
+        waves *= 1 + lifter / 2 * np.sin(np.pi * order / lifter)
+    return waves
+
+
+@cache
+def _filters(settings: SphinxFrontEnd) -> tuple[Floats, Floats]:
+    """Return the Hamming window of a frame, and the filter of each band."""
+    window = 0.54 - 0.46 * np.cos(2 * np.pi * np.arange(WINDOW_SAMPLES) / (WINDOW_SAMPLES - 1))
+    # the trainer gives all filters one area
+    edges = band_edges(settings)
+    return window, triangles(edges) * (2 / (edges[2:] - edges[:-2]))
+
+
+def _spectra(sound: Floats, count: int, settings: SphinxFrontEnd) -> Floats:
+    """Return the power of each band in some frames: (`count`, bands)."""
+    window, bands = _filters(settings)
+    starts, within = np.arange(count)[:, None] * HOP_SAMPLES, np.arange(WINDOW_SAMPLES)
+    spectra = np.empty((count, settings.bands))
+    for start in range(0, count, 1000):  # in blocks, to bound memory
+        block = slice(start, start + 1000)
+        frames = sound[starts[block] + within]
+        spectra[block] = (np.abs(np.fft.rfft(frames * window, FFT_POINTS)) ** 2) @ bands
+    return spectra
+
+
+def band_edges(settings: SphinxFrontEnd) -> Floats:
+    """Return the corners of bands in hertz, which the trainer rounds to bins of the spectrum."""
+    spacing = SPEECH_RATE / FFT_POINTS
+    corners = mel_edges(settings.lowest, settings.highest, settings.bands)
+    edges: Floats = np.floor(corners / spacing + 0.5) * spacing
+    return edges
+
+
+def mel_edges(lowest: float, highest: float, bands: int) -> Floats:
+    """Return the corners of bands that are evenly spaced in mel, in hertz: (bands + 2,)."""
+    low, high = (2595 * np.log10(1 + hertz / 700) for hertz in (lowest, highest))
+    edges: Floats = 700 * (10 ** (np.linspace(low, high, bands + 2) / 2595) - 1)
+    return edges
+
+
+def triangles(edges: Floats) -> Floats:
+    """Return triangular filters between corners in hertz: (257, bands)."""
+    hertz = np.arange(FFT_POINTS // 2 + 1)[:, None] * SPEECH_RATE / FFT_POINTS
+    left, middle, right = edges[:-2], edges[1:-1], edges[2:]
+    rising, falling = (hertz - left) / (middle - left), (right - hertz) / (right - middle)
+    return np.maximum(0, np.minimum(rising, falling))
+
+
+class _BandNoise:
+    """Slowly varying noise in each band, tracked over frames."""
+
+    def __init__(self, first: Floats) -> None:
+        self.power = first.copy()
+        # The start of a sound counts as 13 dB above its noise, until the envelopes have settled.
+        self.noise = first / 20
+        self.floor = self.noise.copy()
+        self.peak = np.zeros(len(first))
+
+    def quieted(self, spectra: Floats) -> Floats:
+        """Subtract the noise from the next frames: (k, bands)."""
+        powers, signals = np.empty_like(spectra), np.empty_like(spectra)
+        power, noise, floor, peak = self.power, self.noise, self.floor, self.peak
+        for number, here in enumerate(spectra):
+            powers[number] = power = 0.7 * power + 0.3 * here
+            noise = _envelope(power, noise)
+            signal = np.maximum(power - noise, 1.0)
+            floor = _envelope(signal, floor)
+            # Temporal masking: after a peak, a weaker sound is lowered to a share of the fading
+            # peak (Kim and Stern 2016, power-normalized cepstra).
+            peak = 0.85 * peak
+            heard = signal
+            signal = np.where(signal < 0.85 * peak, 0.2 * peak, signal)
+            peak = np.maximum(peak, heard)
+            np.maximum(signal, floor, out=signals[number])
+        self.power, self.noise, self.floor, self.peak = power, noise, floor, peak
+        gain = np.clip(signals / np.maximum(powers, 1e-300), 1 / 20, 20)
+        # A moving mean over nine bands from differences of the running sum, which has a 0 in front.
+        bands = np.arange(len(power))
+        first, last = np.maximum(bands - 4, 0), np.minimum(bands + 5, len(power))
+        whole = np.zeros((len(gain), len(power) + 1))
+        np.cumsum(gain, axis=1, out=whole[:, 1:])
+        quieted: Floats = spectra * (whole[:, last] - whole[:, first])
+        quieted /= last - first
+        return quieted
+
+
+def _envelope(values: Floats, below: Floats) -> Floats:
+    """Track the lower envelope of values: slow rise, fast fall."""
+    slow = np.where(values >= below, 0.995, 0.5)
+    return slow * below + (1 - slow) * values

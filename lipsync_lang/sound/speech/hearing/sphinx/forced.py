@@ -1,0 +1,354 @@
+"""Forced alignment of words to a sound.
+
+The sound is processed in windows, so that cost is linear in its length. Each window is decoded by
+the most likely path through the words ahead, with optional pauses. Words that end some seconds
+before the window's end are kept, and the next window starts there. Kept phonemes are aligned
+again with their actual neighbours as context.
+
+The path of a window may end in any word. Where the model hears badly, as in languages that are not
+its own, such a path stays behind the voice: other sound is likelier there than the right phonemes.
+An anchored window ends in a word that the pace of the remaining text allows, and keeps its first
+half; it takes twice the time.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.base.arrays import Floats, Singles
+from lipsync_lang.sound.speech.hearing.progress import tell
+from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
+    OUTSIDE,
+    STATES,
+    AcousticModel,
+    Listening,
+    PhoneContext,
+    WordPosition,
+)
+from lipsync_lang.sound.speech.hearing.sphinx.trellis import (
+    SOUND_START,
+    Run,
+    likeliest_way,
+    median_starts,
+)
+
+WINDOW_FRAMES = 1600
+"""Window length in frames: 16 s."""
+
+ANCHORED_FRAMES = 4000
+"""Length of an anchored window in frames: 40 s."""
+
+PACE_TOLERANCE = 0.25
+"""Greatest relative difference of the pace in an anchored window from that of the rest."""
+
+OVERLAP_FRAMES = 300
+"""Frames at the end of a window that are decoded again in the next."""
+
+OTHER_SOUND_LOG = -5.0
+"""Log likelihood penalty per frame of other sound, relative to the likeliest phoneme."""
+
+ENTER_OTHER_LOG = -20.0
+"""Log score for entering other sound; it keeps badly spoken phonemes in their word."""
+
+SKIP_WORD_LOG = -160.0
+"""Log score for leaving a word out; a word that is only badly spoken is cheaper to keep."""
+
+MIN_OTHER_SHARE = 0.1
+"""Share of sound without text from which its cepstra are kept out of their mean."""
+
+FASTEST_FRAMES = 4
+"""Frames per phoneme of the fastest speech over a whole window."""
+
+MEAN_MARGIN_FRAMES = 30
+"""Frames before and after words whose cepstra are in that mean."""
+
+Pronunciations = Sequence[tuple[int, ...]]
+"""Pronunciations of a word, each a tuple of phoneme numbers."""
+
+
+class HeardPhoneme(NamedTuple):
+    """A phoneme, a pause or other sound, with its frames.
+
+    `word` is the word number, or `OUTSIDE` between words; `phone` is the phoneme number in
+    the model, or `OUTSIDE` for other sound, which stands for a word that is left out where it has a
+    word number. `fit` is the mean log likelihood ratio per frame to the likeliest
+    context-independent phoneme; `noise` is that of silence and noises, which is low in speech.
+    The median start over all likely paths is `late` frames after `first`.
+    """
+
+    word: int
+    phone: int
+    first: int
+    stop: int
+    fit: float
+    noise: float = -10.0
+    late: float = 0.0
+
+
+class Node(NamedTuple):
+    """A candidate phoneme of a word, or a candidate pause."""
+
+    word: int
+    phone: int
+    place: WordPosition
+
+
+@dataclass
+class Graph:
+    """Graph of permitted phoneme sequences: nodes with their contexts and predecessors."""
+
+    model: AcousticModel
+    nodes: list[Node] = field(default_factory=list)
+    contexts: list[PhoneContext] = field(default_factory=list)
+    before: list[list[int]] = field(default_factory=list)
+
+    def add(self, node: Node, left: int, right: int, before: Sequence[int]) -> int:
+        """Add a phoneme in context and return its node number."""
+        self.nodes.append(node)
+        self.contexts.append(_context(self.model, node, left, right))
+        self.before.append([*before])
+        return len(self.nodes) - 1
+
+    def pause(self, before: Sequence[int]) -> list[int]:
+        """Add optional silence and other sound, alternating."""
+        silence = self.model.silence
+        quiet = self.add(Node(OUTSIDE, silence, WordPosition.INSIDE), silence, silence, before)
+        # Silence and other sound follow each other in any order: each is a predecessor of the
+        # other.
+        other = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
+        loud = self.add(other, silence, silence, [*before, quiet])
+        self.before[quiet].append(loud)
+        return [quiet, loud]
+
+    def word(
+        self, number: int, ways: Pronunciations, left: int, right: int, before: Sequence[int]
+    ) -> list[int]:
+        """Add a word's pronunciations in context and return their end nodes."""
+        ends: list[int] = []
+        for way in ways:
+            last: Sequence[int] = before
+            around = (left, *way, right)
+            inside = [WordPosition.INSIDE] * (len(way) - 2)
+            places = [WordPosition.BEGIN, *inside, WordPosition.END]
+            for at, phone in enumerate(way):
+                node = Node(number, phone, places[at] if len(way) > 1 else WordPosition.ALONE)
+                last = [self.add(node, around[at], around[at + 2], last)]
+            ends += last
+        return ends
+
+
+def _context(model: AcousticModel, node: Node, left: int, right: int) -> PhoneContext:
+    if OUTSIDE in (node.word, node.phone):
+        return model.silence, OUTSIDE, OUTSIDE, None
+    return node.phone, left, right, node.place
+
+
+def lay(
+    model: AcousticModel,
+    features: Floats,
+    words: Sequence[Pronunciations],
+    *,
+    anchored: bool = False,
+) -> list[HeardPhoneme] | None:
+    """Align words to a sound.
+
+    Parameters
+    ----------
+    model : acoustic model
+    features : (T, 3, 13) of the sound
+    words : pronunciations in spoken order
+    anchored : whether the pace of the text limits in which word a window ends
+
+    Returns
+    -------
+    Phonemes from frame 0 to T, with every word included, as other sound where it is left out;
+    None if the sound is too short, or if too many words are left for its last window
+    """
+    heard = _lay(model, features, words, anchored=anchored)
+    if heard is None:
+        return None
+    own = centred(features, heard)
+    return heard if own is features else _lay(model, own, words, anchored=anchored)
+
+
+def centred(features: Floats, heard: Sequence[HeardPhoneme]) -> Floats:
+    """Return features less the mean of the voice's own frames, where music or noise is beside it.
+
+    They are the same object where there is little other sound.
+    """
+    foreign = sum(one.stop - one.first for one in heard if one.phone == OUTSIDE)
+    own = np.zeros(len(features), bool)
+    for one in heard:
+        if OUTSIDE not in (one.word, one.phone):
+            own[max(one.first - MEAN_MARGIN_FRAMES, 0) : one.stop + MEAN_MARGIN_FRAMES] = True
+    for one in heard:
+        own[one.first : one.stop] &= one.phone != OUTSIDE
+    if foreign < MIN_OTHER_SHARE * len(features) or not own.any():
+        return features
+    moved = features.copy()
+    moved[:, 0] -= features[own, 0].mean(axis=0)
+    return moved
+
+
+def _lay(
+    model: AcousticModel, features: Floats, words: Sequence[Pronunciations], *, anchored: bool
+) -> list[HeardPhoneme] | None:
+    """Align words to a sound, window by window."""
+    heard: list[HeardPhoneme] = []
+    at = done = 0
+    while at < len(features):
+        tell(at, len(features))
+        found = _window(model, features[at:], words, done, anchored=anchored)
+        if found is None:
+            return None
+        heard += [h._replace(first=h.first + at, stop=h.stop + at) for h in found]
+        # A window may end in a pause, whose number is below that of every word.
+        done = max(done, *(h.word + 1 for h in found))
+        at = heard[-1].stop
+    return heard
+
+
+def _reach(
+    features: Floats, words: Sequence[Pronunciations], done: int, *, anchored: bool
+) -> tuple[int, int, int]:
+    """Return the frames of the next window, the first word that it may end in, and its limit."""
+    window = min(len(features), ANCHORED_FRAMES if anchored else WINDOW_FRAMES)
+    last = window == len(features)
+    if not anchored or last or done == len(words):
+        # Each state takes a frame at least. No window but the last has more words than fit at the
+        # fastest pace, and the search keeps only those that end before its overlap.
+        pace = STATES if last else FASTEST_FRAMES
+        ahead = words[done : done + window // pace]
+        shortest = np.cumsum([pace * min(map(len, ways)) for ways in ahead])
+        return window, done, done + int(np.searchsorted(shortest, window, side="right"))
+    # The loudness of a frame is its first cepstrum, less the mean: pauses do not count.
+    loud = features[:, 0, 0] > 0
+    counts = np.cumsum([len(ways[0]) for ways in words[done:]])
+    expected = counts[-1] * loud[:window].sum() / max(loud.sum(), 1)
+    limits = expected * np.array([1 - PACE_TOLERANCE, 1 + PACE_TOLERANCE])
+    near, far = (done + np.searchsorted(counts, limits)).tolist()
+    return window, min(near, len(words) - 1), min(far + 1, len(words))
+
+
+def _window(
+    model: AcousticModel,
+    features: Floats,
+    words: Sequence[Pronunciations],
+    done: int,
+    *,
+    anchored: bool,
+) -> list[HeardPhoneme] | None:
+    """Return the kept path of the window at the start of a sound, with earlier words done."""
+    window, near, stop = _reach(features, words, done, anchored=anchored)
+    last = window == len(features)
+    features = features[:window]
+    if last and stop < len(words):
+        return None
+    sound = Listening(model, features)
+    graph = Graph(model)
+    before: list[int] = [SOUND_START]
+    for number in range(done, stop):
+        # The context of a word's edges is the first pronunciation of its neighbours: which one is
+        # said is not known yet. `_again` aligns with the real ones.
+        left = words[number - 1][0][-1] if number > done else model.silence
+        right = words[number + 1][0][0] if number + 1 < stop else model.silence
+        before = [*before, *graph.pause(before)]
+        spoken = graph.word(number, words[number], left, right, before)
+        # Other sound in place of a word: the word is left out.
+        skipped = Node(number, OUTSIDE, WordPosition.ALONE)
+        before = [*spoken, graph.add(skipped, model.silence, model.silence, before)]
+    ends: Sequence[int] | None = None
+    if last:
+        ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
+    elif anchored and near < stop:
+        ends = range([node.word for node in graph.nodes].index(near), len(graph.nodes))
+    loop = _Loop.of(sound)
+    scores = sound.scores(model.phones(graph.contexts))
+    way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends)
+    if way is None:
+        return None
+    if not last:
+        overlap = window // 2 if anchored else OVERLAP_FRAMES
+        way = _kept(way, graph.nodes, window - overlap)
+    return _again(sound, loop, [(graph.nodes[run.phone], run) for run in way])
+
+
+class _Loop(NamedTuple):
+    """Log likelihoods per frame of the likeliest context-independent phoneme, (T,) each."""
+
+    speech: Singles
+    quiet: Singles
+    """Silence and noises instead of phonemes of speech."""
+
+    @classmethod
+    def of(cls, sound: Listening) -> "_Loop":
+        """Return those of a sound."""
+        model = sound.model
+        best = sound.scores(model.alone).max(axis=2)
+        quiet = np.array([phone.number in model.fillers for phone in model.alone])
+        return cls(best[:, ~quiet].max(axis=1), best[:, quiet].max(axis=1))
+
+
+def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
+    model: AcousticModel,
+    scores: Singles,
+    loop: _Loop,
+    nodes: Sequence[Node],
+    before: Sequence[Sequence[int]],
+    ends: Sequence[int] | None,
+) -> list[Run] | None:
+    other = np.array([node.phone == OUTSIDE for node in nodes])
+    # Other sound is as likely as the best phoneme less a penalty: it wins only where no phoneme of
+    # the text is near the best.
+    scores[:, other] = (loop.speech + np.float32(OTHER_SOUND_LOG))[:, None, None]
+    names = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]
+    skipped = np.array([node.word != OUTSIDE for node in nodes]) & other
+    entered = np.where(skipped, SKIP_WORD_LOG, np.where(other, ENTER_OTHER_LOG, 0.0))
+    return likeliest_way(scores, model.stay[names], before, ends, entered)
+
+
+def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
+    """Return the start of a path, up to the last word or pause that ends before a frame.
+
+    Without such an end: a long pause cut short, or the only word.
+    """
+    words = [nodes[run.phone].word for run in way]
+    ends = [OUTSIDE in pair or pair[0] != pair[1] for pair in pairwise(words)]
+    # A cut lies between two words or beside a pause, never within a word.
+    cuts = [n for n, end in enumerate(ends, 1) if end]
+    kept = max((n for n in cuts if way[n - 1].stop <= limit), default=0)
+    if kept:
+        return [*way[:kept]]
+    if words[0] == OUTSIDE:
+        return [way[0]._replace(stop=limit)]
+    return [*way[: min(cuts, default=len(way))]]
+
+
+def _again(sound: Listening, loop: _Loop, way: Sequence[tuple[Node, Run]]) -> list[HeardPhoneme]:
+    """Align phonemes again, each with its actual neighbours as context."""
+    model, stop = sound.model, way[-1][1].stop
+    nodes = [node for node, _ in way]
+    around = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]
+    around = [model.silence, *around, model.silence]
+    contexts = [_context(model, node, around[n], around[n + 2]) for n, node in enumerate(nodes)]
+    scores = sound.scores(model.phones(contexts))[:stop]
+    before = [[n - 1] for n in range(len(nodes))]
+    loop = _Loop(loop.speech[:stop], loop.quiet[:stop])
+    chain = _likeliest(model, scores, loop, nodes, before, [len(nodes) - 1])
+    # Without a path in the real contexts, the frames of the first search stay.
+    runs = chain or [run._replace(phone=n) for n, (_, run) in enumerate(way)]
+    stay = model.stay[around[1:-1]]
+    starts = median_starts(scores, stay, runs) if chain else [run.first for run in runs]
+    heard = []
+    for node, run, start in zip(nodes, runs, starts, strict=True):
+        span = slice(run.first, run.stop)
+        fit, noise = (
+            float((here - loop.speech[span]).mean())
+            for here in (scores[span, run.phone].max(axis=1), loop.quiet[span])
+        )
+        late = float(start) - run.first
+        heard.append(HeardPhoneme(node.word, node.phone, run.first, run.stop, fit, noise, late))
+    return heard

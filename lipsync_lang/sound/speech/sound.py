@@ -1,0 +1,278 @@
+"""Audio input: decoding of common file formats, and resampling."""
+
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from math import gcd
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.base.extras import install_line
+from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.sound.speech.sound_forms import PLACEHOLDER_BYTES, surplus_seconds, unread
+
+SPEECH_RATE = 16_000
+"""Samples per second at which models and aligners hear speech."""
+
+SLOWEST, FASTEST = 8_000, 192_000
+"""Permitted sample rates in hertz, lowest and highest."""
+
+MAX_SOUND_SECONDS = 7_200.0
+"""Maximum duration in seconds: two hours."""
+
+MAX_SAMPLES = 7_200 * 48_000
+"""Maximum samples per channel; small files of silence can expand enormously."""
+
+FLAC_SAMPLES_PER_BYTE = 8_192
+"""Maximum samples per byte in FLAC, the densest for silence: 65,535 samples take 11 bytes."""
+
+SAMPLES_PER_BYTE = {"MP3": 64}
+"""Maximum samples per byte in other formats; MP3 has up to 24, damaged headers claim more."""
+
+MAX_CHANNELS = 64
+"""Maximum number of channels."""
+
+MP3, MP3_SLACK = "MP3", 2 * 1152
+"""Format whose header may count the padding of its frames as samples."""
+
+BLOCK_SAMPLES = 1 << 20
+"""Block size of reading, in samples over all channels."""
+
+MIN_MIX_POWER = 0.05
+"""Minimum power of a mix, as a share of that of its channels; reversed channels cancel out."""
+
+MAX_AMPLITUDE = 2.0**16
+"""Amplitude limit of a sample; damaged files hold floats with infinite sums."""
+
+INT16_FULL_SCALE = 32_768
+"""Magnitude of int16 full scale."""
+
+_CORRECTED_SIZE = re.compile(
+    r"^\s*(?:data|SSND)\s*:\s*(\d+)\s*\(should be\s*(\d+)\s*\)", re.MULTILINE
+)
+
+LATE_SECONDS = 0.1
+"""Tolerated excess of a schedule over its sound, without a remark."""
+
+
+SoundSource = str | Path | Audio
+"""A sound, or a file of it."""
+
+
+def sound_of(source: SoundSource) -> Audio:
+    """Return a sound; read it, if it is a file."""
+    return source if isinstance(source, Audio) else read_audio(source)
+
+
+def read_audio(path: str | Path, channel: int | None = None) -> Audio:
+    """Read a recording in a libsndfile format (WAV, FLAC, OGG, Opus, MP3).
+
+    Parameters
+    ----------
+    channel : the channel to take, counted from 1; None to mix all down to mono. Channels that
+        cancel each other out are not mixed: then the loudest is taken
+
+    Raises
+    ------
+    SpeechError
+        The file is missing, not audio, truncated, empty, too long or of an unsupported rate; it
+        lacks the channel; or soundfile is missing.
+
+    Examples
+    --------
+    >>> _ = ll.resolve("english", "facefx").perform(ll.speak("map", "english")).save("map.wav")
+    >>> ll.read_audio("map.wav").rate
+    22050
+    """
+    try:
+        import soundfile
+    except (ImportError, OSError):  # OSError: the shared library of the package is missing
+        raise SpeechError(_missing("soundfile")) from None
+    try:
+        # libsndfile seeks in the file itself, without a buffer of ours: through a Python stream, a
+        # header that points before the start of the file prints a traceback.
+        with Path(path).open("rb", buffering=0) as stream:
+            if not stream.seekable():
+                raise SpeechError(f"{path}: is a pipe; write the recording to a file first")
+            surplus = surplus_seconds(stream)
+            stream.seek(0)
+            with soundfile.SoundFile(stream.fileno(), closefd=False) as sound:
+                _refuse_odd(path, sound, surplus)
+                return _read(path, sound, channel)
+    except OSError as error:
+        raise SpeechError(
+            f"{path}: cannot be read: {error.strerror or error}; check the path"
+        ) from None
+    except soundfile.LibsndfileError as error:
+        told = unread(Path(path), error.error_string)
+        raise SpeechError(f"{path}: not a readable recording ({told}") from None
+
+
+def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
+    """Refuse a file by what its header states."""
+    rate, stated = sound.samplerate, _stated(path, sound)
+    if not SLOWEST <= rate <= FASTEST:
+        raise SpeechError(
+            f"{path}: {rate} samples per second; speech needs {SLOWEST} to {FASTEST}: resample it"
+        )
+    if stated > MAX_SOUND_SECONDS * rate:
+        raise SpeechError(
+            f"{path}: lasts {stated / rate / 60:.0f} minutes, more than the maximum of "
+            f"{MAX_SOUND_SECONDS / 60:.0f}; cut it into lines"
+        )
+    size = Path(path).stat().st_size
+    if stated > SAMPLES_PER_BYTE.get(sound.format, FLAC_SAMPLES_PER_BYTE) * size:
+        raise SpeechError(f"{path}: states {stated:,} samples in {size:,} bytes; save it again")
+    if stated > MAX_SAMPLES or sound.channels > MAX_CHANNELS:
+        raise SpeechError(
+            f"{path}: has {stated:,} samples on {sound.channels} channels, more than "
+            f"{MAX_SAMPLES:,} samples or {MAX_CHANNELS} channels; resample it to 48000 Hz, mono"
+        )
+    if surplus:
+        raise SpeechError(
+            f"{path}: goes on for {surplus:.2f} s after the {stated / rate:.2f} s that its header "
+            "states; open the file as raw sound in an editor, and save it again"
+        )
+
+
+def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
+    rate, stated = sound.samplerate, _stated(path, sound)
+    if channel is not None and not 1 <= channel <= sound.channels:
+        raise SpeechError(
+            f"{path}: has no channel {channel}; its channels are numbered 1 to {sound.channels}"
+        )
+    blocks: list[npt.NDArray[np.int16]] = []
+    if channel is None:
+        powers, left = np.zeros(sound.channels), 0.0
+        for block in _blocks(path, sound):
+            mean = block.mean(axis=1)
+            # In float64: the sum of an hour of squares has more digits than a float32 keeps.
+            powers += np.square(block, dtype=np.float64).sum(axis=0)
+            left += float(np.square(mean, dtype=np.float64).sum())
+            blocks.append(_whole(mean * INT16_FULL_SCALE))
+        if left < MIN_MIX_POWER * powers.mean():  # the channels cancel each other out
+            channel = int(powers.argmax()) + 1
+    if channel is not None:
+        blocks = [_whole(b[:, channel - 1] * INT16_FULL_SCALE) for b in _blocks(path, sound)]
+    count = sum(map(len, blocks))
+    if count == 0:
+        raise SpeechError(f"{path}: has no sound; record it again")
+    slack = MP3_SLACK if sound.format == MP3 else 0
+    # libsndfile corrects the length silently and reports the mismatch in its log only. Placeholders
+    # in place of a size are not an error.
+    corrected = _CORRECTED_SIZE.search(sound.extra_info)
+    size, there = map(int, corrected.groups()) if corrected else (0, 0)
+    if count < stated - slack or there < size < PLACEHOLDER_BYTES:
+        raise SpeechError(
+            f"{path}: ends after {count / rate:.2f} s, before the end that its header states; "
+            "copy or save it again"
+        )
+    return Audio(np.concatenate(blocks), rate)
+
+
+def _stated(path: str | Path, sound: Any) -> int:
+    """Return the length that a file states, in samples; 0 for an MP3 that states none.
+
+    libsndfile then estimates one from the first frame, and reads no sample beyond it.
+    """
+    frames: int = sound.frames
+    return frames if sound.format != MP3 or _mp3_frames(path)[1] else 0
+
+
+def _mp3_frames(path: str | Path) -> tuple[int, bool]:
+    """Return the byte where the frames of an MP3 start, and whether the first states a length."""
+    with Path(path).open("rb") as file:
+        head = file.read(10)
+        # The size of a tag has seven bits in a byte.
+        tag = sum(byte << shift for byte, shift in zip(head[6:], (21, 14, 7, 0), strict=False))
+        start = file.seek(tag + 10 if head.startswith(b"ID3") else 0)
+        frame = file.read(2048)
+    return start, any(mark in frame for mark in (b"Xing", b"Info", b"VBRI"))
+
+
+@contextmanager
+def _from_start(path: str | Path, sound: Any) -> Iterator[Any]:
+    """Yield the sound of a file at its start, such that all of it can be read."""
+    if _stated(path, sound) or sound.format != MP3:
+        sound.seek(0)
+        yield sound
+        return
+    # Of a pipe, libsndfile estimates no length. It reads no tag there.
+    reading, writing = os.pipe()
+
+    def feed() -> None:
+        # The reader may end before the file does, as at a limit.
+        with Path(path).open("rb") as file, suppress(OSError), os.fdopen(writing, "wb") as pipe:
+            file.seek(_mp3_frames(path)[0])
+            shutil.copyfileobj(file, pipe)
+
+    feeder = Thread(target=feed)
+    feeder.start()
+    try:
+        with type(sound)(reading, closefd=False) as whole:
+            yield whole
+    finally:
+        os.close(reading)
+        feeder.join()
+
+
+def _blocks(path: str | Path, sound: Any) -> Iterator[npt.NDArray[np.float32]]:
+    """Yield the samples in the file, (N, C), whatever its header states."""
+    count, most = 0, min(MAX_SAMPLES, round(MAX_SOUND_SECONDS * sound.samplerate))
+    with _from_start(path, sound) as source:
+        while len(
+            block := source.read(BLOCK_SAMPLES // sound.channels, dtype="float32", always_2d=True)
+        ):
+            count += len(block)
+            if count > most:
+                raise SpeechError(f"{path}: has more than {most:,} samples; cut it into lines")
+            yield np.clip(np.nan_to_num(block), -MAX_AMPLITUDE, MAX_AMPLITUDE)
+
+
+def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
+    """Round to int16, clipped at full scale."""
+    return np.clip(np.rint(samples), -INT16_FULL_SCALE, INT16_FULL_SCALE - 1).astype(np.int16)
+
+
+def resampled(audio: Audio, rate: int) -> Audio:
+    """Resample a sound; its duration is preserved to within one sample.
+
+    It is a `SpeechError` if scipy is missing.
+    """
+    if audio.rate == rate:
+        return audio
+    try:
+        from scipy.signal import resample_poly
+    except ImportError:
+        raise SpeechError(_missing("scipy")) from None
+    common = gcd(audio.rate, rate)
+    samples = resample_poly(audio.samples.astype(np.float32), rate // common, audio.rate // common)
+    return Audio(_whole(samples), rate)
+
+
+def _missing(name: str) -> str:
+    return f"recordings need {name}, which is not installed; get it with: {install_line('audio')}"
+
+
+def with_sound(
+    schedule: Schedule, recording: str | Path | Audio, channel: int | None = None
+) -> Schedule:
+    """Attach a recording, or a channel of its file, to a schedule; remark if it is too short.
+
+    A recording that cannot be read is a `SpeechError`.
+    """
+    audio = recording if isinstance(recording, Audio) else read_audio(recording, channel)
+    file = "the recording" if isinstance(recording, Audio) else recording
+    remarks = schedule.remarks
+    if schedule.end > audio.seconds + LATE_SECONDS:
+        told = f"{file}: ends at {audio.seconds:.2f} s, and the schedule at {schedule.end:.2f} s"
+        remarks = (*remarks, f"{told}; check that they belong together")
+    return replace(schedule, audio=audio, remarks=remarks)

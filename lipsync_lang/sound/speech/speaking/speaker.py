@@ -1,0 +1,423 @@
+"""A language that is prepared for reading and speaking, by the engines of its pack.
+
+A text is *transcribed* by the pack's G2P engine and *spoken* by its voice. If both are the same
+engine, the spoken phonemes are the transcript. Otherwise the voice supplies times and the G2P
+phonemes, joined by alignment. Without a voice, times are estimated from durations by phoneme
+class.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import tee, zip_longest
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.base.json_object import Json
+from lipsync_lang.packs.finding import Paths, located
+from lipsync_lang.packs.library import Library
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.sound.speech import ENGINES, speak_many
+from lipsync_lang.sound.speech.results import batches, each, exhaust, next_result, raised
+from lipsync_lang.sound.speech.speaking.transcripts import Transcript
+from lipsync_lang.sound.speech.speaking.written_text import WrittenText, as_written, silent
+from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
+from lipsync_lang.text.phonology.emphasis import emphasised
+from lipsync_lang.text.phonology.g2p import SpokenWord, engine
+from lipsync_lang.text.phonology.g2p.g2p_engines import G2PEngine
+from lipsync_lang.text.phonology.g2p.tokens import plain
+from lipsync_lang.text.phonology.g2p.utterances import Utterances
+from lipsync_lang.text.phonology.labels import Notation
+from lipsync_lang.text.phonology.manner import Manner
+
+if TYPE_CHECKING:
+    from lipsync_lang.text.phonology.nearest import NearestPhonemes
+
+NO_ENGINE = "none"
+"""Engine name for estimated times without sound."""
+
+BATCH_TEXTS = 500
+"""Maximum number of texts that a G2P engine reads at once."""
+
+
+class KnownReadings(Protocol):
+    """Words of texts that were read before: a dictionary, or a file."""
+
+    def get(self, text: str, /) -> tuple[SpokenWord, ...] | None:
+        """Return the words of a text; None if it was not read yet."""
+
+    def update(self, read: Mapping[str, tuple[SpokenWord, ...]], /) -> None:
+        """Keep the words of texts."""
+
+
+class Speaker:
+    """A language prepared for reading and speaking texts.
+
+    Parameters
+    ----------
+    manner : reading and speaking settings
+    notations : its notations, by name
+    near : lookup of the nearest known label, in automatic languages
+    read : words of texts that were read before with the same settings; it grows
+    cleaning : values of placeholders, and what a project's scripts do not speak
+    """
+
+    def __init__(
+        self,
+        manner: Manner,
+        notations: Mapping[str, Notation],
+        near: "NearestPhonemes | None" = None,
+        read: "KnownReadings | None" = None,
+        cleaning: Cleaning = AS_WRITTEN,
+    ) -> None:
+        self.manner = manner
+        self.notations = notations
+        self.near = near
+        self.read = read
+        self.cleaning = replace(cleaning, asides=manner.asides)
+
+    @classmethod
+    def of(
+        cls, language: str | Path, paths: Paths = (), cleaning: Cleaning = AS_WRITTEN
+    ) -> "Speaker":
+        """Prepare a language by name, tag or file, with `paths` searched first."""
+        from lipsync_lang.resolver.language_tables import manner_of, notations_of
+        from lipsync_lang.resolver.nearest_phonemes import among
+
+        (name,), folders = located(paths, language=language)
+        library: Library = Library(folders)
+        pack, common = library.language(name), library.common().model
+        near = among(library, pack) if pack.model.automatic else None
+        manner = manner_of(pack, common)
+        return cls(manner, notations_of(library, pack), near, cleaning=cleaning)
+
+    def written(self, text: str) -> WrittenText:
+        """Return the part of a text that is read, with its emphasis."""
+        said = spoken(text, self.cleaning)
+        clear = emphasised(said.text)
+        for letter, instead in self.manner.letters.items():
+            if letter in clear.text:
+                clear = emphasised(said.text.replace(letter, instead))
+        return WrittenText(*clear, said.dropped, said.remarks)
+
+    def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
+        """Convert texts to phonemes, one after the other; markup and emphasis are left out.
+
+        Raises
+        ------
+        SpeechError
+            The pack has no G2P settings, or its engine failed.
+        """
+        return map(raised, self.transcribe_many(texts))
+
+    def transcribe_many(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
+        """Yield for each text its transcript, or the error of its reading."""
+        for batch in batches(texts, BATCH_TEXTS):
+            yield from self.transcripts(batch)
+
+    def transcripts(self, texts: Sequence[str]) -> list[Transcript | SpeechError]:
+        """Return for each text its transcript, or the error of its reading, all read at once."""
+        written = [self.written(text) for text in texts]
+        return [
+            found if isinstance(found, SpeechError) else self._transcript(one, found)
+            for one, found in zip(written, self._read([w.text for w in written]), strict=True)
+        ]
+
+    def _read(self, texts: Sequence[str]) -> list[tuple[SpokenWord, ...] | SpeechError]:
+        """Return the words of texts, all read at once, and a repeated one once."""
+        known: KnownReadings = {} if self.read is None else self.read
+        kept = {text: known.get(text) for text in texts}
+        new = [text for text, words in kept.items() if words is None]
+        if not new:
+            read = []
+        elif self.manner.engine is None:
+            read = self._read_plainly(new)
+        else:
+            read = self._utterances.read(new, self._read_plainly)
+        found = dict(zip(new, read, strict=True))
+        # An error is not kept: the engine may be there the next time.
+        known.update({t: w for t, w in found.items() if not isinstance(w, SpeechError)})
+        return [found[text] if (words := kept[text]) is None else words for text in texts]
+
+    @cached_property
+    def _utterances(self) -> Utterances:
+        """Reader of interjections, stutters and similar sounds, created once."""
+
+        def is_vowel(label: str) -> bool:
+            value = self.notations[self.manner.notation].find(label) or ()
+            return any(self.manner.kinds.get(name) == "vowel" for name, _ in value)
+
+        return Utterances(self.manner.forms, self.manner.words, is_vowel)
+
+    def has_entry(self, word: str) -> bool:
+        """Return True for a word, perhaps inflected, with a reading of the pack or character."""
+        return plain(word) in self.manner.words or self._utterances.has_entry(word)
+
+    def _read_plainly(self, texts: Sequence[str]) -> list[tuple[SpokenWord, ...] | SpeechError]:
+        """Return the words of texts as the engine reads them.
+
+        Words that it joins may hide a word of the pack: the voice separates those.
+        """
+        try:
+            read = self._engine
+        except SpeechError as error:
+            return [error] * len(texts)
+        found: list[tuple[SpokenWord, ...] | SpeechError] = []
+        while len(found) < len(texts):
+            rest = texts[len(found) :]
+            try:
+                for _, words in zip(rest, read(rest), strict=True):
+                    found.append(tuple(words))
+            except SpeechError as error:
+                # An engine that fails at two different texts in the same words fails at all.
+                last = found[-1] if found else None
+                again = isinstance(last, SpeechError) and str(last) == str(error)
+                found += [error] * (len(texts) - len(found) if again else 1)
+        hidden = [text for text, words in zip(texts, found, strict=True) if self._hides(words)]
+        if not hidden:
+            return found
+        voice, name = self.manner.settings.voice or "", self.manner.engine or ""
+        heard = each(speak_many(hidden, voice, engine=name), _separate_words)
+        return [next(heard) if self._hides(words) else words for words in found]
+
+    @cached_property
+    def _engine(self) -> G2PEngine:
+        """The language's G2P engine, made once."""
+        manner = self.manner
+        if manner.engine is None:
+            raise SpeechError(
+                f"{manner.language} does not read text: add a `g2p` to its pack, "
+                "or give timed phonemes (`schedule`)"
+            )
+        if manner.notation not in self.notations:
+            raise SpeechError(
+                f"{manner.language} has no notation '{manner.notation}' for what its `g2p` writes"
+            )
+        return engine(manner.engine, manner.settings)
+
+    def _hides(self, words: Sequence[SpokenWord] | SpeechError) -> bool:
+        """Return True if a custom word of the pack may be inside words joined by the engine."""
+        if isinstance(words, SpeechError) or not self.manner.words:
+            return False
+        return any(
+            plain(part.strip(".,;:!?…\"'()")) in self.manner.words
+            for word in words
+            if any(map(str.isspace, word.text))
+            for part in word.text.split()
+        )
+
+    def _transcript(self, written: WrittenText, words: Sequence[SpokenWord]) -> Transcript:
+        notation = self.notations[self.manner.notation]
+        while words and not words[-1].labels and not words[-1].unread:
+            words = words[:-1]
+        phonemes: list[str] = []
+        unmapped: list[str] = []
+        gaps: list[int] = []
+        for word in words:
+            own = self.manner.words.get(plain(word.text)) if word.labels else (SILENCE,)
+            start = len(phonemes)
+            if own is not None and (word.labels or not word.unread):
+                phonemes += own
+                continue
+            for label in word.labels:
+                value = notation.find(label)
+                gaps += [len(phonemes)] if value is None else []
+                phonemes += [name for name, _ in value or ()]
+                unmapped += [label] if value is None else []
+            gaps += range(start, len(phonemes) + 1) if word.unread else ()
+        return Transcript(
+            written.text,
+            self.manner.language,
+            self.manner.notation,
+            tuple(words),
+            tuple(phonemes),
+            tuple(dict.fromkeys(unmapped)),
+            tuple(dict.fromkeys(c for word in words for c in word.unread)),
+            tuple(sorted(set(gaps))),
+            written.dropped,
+            written.remarks,
+        )
+
+    def to_json(self, transcript: Transcript) -> Json:
+        """Convert a transcript to JSON data, with the common phonemes of each label.
+
+        `automatic` has the labels mapped by features alone, and the features lost in each.
+        """
+        notation = self.notations[self.manner.notation]
+        words: list[Json] = []
+        for word in transcript.words:
+            labels = [
+                {"label": label, "common": [name for name, _ in notation.find(label) or ()]}
+                | ({} if mark is None else {"stress": mark})
+                for label, mark in zip_longest(word.labels, word.stress)
+            ]
+            own = self.manner.words.get(plain(word.text))
+            words.append(
+                {"text": word.text, "labels": labels}
+                | ({"pronounced": list(own)} if own and labels else {})
+                | ({"unread": word.unread} if word.unread else {})
+            )
+        automatic: dict[str, Json] = {}
+        if self.near is not None and notation.nearest is not None:
+            for label in dict.fromkeys(transcript.labels):
+                if notation.stated(label) is None:
+                    near = self.near.nearest(label)
+                    common = [name for name, _ in near.value]
+                    found = {"common": common, "distance": near.distance, "loses": [*near.losses]}
+                    automatic[label] = found
+        return {
+            "text": transcript.text,
+            "language": transcript.language,
+            "notation": transcript.notation,
+            "words": words,
+            "phonemes": list(transcript.phonemes),
+            "automatic": automatic,
+            "unmapped": list(transcript.unmapped),
+            "unread": list(transcript.unread),
+            "dropped": list(transcript.dropped),
+        }
+
+    def speak(
+        self, text: str, *, engine: str | None = None, words_per_minute: int | None = None
+    ) -> Schedule:
+        """Speak a text, or estimate its times without a voice.
+
+        Parameters
+        ----------
+        text : text to speak; ``*word*`` emphasises a word, and markup is left out
+        engine : overrides the pack's speech engine; `none` for estimated times
+        words_per_minute : speech rate; None for the engine's default
+
+        Raises
+        ------
+        SpeechError
+            The text is empty or unreadable in the language, or the engine failed.
+        """
+        (result,) = self.speak_many([text], engine=engine, words_per_minute=words_per_minute)
+        return raised(result)
+
+    def speak_many(
+        self,
+        texts: Iterable[str],
+        *,
+        engine: str | None = None,
+        words_per_minute: int | None = None,
+    ) -> Iterator[Schedule | SpeechError]:
+        """Speak texts as `speak` does, at a fraction of the cost.
+
+        The engine starts once, and texts that are read apart from the voice are read at most
+        `BATCH_TEXTS` at once; so many texts are taken ahead.
+
+        Yields
+        ------
+        For each text, in order, its schedule, or the error that `speak` raises
+        """
+        ours, engines = tee(map(self.written, texts))
+        sounding = (one.text for one in engines if not one.silent)
+        spoken = self._spoken(sounding, engine, words_per_minute)
+        for written in ours:
+            if written.silent:
+                yield silent(written, self.manner)
+                continue
+            try:
+                yield as_written(written, raised(next_result(spoken)))
+            except SpeechError as error:
+                yield error
+        exhaust(spoken)
+
+    def _spoken(
+        self, texts: Iterable[str], engine: str | None, words_per_minute: int | None
+    ) -> Iterator[Schedule | SpeechError]:
+        """Speak texts with a voice; join what the G2P engine reads, if that is another."""
+        from lipsync_lang.sound.speech.speaking.joining import join
+
+        manner = self.manner
+        if engine == NO_ENGINE or (engine is None and manner.voice is None):
+            yield from self._estimated(texts)
+            return
+        try:
+            name, voice = self._voice(engine)
+        except SpeechError as error:
+            yield from (error for _ in texts)
+            return
+        direct = manner.direct or manner.voice is None or name != manner.voice[0]
+        read = self._for_direct_voice(texts) if direct else self.transcribe_many(texts)
+        ours, engines = tee(read)
+        spellings = (
+            # In the engine's own spelling if the text has one.
+            " ".join(word.respelled or word.text for word in one.words)
+            if any(word.respelled for word in one.words)
+            else one.text
+            for one in engines
+            if isinstance(one, Transcript)
+        )
+        said = iter(speak_many(spellings, voice, engine=name, words_per_minute=words_per_minute))
+        for transcript in ours:
+            if isinstance(transcript, SpeechError):
+                yield transcript
+                continue
+            try:
+                spoken = raised(next_result(said))
+                # The voice's own phonemes are the transcript where nothing else reads the text.
+                if transcript.words:
+                    yield join(transcript, spoken, manner, self.notations)
+                else:
+                    yield replace(spoken, language=manner.language)
+            except SpeechError as error:
+                yield error
+        exhaust(said)
+
+    def _for_direct_voice(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
+        """Yield transcripts of texts that the pack reads; of others, for the voice, no words."""
+        for batch in batches(texts, BATCH_TEXTS):
+            whole = self.manner.engine is None
+            odd = [text for text in batch if not (whole or self._utterances.ordinary(text))]
+            read = dict(zip(odd, self.transcripts(odd), strict=True))
+            for text in batch:
+                yield read.get(text) or Transcript(text, self.manner.language, "", ())
+
+    def _voice(self, engine: str | None) -> tuple[str, str]:
+        """Return engine and voice: the pack's default, or its voice for the given engine."""
+        manner = self.manner
+        if manner.voice is not None and engine in (None, manner.voice[0]):
+            return manner.voice
+        name = engine or ""
+        reads = manner.settings.voice if name == manner.engine else None
+        voice = manner.others.get(name, reads)
+        if voice is None:
+            ENGINES.find(name, SpeechError)
+            raise SpeechError(
+                f"{manner.language} has no voice of {name}; add to its pack "
+                f"`tts: {{others: {{{name}: VOICE}}}}` (lipsync-lang voices {name} lists them)"
+            )
+        return name, voice
+
+    def _estimated(self, texts: Iterable[str]) -> Iterator[Schedule | SpeechError]:
+        """Read texts, and estimate their times."""
+        from lipsync_lang.sound.speech.speaking.joining import estimate
+
+        manner = self.manner
+        if manner.engine is None:
+            error = SpeechError(
+                f"{manner.language} has no voice: add a `tts` to its pack, or a `g2p` to "
+                "estimate times, or give timed phonemes (`schedule`)"
+            )
+            return (error for _ in texts)
+        return each(
+            self.transcribe_many(texts),
+            lambda read: estimate(read, manner, self.notations[manner.notation]),
+        )
+
+
+def _separate_words(schedule: Schedule) -> tuple[SpokenWord, ...]:
+    """Return the words and pauses of a schedule, each word by itself."""
+    words: list[SpokenWord] = []
+    at = 0
+    for word in schedule.words:
+        if words and SILENCE in schedule.labels[at : word.first]:
+            words.append(SpokenWord(",", ()))
+        span = slice(word.first, word.stop)
+        words.append(SpokenWord(word.text, schedule.labels[span], stress=schedule.stress[span]))
+        at = word.stop
+    return tuple(words)

@@ -1,0 +1,1 @@
+"""Text: what is said, and how it sounds in a language."""

@@ -1,0 +1,124 @@
+"""Columns of a table of lines: which of them is the text, the line's name, the speaker.
+
+A column may be named after a language: by the language's name, title, tag or an alias of it, alone
+("German", "de"), with a region ("de-AT"), in brackets ("German (de)"), or beside a word for text
+("text_de"). Spaces, underscores, accents and the case of letters make no difference.
+"""
+
+import re
+from collections.abc import Collection, Sequence
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
+from lipsync_lang.text.phonology.language_names import folded_language
+
+if TYPE_CHECKING:
+    from lipsync_lang.text.lines.line_readers import LineFile
+
+TEXT_COLUMNS = ("text", "line", "dialogue", "dialog", "subtitle", "message", "source", "string")
+NAME_COLUMNS = ("line_id", "lineid", "id", "key", "name", "identifier")
+SPEAKER_COLUMNS = ("speaker", "character", "who", "actor", "role")
+"""Names of columns, in small letters, most likely first."""
+
+LIKENESS = 0.75
+"""Least similarity of a mistyped column; languages are more alike than that by chance."""
+
+_BRACKETED = re.compile(r"(.*?)[-([{]+([^()\[\]{}]*)[)\]}]+")
+_BESIDE_TEXT = re.compile(
+    rf"(?:(?:{'|'.join(TEXT_COLUMNS)})-(.+)|(.+)-(?:{'|'.join(TEXT_COLUMNS)}))"
+)
+_REGION = r"-(?:[a-z]{2}|[0-9]{3})"
+
+
+def first_column(head: Sequence[str], known: Sequence[str], taken: Collection[int] = ()) -> int:
+    """Return the index of the column with the first known name, or -1."""
+    found = [(name, at) for at, name in enumerate(head) if at not in taken]
+    folded = {name.casefold(): at for name, at in reversed(found)}
+    return next((folded[name] for name in known if name in folded), -1)
+
+
+def stated_column(source: "LineFile", head: Sequence[str], asked: str) -> int:
+    """Return the index of a column by name, or by number from 1."""
+    folded = [name.casefold() for name in head]
+    if asked in head:
+        return head.index(asked)
+    if asked.casefold() in folded:
+        return folded.index(asked.casefold())
+    if asked.isdecimal() and 1 <= int(asked) <= len(head):
+        return int(asked) - 1
+    if folded_language(asked) in map(folded_language, source.names):
+        at = language_column(head, source.names)
+        if at >= 0:
+            return at
+    near = get_close_matches(asked, head, 1, LIKENESS)
+    hint = f"; did you mean '{near[0]}'?" if near else ""
+    raise lacking(source, head, f"has no column '{asked}'{hint}")
+
+
+def known_column(
+    source: "LineFile",
+    head: Sequence[str],
+    asked: str | None,
+    known: Sequence[str],
+    taken: Collection[int] = (),
+) -> int:
+    """Return the index of the stated column, or of the one with the first known name, or -1."""
+    if asked is None:
+        return first_column(head, known, taken)
+    return stated_column(source, head, asked)
+
+
+def text_column(head: Sequence[str]) -> int:
+    """Return the index of the column that is most likely the text in any language, or -1."""
+    known = first_column(head, TEXT_COLUMNS)
+    if known >= 0:
+        return known
+    others = (*NAME_COLUMNS, *SPEAKER_COLUMNS)
+    other = [at for at, name in enumerate(head) if name.casefold() not in others]
+    return other[0] if len(other) == 1 else -1
+
+
+def language_column(head: Sequence[str], names: Sequence[str]) -> int:
+    """Return the index of the column that is named after a language, or -1.
+
+    `names` are the name, title, tag and aliases of the language, the likeliest first.
+    """
+    wholes = [folded_language(name) for name in head]
+    forms = [_forms(whole) for whole in wholes]
+    asked = list(dict.fromkeys(folded_language(name) for name in names if name))
+    for name in asked:
+        if name in wholes and _is_free(head, wholes.index(name)):
+            return wholes.index(name)
+    for name in asked:
+        regional = re.compile(re.escape(name) + _REGION)
+        own = [at for at, form in enumerate(forms) if name in form]
+        local = [at for at, form in enumerate(forms) if any(map(regional.fullmatch, form))]
+        for at, *others in filter(None, (own, local)):
+            if not others and _is_free(head, at):
+                return at
+    return -1
+
+
+def lacking(source: "LineFile", head: Sequence[str], what: str) -> LipsyncError:
+    """Return an error that lists the first columns."""
+    end = "" if what.endswith((".", "?")) else "."
+    return source.fault(1, f"{what}{end} Its columns: {shortlist(head, MAX_KNOWN)}")
+
+
+def _is_free(head: Sequence[str], at: int) -> bool:
+    """Return False for the only column of ids: the tag "id" of a language is a usual name there."""
+    ids = head[at].casefold() in NAME_COLUMNS
+    return not ids or first_column(head, NAME_COLUMNS, [at]) >= 0
+
+
+def _forms(whole: str) -> tuple[str, ...]:
+    """Return what else a column may be named after: its parts without brackets and text words.
+
+    "Chinese (Simplified)" may be named after "Chinese", "Simplified" and "Chinese Simplified".
+    """
+    bracketed = _BRACKETED.fullmatch(whole)
+    inner = [part.strip("-") for part in bracketed.groups()] if bracketed else []
+    parts = [whole, *inner, *(["-".join(inner)] if bracketed else [])]
+    beside = [found for part in parts if (found := _BESIDE_TEXT.fullmatch(part))]
+    return (*parts, *(one for found in beside for one in found.groups() if one))

@@ -1,0 +1,259 @@
+"""Formats of scripts, and the reading of files and folders."""
+
+import os
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO, NamedTuple, Self
+
+from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, ScheduleError, shortlist
+from lipsync_lang.base.extensions import Format, Formats
+from lipsync_lang.base.files import STANDARD_STREAM, argument_path
+from lipsync_lang.base.files.reach import refuse_outside
+from lipsync_lang.base.files.reading import MIB_BYTES, read_input
+from lipsync_lang.text.lines.decoding import numbered
+from lipsync_lang.text.lines.line import Line
+from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
+
+MAX_PIPED_BYTES = 64 * MIB_BYTES
+"""Maximum size of a script from a pipe, which is held in memory; files have no limit."""
+
+Remark = Callable[[str], None]
+"""Receiver of remarks that are not faults."""
+
+
+@dataclass(frozen=True)
+class LineFile:
+    """A file that is read into lines, with the settings of `read_lines`.
+
+    `content` is that of standard input or a pipe, which can be read only once; None for a file.
+    """
+
+    path: Path
+    remark: Remark
+    column: str | None = None
+    encoding: str | None = None
+    content: bytes | None = None
+    cleaning: Cleaning = AS_WRITTEN
+    names: tuple[str, ...] = ()
+    speaker: str | None = None
+
+    def at(self, path: Path) -> Self:
+        """Return a file with these settings; a pipe is read now, since it can be read only once."""
+        piped = path == STANDARD_STREAM or not path.is_file()
+        mend = "put the script into a file"
+        content = read_input(path, MAX_PIPED_BYTES, mend=mend) if piped else None
+        return replace(self, path=path, content=content)
+
+    def open(self) -> BinaryIO:
+        """Return its bytes from the start."""
+        return self.path.open("rb") if self.content is None else BytesIO(self.content)
+
+    def numbered(self) -> Iterator[tuple[int, str]]:
+        """Yield the lines of its text with their numbers."""
+        return numbered(self.path, self.open, self.encoding)
+
+    def line(
+        self, number: int | str, text: str, *, name: str = "", speaker: str = "", original: str = ""
+    ) -> Line:
+        """Return the spoken text, markup removed."""
+        said, dropped, gaps, remarks = spoken(text, self.cleaning)
+        place = f"{self.path}:{number}"
+        for remark in remarks:
+            self.remark(f"{place}: {remark}")
+        return Line(said, place, name, speaker, dropped=dropped, gaps=gaps, original=original)
+
+    def fault(self, number: int | str, what: str) -> LipsyncError:
+        """Return an error with the place."""
+        return LipsyncError(f"{self.path}:{number}: {what}")
+
+
+ReadLines = Callable[[LineFile], Iterable[Line]]
+
+
+class Table(NamedTuple):
+    """A table: the names of its columns, and each row with its line in the file."""
+
+    head: list[str]
+    rows: Iterator[tuple[int | str, Sequence[str]]]
+
+
+OpenTable = Callable[[LineFile], Table]
+
+
+@dataclass(frozen=True)
+class LineReader(Format):
+    """A script format and its reader."""
+
+    read: ReadLines
+    table: OpenTable | None = None
+    """Function that opens a table, whose text is in `column`; None for files without columns."""
+
+
+LINE_READERS: Formats[LineReader] = Formats("line_readers", "format", package=__package__)
+
+
+def reader(
+    name: str, *, suffixes: Sequence[str], table: OpenTable | None = None
+) -> Callable[[ReadLines], ReadLines]:
+    """Register a function ``(source) -> lines`` as the reader of a format."""
+    return LINE_READERS.adding(
+        lambda title, read: LineReader(name, tuple(suffixes), title, read, table)
+    )
+
+
+@cache
+def by_suffix() -> dict[str, LineReader]:
+    """Return the reader of each suffix; text formats win over timed phonemes."""
+    from lipsync_lang.text.lines.timings import SCHEDULE_FORMAT
+
+    known: dict[str, LineReader] = {}
+    for one in sorted(LINE_READERS.values(), key=lambda one: one.name == SCHEDULE_FORMAT):
+        for suffix in one.suffixes:
+            known.setdefault(suffix, one)
+    return known
+
+
+def _warn(remark: str) -> None:
+    warnings.warn(remark, stacklevel=3)
+
+
+def read_lines(  # noqa: PLR0913 the files, and options by keyword
+    paths: str | Path | Iterable[str | Path],
+    *,
+    column: str | None = None,
+    encoding: str | None = None,
+    remark: Remark = _warn,
+    cleaning: Cleaning = AS_WRITTEN,
+    names: Sequence[str] = (),
+    speaker: str | None = None,
+    elsewhere: Sequence[str] = (),
+) -> Iterator[Line]:
+    """Read the lines of files, and of folders with all below them in order of name.
+
+    Parameters
+    ----------
+    paths : files and folders, one or several; a file twice is read once. ``-`` is standard input:
+        plain text, or a table where a `column` is named
+    column : of tables, the text's, by name or number from 1; None for the likeliest
+    encoding : of all files; None for UTF-8, or what a file's own mark says
+    remark : where to say what was left out; as warnings where nothing is given
+    cleaning : values of placeholders, and what is not spoken
+    names : of the language: its name, title, tag and aliases; a column with one of them is the text
+    speaker : column of the speakers, by name or number from 1; None for the likeliest
+    elsewhere : suffixes of files in folders that the caller reads itself, without a remark
+
+    Raises
+    ------
+    LipsyncError
+        A path is missing or of no known format (at once), or a file cannot be read (when it is
+        its turn). Files of a folder that are of no known format are left out with a remark.
+    """
+    found = line_files(paths, remark, elsewhere=elsewhere)
+    tables = (file == STANDARD_STREAM or _format_of(file).table is not None for file, _ in found)
+    if column is not None and not any(tables):
+        remark(f"`column={column!r}`: not used, because no file is a table")
+    stated = LineFile(Path(), remark, column, encoding, None, cleaning, tuple(names), speaker)
+    return _read(found, stated)
+
+
+def line_files(
+    paths: str | Path | Iterable[str | Path],
+    remark: Remark = _warn,
+    *,
+    project: Path | None = None,
+    elsewhere: Sequence[str] = (),
+) -> list[tuple[Path, bool]]:
+    """List the files that lines are read from, each once, with True for those found in a folder.
+
+    Files of a `project` must not be links out of its folder. Raises LipsyncError if a path is
+    missing or of no known format.
+    """
+    found: dict[str, tuple[Path, bool]] = {}
+    for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):
+        known = path == STANDARD_STREAM or path.suffix.lower() in by_suffix()
+        if project is not None:
+            refuse_outside(path, project)
+        if path != STANDARD_STREAM and not path.exists():
+            raise LipsyncError(f"{path}: no such file or folder; check the path")
+        if not known and not path.is_dir():
+            what = f"no reader of lines for '{path.suffix}'" if path.suffix else "has no suffix"
+            raise LipsyncError(f"{path}: {what}; known: {', '.join(sorted(by_suffix()))}")
+        for file in _below(path, remark, elsewhere) if path.is_dir() else [path]:
+            if project is not None and file.is_symlink():
+                refuse_outside(file, project)
+            found.setdefault(os.path.realpath(file), (file, path.is_dir()))
+    return list(found.values())
+
+
+def heads(
+    paths: str | Path | Iterable[str | Path], encoding: str | None = None
+) -> dict[Path, list[str]]:
+    """Return the names of the columns of each table among some files.
+
+    Standard input, which can be read only once, is left out.
+    """
+    from lipsync_lang.text.lines.timings import is_timed
+
+    found: dict[Path, list[str]] = {}
+    for path, _ in line_files(paths, lambda _: None):
+        opens = None if path == STANDARD_STREAM else _format_of(path).table
+        if opens is not None and path.is_file():
+            source = LineFile(path, lambda _: None, encoding=encoding)
+            if not is_timed(source):
+                found[path] = opens(source).head
+    return found
+
+
+def _format_of(path: Path) -> LineReader:
+    return by_suffix()[path.suffix.lower()]
+
+
+def _below(folder: Path, remark: Remark, elsewhere: Sequence[str]) -> Iterator[Path]:
+    """Yield the readable files of a folder, and report the others by suffix."""
+    others: dict[str, list[Path]] = {}
+
+    def refused(error: OSError) -> None:
+        remark(f"{error.filename}: left out: {error.strerror}")
+
+    for here, folders, files in os.walk(folder, onerror=refused):
+        hidden = [name for name in (*folders, *files) if name.startswith(".")]
+        if hidden:
+            remark(f"{here}: hidden files are left out: {shortlist(sorted(hidden), MAX_KNOWN)}")
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        for name in sorted(set(files) - set(hidden)):
+            path = Path(here, name)
+            if path.suffix.lower() in by_suffix():
+                yield path
+            elif path.suffix.lower() not in elsewhere:
+                others.setdefault(path.suffix.lower(), []).append(path)
+    for suffix, left in sorted(others.items()):
+        what = f"'{suffix}'" if suffix else "files without a suffix"
+        more = f" and {len(left) - 1} more" if len(left) > 1 else ""
+        remark(f"{left[0]}{more}: left out: no reader for {what}")
+
+
+def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line]:
+    """Yield the lines of files, read with the settings `stated`.
+
+    A file is read by its suffix, or as timings if it begins like them.
+    """
+    from lipsync_lang.text.lines.timings import SCHEDULE_FORMAT, is_timed
+
+    for path, among_others in files:
+        source = stated.at(path)
+        try:
+            if path == STANDARD_STREAM:
+                form = LINE_READERS["text" if source.column is None else "table"]
+            else:
+                timed = source.column is None and is_timed(source)
+                form = LINE_READERS[SCHEDULE_FORMAT] if timed else _format_of(path)
+            yield from form.read(source)
+        except ScheduleError as error:
+            if not among_others:
+                raise
+            what = str(error).split("\n", 1)[0].removesuffix(":")
+            stated.remark(f"{what}; left out")

@@ -1,0 +1,400 @@
+r"""Separate the spoken text of a line from its markup.
+
+These are not spoken, and listed in the result:
+
+- tags: ``<i>``, ``{i}``, ``{/color}``, ``{\an8}``, ``<#ff0000>``; the words between two tags stay.
+  ``<break/>``, ``{w}`` and ``{p}`` are pauses, ``<emphasis>`` is emphasis,
+- ruby, the small reading above a word: ``<rt>..</rt>``, ``{rt}..{/rt}``,
+- placeholders whose value only the game knows: ``{name}``, ``[name]``, ``%s``, ``$name``; notes in
+  square brackets, such as ``[sighs]``, look the same,
+- codes of colours, sizes and waits: ``§a``, ``\C[4]``, ``|cFF0000``,
+- asides: ``(laughs)``, ``*sighs*`` (see `asides`),
+- addresses, hashtags, emoji, arrows, notes of music, and signs such as ``~``,
+- passages that a project lists.
+
+Placeholders with a value become that value, and choices one of their branches (see `choices`).
+Doubled percent signs stand for one, entities are decoded (``&nbsp;``), and ``\n`` is a space.
+
+A placeholder or a note in square brackets leaves a gap: speech that the file does not contain. A
+tag leaves no gap. A word in braces is a tag if a closing tag follows, or if it has a value
+(``{w=0.5}``); otherwise it is a placeholder.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from html import unescape
+from typing import NamedTuple
+from unicodedata import normalize
+
+from lipsync_lang.text.lines.asides import is_aside
+from lipsync_lang.text.lines.choices import chosen
+from lipsync_lang.text.phonology.g2p.tokens import PAUSES, UNSPACED
+
+UNUSUAL = re.compile(
+    "(?:["
+    "０-９Ａ-Ｚａ-ｚ＇－＋＝％＆＃＠＄＾＿｜￠-￦"  # full width
+    "℃℉"
+    "\uff66-\uffdc"  # half-width kana and hangul
+    "\u2460-\u2473\u3380-\u33df\u203c\u2047-\u2049"  # numbers in circles, units, double marks
+    "\u2160-\u216b"  # Roman numerals in one sign
+    "\u01c4-\u01cc\u01f1-\u01f3\u0132\u0133\ufb00-\ufb4f"  # ligatures
+    "\ufb50-\ufd3d\ufd50-\ufdfb\ufe70-\ufefc"  # shapes of Arabic letters
+    "\U0001d400-\U0001d7ff"  # letters of formulas
+    "]|(?<=[0-9０-９])[．：／](?=[0-9０-９])|(?<=[０-９])，(?=[０-９]))+"
+)
+"""Compatibility characters that are ordinary letters, digits and signs in another shape."""
+
+NUMERAL_SIGNS = {0x2160 + number: str(number + 1) for number in range(12)}
+"""Signs of whole Roman numerals, such as `Ⅷ`, as digits."""
+
+UNSEEN = re.compile("[\u00ad\u034f\u061c\u200e\u200f\u202a-\u202e\u2060-\u2069\ufeff]+")
+"""Soft hyphens, directions of writing, and spaces without width."""
+
+APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
+"""An apostrophe within a word, in any of its spellings."""
+
+NAME = r"[A-Za-z_][A-Za-z0-9_]*"
+"""The name of a variable; it ends where a word of another script begins."""
+LATIN_CHARS = "A-Za-z0-9À-ɏ"
+BESIDE_ADDRESS = f"{UNSPACED}\uac00-\ud7af"
+"""Characters of scripts that put words beside an address without a space, Hangul among them."""
+NO_PERCENTAGE = r"(?<!\d)(?<!\d )%"
+"""A percent sign that does not follow a number, as in `5%des` and `5 %des`."""
+NO_SHARE = r"(?![\d%]|[.,]\d|['’](?!s\b))"
+"""End of the number of a placeholder, `%1`; a share goes on, as in `%1,5` and `%1'i`."""
+SYMBOL = (
+    "[\u2190-\u21ff\u2300-\u23ff\u2500-\u27bf\u27f0-\u27ff\u2900-\u297f\u2b00-\u2bff"
+    "\u2022\u203b\u20e3\u3004\u3012\u3013\u3020\u3030\u303d\u3297\u3299\ufe0e\ufe0f"
+    "\U0001f000-\U0001fbff\U000e0020-\U000e007f|^`_]"
+)
+"""Arrows, shapes, notes of music, emoji and their parts, and marks of typewriters."""
+FORMS = {
+    # colours, sizes, waits and icons of Minecraft, Paradox, Quake, RPG Maker, Rockstar and Warcraft
+    "code": {
+        r"\C[4] \I[5]": r"\\(?![NPV]+\[)[A-Za-z]{1,6}\[[^\[\]]*\]",
+        r"\cff \ca": r"\\c(?:[0-9A-Fa-f]{6}|[0-9A-Fa-f]{2,3}(?![A-Za-z])|[a-z-])",
+        r"\G \. \!": r"\\[A-Z](?![a-z\[])|\\[.|!^<>]",
+        r"\{ \}": r"\\\{(?!\w+\})|\\\}",
+        "§a §!": r"§[A-Za-z!]|§\d(?=[^\W\d])",
+        "&a &6": rf"(?<![{LATIN_CHARS}&])&(?!c\.)[0-9a-fk-or](?![a-z0-9])",
+        "^1 ^xF00": rf"(?<![{LATIN_CHARS})])\^(?:\d|x[0-9A-Fa-f]{{3}})",
+        "|cFF0000 |cffff0000": r"\|c(?:[0-9A-Fa-f]{8}|[0-9A-Fa-f]{6})",
+        "~r~ ~INPUT_JUMP~": r"~(?:[A-Za-z0-9]|[A-Z]+_[A-Z0-9_]+)~",
+    },
+    "tag": {
+        "<rt>かん</rt>": r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>",
+        '<sub alias="x">y</sub>': r"<sub\s[^<>]{0,200}?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"']"
+        r"[^<>]*>[^<>]*</sub>",
+        "<!--x--> <<wait>>": r"<!--.{0,500}?-->|<<[^<>]*>>",
+        "<i> </color> <@user>": r"</?[@$]?[A-Za-z][^<>]*>",
+        "</> <0> </0> <1/>": r"<(?:/?\d{0,2}|\d{1,2}/)>",
+        "<%=x%> <#ff0000> <00:10.5>": r"<%[^<>]*%>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>",
+    },
+    "placeholder": {
+        "@name@ #name#": r"@[\w.]+@|#[\w.]+#",
+        "$NAME$ $NAME|x$ $1$": rf"\$(?:{NAME}|\d)(?:\|[^\s$]{{1,4}})?\$",
+        "£gold £gold£": rf"£{NAME}£?",
+        "__NAME__ __name__": r"__[A-Za-z][A-Za-z0-9_]*?__",
+        ":name: ::name::": rf"(?:(?<!\S)::?{NAME}::?(?!:)"
+        rf"|(?<![{LATIN_CHARS}:])::?{NAME}::?(?![{LATIN_CHARS}:]))",
+        "&player;": rf"(?<![{LATIN_CHARS}])&{NAME};",
+        "@1": rf"@\d(?![\d:{LATIN_CHARS}]|[.,]\d)",
+        "@name @player.name": rf"(?<![{LATIN_CHARS}.])@{NAME}(?:\.{NAME})*",
+        "$[name] $(name) $t(a.b) $sum()": r"\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)",
+        r"$name \$name $имя $a.b $a->b": rf"\\?\$(?:{NAME}|[\u0370-\u052f]\w*)"
+        r"(?:(?:->|\.)[a-z_][A-Za-z0-9_]*)*",
+        r"\N[1] \V[\V[2]]": r"\\[NPV]+\[(?:[^\[\]]|\[[^\[\]]*\])*\]",
+        "{rt}かん{/rt}": r"\{rt\}(?:(?!\{rt\}).)*?\{/rt\}",
+        "{{#if}} {{name|upper}}": r"\{\{(?:[#/^>!][^{}]*|\s*-?\$?[\w.]+\s*(?:[|:][^{}]*)?)\}\}",
+        "{{ }}": r"\{\{|\}\}",
+        r"{name} ${name} #{name} \{name}": r"\\?[%@#$]?\{[^{}]*\}",
+        "[[ ]]": r"\[\[|\]\]",
+        "[name] [a[b]]": r"\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]",
+        # Glued to a word: `%sen`, `%d個`, `%dfach`, but not `%damage` and the ending of `%50den`.
+        "%%name%% %%s %%": r"%%\w+%%|(?<!\d)%%[sd](?![A-Za-z_])|%%",
+        "%NAME% %1%": rf"%(?:{NAME[:-1]}+|\d)%(?!%|[sd](?![A-Za-z]))",
+        "%(name)s %(n).2f": r"%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]",
+        "%<name>s": r"%<\w+>[a-z]?",
+        "%1!s!": r"%\d!\w{1,3}!",
+        "%s %d %-5d %@": rf"{NO_PERCENTAGE}(?!d[aeiouyrw][a-z]{{3}})(?:[+,]|-\d*)?(?:ll?d|[sd@])",
+        "%5dk": rf"{NO_PERCENTAGE}\d+d(?=[b-df-hj-np-tvxz])",
+        "%1$s %.2f %03d": r"%(?:\d+\$[-+#0,]*\d*(?:\.\d+)?|[-+#0,]*\d*\.\d+|0\d+)l{0,2}"
+        r"[sdifuxXoc@]",
+        "%i %*d %zu": r"%[-+#0,]*(?:\d*|\*)(?:hh?|ll?|[zj])?[sdifuxXcog@](?![A-Za-z_À-ɏ])",
+        "%L1 %1": rf"%(?:L\d|1{NO_SHARE})",
+        "%n %-m %item": rf"{NO_PERCENTAGE}(?:-?[A-Za-z](?![A-Za-z_À-ɏ])|(?<!%%)[A-Za-z]{NAME})",
+    },
+    "escape": {r"\n \p \"": r"\\(?:[nrtplf]|(?P<kept>[\\\"'%\[{ ]))"},
+    "aside": {
+        "(laughs)": r"\((?P<round>[^()\[\]{}<>]{1,80})\)",
+        "（笑）": r"（(?P<doublewidth>[^（）]{1,80})）",
+        "*sighs*": r"(?<![*\\\w])\*{1,2}(?P<star>[^*\n]{1,80})\*{1,2}(?![*\w])",
+    },
+    "sign": {
+        "- x": r"^(?:[-+*]+ )+(?=\D)",
+        "->END <>": r"(?:->|<-) ?[\w.]+$|<>",
+        "x # angry": r"(?<= )# ?[^\W\d_]\w*(?:: ?[\w.-]+)?$",
+        "#tag": r"(?<![\w&#])#(?=\w*[^\W\d_])\w+",
+        "}/{ %d/%d": r"(?:(?<=[}\]])|(?<=[%$][sdiu]))/(?=[%${\[\d])",
+        "♪ 👍🏽": rf"{SYMBOL}(?:\u200d?{SYMBOL})*",
+        "<3 --> <= >> <<": r"<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}",
+    },
+    "wave": {"~": r"(?<=[^\w\s%℃(])[~〜～]+|[~〜～]+(?!\d)"},
+}
+"""Kinds of markup: examples, and the pattern that finds them; the first that fits counts."""
+UNSURE_FORMS = {
+    "%2": ("placeholder", rf"%[2-9]{NO_SHARE}", r"%L?1(?!\d)"),
+    "§6": ("code", r"§\d(?!\d)", r"§[A-Za-z]|§\d(?=[^\W\d])"),
+    "&b": ("code", r"&[0-9a-fk-or]", r"&r(?![a-z])"),
+    "^7": ("code", r"\^\d", rf"(?<![{LATIN_CHARS})])\^\d"),
+    "|r": ("code", r"\|r", r"\|c[0-9A-Fa-f]{6}"),
+    "|n": ("escape", r"\|n", r"\|[cr]"),
+}
+"""Examples of markup that may be text: its kind, its pattern, and its proof elsewhere in a line."""
+SILENT_KINDS = frozenset({"code", "tag", "sign", "wave", "face"})
+ADDRESS = (
+    rf"(?i:https?://|www\.)[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}]*[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}.,;:!?)]"
+    rf"|(?<![{LATIN_CHARS}_.+-])[{LATIN_CHARS}_+-]{{1,64}}(?:\.[{LATIN_CHARS}_+-]{{1,64}}){{0,4}}"
+    rf"@[{LATIN_CHARS}-]{{1,64}}(?:\.[{LATIN_CHARS}-]{{1,64}}){{1,4}}"
+)
+EMOTICONS = (
+    r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt>oO-][_.][Tt<oO-])"
+    r"(?![^\s.,!?]|\.\w)"  # `t.o.v.` is none
+)
+SUSPECT = re.compile(
+    r"[][<>{}%$§£\\(（*~〜～#&@/=]|__|:[A-Za-z_]|^[-+]|www\.|[:;]-?[DPpOo3]|[xX]D|[Tto]\.[Tto]|"
+    + SYMBOL
+)
+"""A trace of markup; text without one is spoken as it is."""
+DOUBLED = {"{{": "", "}}": "", "[[": "", "]]": "", "%%": "%"}
+CLOSING = re.compile(r"([{\[])/(\w+)[}\]]")
+SOUNDLESS = re.compile(r"\[/|\{(?:[/\\]|rt\}|\w+=)")
+"""Pattern of the start of tags in brackets, which leave no gap."""
+PAUSING = re.compile(r"<break\b|\{[wp](?:=[\d.]*)?\}", re.IGNORECASE)
+BREAKING = re.compile(r"</?(?:br|div|h[1-6]|li|p|s|t[dr])\b|\{br\}", re.IGNORECASE)
+"""Tags that separate words."""
+EMPHASIS_TAG = re.compile(r"</?emphasis\b", re.IGNORECASE)
+ENTITY = re.compile(r"&(?:amp;)*(#?\w{1,32};)")
+STRAY = re.compile(r"[{}\[\]]|</?(?!\s*\d)|>(?!\s*\d)")
+TAG_VALUES = re.compile(r"[ =].*", re.DOTALL)
+"""Pattern of the values of a tag, after its name."""
+PLACEHOLDER_NAME = re.compile(r"[\w.-]+")
+LEFT_LETTER = re.compile(r"['’]?[b-df-hj-np-tv-xz](?![^\W_]|[-…]|\.\.)")
+"""A consonant of a placeholder's word, as in `{name}'s`, which alone would be spelled."""
+LOOSE_PUNCTUATION = re.compile(r" ([,.])(?!\S)")
+PAUSE_MARK = "\0"
+"""Placeholder for a pause, until the text around it is known."""
+PAUSED = re.compile(rf"(?P<before>[^\s{PAUSE_MARK}]?)\s*(?:{PAUSE_MARK}\s*)+(?P<after>\S?)")
+TAGS_BEFORE = re.compile(r"(?: |\{[^{}]*\}|<[^<>]*>)+$")
+TAGS_AFTER = re.compile(r"^(?: |\{[^{}]*\}|<[^<>]*>)+")
+SEEN_CHARS = 200
+"""Number of characters examined on each side of an aside."""
+MAX_MOVED_GAPS = 100
+"""Maximum number of gaps in a text with stray marks that is cleaned again; each reads the text."""
+MAX_UNSPOKEN_CHARS = 500
+"""Longest passage between the two ends of an `unspoken` entry."""
+
+
+@dataclass(frozen=True)
+class Cleaning:
+    """Settings of the cleaning of a script's text.
+
+    Parameters
+    ----------
+    values : values of placeholders, by name
+    unspoken : passages to leave out: their text, or their two ends with ``...`` between them
+    asides : the language's words of asides
+    """
+
+    values: Mapping[str, str] = field(default_factory=dict)
+    unspoken: tuple[str, ...] = ()
+    asides: tuple[str, ...] = ()
+
+
+AS_WRITTEN = Cleaning()
+
+
+class SpokenText(NamedTuple):
+    """The spoken text, the markup dropped, in order, and the offsets of gaps in the text.
+
+    `remarks` tell of marks without a partner.
+    """
+
+    text: str
+    dropped: tuple[str, ...] = ()
+    gaps: tuple[int, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+
+def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
+    """Return the spoken part of a text.
+
+    >>> spoken("Hello, {i}dear{/i} [name]!").text
+    'Hello, dear !'
+    >>> spoken("*sighs* Hello, [name]!", Cleaning({"name": "Ada"}))[:2]
+    ('Hello, Ada!', ('*sighs*',))
+    """
+    text = ordinary(text)
+    if not cleaning.unspoken and not SUSPECT.search(text):
+        return SpokenText(" ".join(text.split()))
+    text = " ".join(text.replace(PAUSE_MARK, " ").split())
+    text = ENTITY.sub(lambda found: unescape(f"&{found[1]}"), text)
+    found = TextCleaner(chosen(text, cleaning.values), cleaning).spoken()
+    # The signs beside a stray mark may be markup without it, such as an emoticon.
+    twice = found.remarks and len(found.gaps) <= MAX_MOVED_GAPS
+    again = spoken(found.text, cleaning) if twice else found
+    if again.text == found.text:
+        return found
+    gaps = {len(spoken(found.text[:gap], cleaning).text) for gap in found.gaps} | {*again.gaps}
+    return SpokenText(again.text, found.dropped + again.dropped, tuple(sorted(gaps)), found.remarks)
+
+
+class TextCleaner:
+    """State of the cleaning of a text."""
+
+    def __init__(self, text: str, cleaning: Cleaning) -> None:
+        self.text, self.cleaning = text, cleaning
+        self._closed = {f"{mark}{name}" for mark, name in CLOSING.findall(text)}
+        self._left: list[str] = []
+        self._dropped: list[str] = []
+        self._gaps: list[int] = []
+        self._remarks: list[str] = []
+        self._solid = 0
+
+    def spoken(self) -> SpokenText:
+        """Return the spoken text."""
+        proven = (
+            kind for kind, (_, _, proof) in UNSURE_FORMS.items() if re.search(proof, self.text)
+        )
+        pattern, done, at = _markup(self.cleaning.unspoken, tuple(proven)), 0, 0
+        while found := pattern.search(self.text, at):
+            start = found.start()
+            if (instead := self._instead(found)) is None:
+                at = start + 1
+                continue
+            self._say(self._sound(done, start) + instead)
+            whole = found[0]
+            done = at = found.end()
+            silent = found.lastgroup in SILENT_KINDS or SOUNDLESS.match(whole)
+            if not (instead or silent or whole in DOUBLED or self._is_tag(whole)):
+                self._gaps.append(self._solid)
+                if ending := LEFT_LETTER.match(self.text, at):
+                    done = at = ending.end()
+                # The words on both sides of a placeholder are not one word.
+                beside = self.text[max(start - 1, 0) : start], self.text[at : at + 1]
+                self._left.append(" " if all(map(str.isalnum, beside)) else "")
+        self._say(self._sound(done, len(self.text)))
+        tidy = " ".join(PAUSED.sub(_paused, " ".join("".join(self._left).split())).split())
+        said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)
+        # Gaps are counted without spaces, because dropping markup changes the spaces around it.
+        solid = (at for at, one in enumerate(said, 1) if not one.isspace() and one != PAUSE_MARK)
+        ends = [0, *solid] if self._gaps else []
+        gaps = tuple(ends[count] for count in self._gaps)
+        said = said.replace(PAUSE_MARK, ",")
+        return SpokenText(said, tuple(self._dropped), gaps, tuple(self._remarks))
+
+    def _say(self, text: str) -> None:
+        self._left.append(text)
+        # The characters that are neither spaces nor pauses.
+        self._solid += len("".join(text.replace(PAUSE_MARK, " ").split()))
+
+    def _sound(self, start: int, stop: int) -> str:
+        """Return a part of the text without stray marks, and remark on them."""
+        part = self.text[start:stop]
+        for found in STRAY.finditer(part):
+            column = start + found.start() + 1
+            self._remarks.append(
+                f"column {column}: '{found[0]}' has no partner, so the text next to it is spoken"
+            )
+            self._dropped.append(found[0])
+        return STRAY.sub("", part)
+
+    def _instead(self, found: re.Match[str]) -> str | None:
+        """Return the replacement of markup; None for text that is not markup."""
+        whole, aside = found[0], found["round"] or found["doublewidth"] or found["star"]
+        if aside:
+            start, stop = found.span()
+            before = TAGS_BEFORE.sub("", self.text[max(start - SEEN_CHARS, 0) : start])
+            after = TAGS_AFTER.sub("", self.text[stop : stop + SEEN_CHARS])
+            starred = found["star"] is not None
+            if not is_aside(aside, before, after, self.cleaning.asides, starred=starred):
+                return None
+        elif (instead := self._meant(found)) is not None:
+            return instead
+        self._dropped.append(whole)
+        if aside or PAUSING.match(whole):
+            return PAUSE_MARK
+        before = self.text[max(found.start() - 1, 0) : found.start()]
+        after = self.text[found.end() : found.end() + 1]
+        # A sign between two words, as in "one->two", stands for the space that it lacks.
+        parts = found.lastgroup == "sign" and before.isalnum() and after.isalnum()
+        return " " if parts or BREAKING.match(whole) else ""
+
+    def _meant(self, found: re.Match[str]) -> str | None:
+        """Return the text that a mark stands for; None if it is not spoken."""
+        whole = found[0]
+        if found.lastgroup == "escape":
+            return found["kept"] or " "
+        if EMPHASIS_TAG.match(whole):
+            return "*"
+        if found["alias"] is not None or whole in DOUBLED:
+            return found["alias"] or DOUBLED.get(whole, "")
+        values = self.cleaning.values
+        if self._is_tag(whole) or not values or whole[0] not in "{[%$<\\":
+            return None
+        name = PLACEHOLDER_NAME.search(whole)
+        known = values.get(whole, values.get(name[0]) if name else None)
+        return None if known is None else ordinary(known)
+
+    def _is_tag(self, whole: str) -> bool:
+        """Return True for a word in brackets with a later closing one."""
+        return TAG_VALUES.sub("", whole[:-1]) in self._closed
+
+
+@lru_cache(64)
+def _markup(unspoken: tuple[str, ...], proven: tuple[str, ...]) -> re.Pattern[str]:
+    """Return the pattern of markup, with the passages of a project and the forms with a proof."""
+    ways = []
+    for one in unspoken:
+        opening, _, closing = map(re.escape, ordinary(one).partition("..."))
+        inner = rf".{{0,{MAX_UNSPOKEN_CHARS}}}?" + (closing or "$")
+        ways.append(opening + (inner if "..." in one else ""))
+    listed = f"(?P<listed>{'|'.join(ways)})|" if ways else ""
+    sections = []
+    for kind, forms in FORMS.items():
+        unsure = [pattern for of, pattern, _ in map(UNSURE_FORMS.__getitem__, proven) if of == kind]
+        sections.append(f"(?P<{kind}>{'|'.join([*forms.values(), *unsure])})")
+    # Nearly all markup begins with a character that is neither a letter nor a pause.
+    signs = rf"(?![^\W_]|[\s.,!?'\"])(?:{'|'.join(sections)})"
+    return re.compile(f"{listed}{signs}|(?P<address>{ADDRESS})|(?P<face>{EMOTICONS})", re.DOTALL)
+
+
+def _paused(found: re.Match[str]) -> str:
+    """Return a pause with the characters around it; adjacent pauses are merged."""
+    before, after = found["before"], found["after"]
+    needless = not before or not after or before in PAUSES or after in PAUSES
+    return f"{before} {after}" if needless else f"{before}{PAUSE_MARK} {after}"
+
+
+def ordinary(text: str) -> str:
+    """Return a text in ordinary letters.
+
+    Unicode writes one letter in several ways. Engines, lexicons and rules know one of them, and
+    misread the others without a word: a decomposed ``ü`` becomes an ``u``, a full-width ``５`` is
+    lost.
+
+    Letters are composed (NFC); letters and digits of full width, half width or another shape become
+    their ordinary selves; an apostrophe within a word is ``'``. Characters without a shape of their
+    own, such as marks of direction, are left out.
+
+    >>> ordinary("u\u0308ber ５０ lʼami")
+    "über 50 l'ami"
+    """
+    if text.isascii():
+        return APOSTROPHE.sub("'", text) if "`" in text else text
+    text = UNUSUAL.sub(
+        lambda found: normalize("NFKC", found[0].translate(NUMERAL_SIGNS)), UNSEEN.sub("", text)
+    )
+    return APOSTROPHE.sub("'", normalize("NFC", text))

@@ -1,0 +1,31 @@
+"""Java's properties: ``name = text``, with ``#`` and ``!`` before comments."""
+
+import re
+from collections.abc import Iterator
+
+from lipsync_lang.text.lines.line import Line
+from lipsync_lang.text.lines.line_readers import LineFile, reader
+
+PROPERTY = re.compile(r"\s*((?:\\.|[^\s:=\\])+)\s*[:=\s]\s*(.*)", re.DOTALL)
+PROPERTY_ESCAPE = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|([:=#! \\]))")
+
+
+@reader("properties", suffixes=[".properties"])
+def read(source: LineFile) -> Iterator[Line]:
+    """Java's .properties: a text for each name; a backslash at the end continues a text."""
+    begun, first = "", 0
+    for number, row in source.numbered():
+        if not begun and (not row.strip() or row.lstrip()[0] in "#!"):
+            continue
+        first = first if begun else number
+        begun += row.strip() if begun else row
+        if (len(begun) - len(begun.rstrip("\\"))) % 2:
+            begun = begun[:-1]
+            continue
+        found, begun = PROPERTY.fullmatch(begun), ""
+        if found and found[2].strip():
+            yield source.line(first, PROPERTY_ESCAPE.sub(_escaped, found[2]), name=found[1])
+
+
+def _escaped(found: re.Match[str]) -> str:
+    return chr(int(found[1], 16)) if found[1] else found[2]

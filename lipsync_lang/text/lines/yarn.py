@@ -1,0 +1,62 @@
+"""Yarn Spinner scripts: the spoken lines and options of nodes.
+
+A file is a list of nodes: headers up to ``---``, then a body up to ``===``. A body holds lines such
+as ``Anna: Hello. #line:a1``, options (``-> Hello.``), groups of lines (``=> Hello.``), commands
+(``<<stop>>``) and comments (``//``). The tag ``#line:`` names a line.
+"""
+
+import re
+from collections.abc import Iterator
+
+from lipsync_lang.text.lines.line import Line
+from lipsync_lang.text.lines.line_readers import LineFile, reader
+
+YARN_COMMENT = re.compile(r"(?<![\\:])//.*")
+"""Pattern of a comment, but not within the address of a page."""
+
+COMMAND = re.compile(r"<<(?:[^<>]|>(?!>)|<(?!<))*>>")
+JUMP = re.compile(r"\[\[(?:(?P<text>[^\[\]|]*)\|)?[^\[\]|]*\]\]\s*$")
+"""Pattern of an option of the first version: ``[[Text|Node]]``, or a jump without a text."""
+
+YARN_SPEAKER = re.compile(r"(?P<who>[^\s:.,;!?\"<{\[\\#][^:.,;!?\"<{\[\\#\n]{0,39}):(?:\s+|$)")
+YARN_ESCAPE = re.compile(r"\\([:#/<>])")
+LINE_TAG = "line:"
+
+
+@reader("yarn", suffixes=[".yarn"])
+def read(source: LineFile) -> Iterator[Line]:
+    """Yarn Spinner scripts: lines and options of nodes, with their `#line:` tags."""
+    within = met = False
+    number = 0
+    for number, row in source.numbered():
+        text = row.strip()
+        if text == "===":
+            within = False
+        elif not within:
+            within = text == "---"
+            met |= within
+        else:
+            yield from _spoken(source, number, text)
+    if number and not met:
+        raise source.fault(number, "has no Yarn node; the body of a node begins with a line `---`")
+
+
+def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
+    """Yield the line of a row, if it has one."""
+    pieces = COMMAND.sub(" ", YARN_COMMENT.sub("", text)).strip().split("#")
+    name = ""
+    while len(pieces) > 1:
+        tag = pieces[-1].strip()
+        if len(tag.split()) != 1 or pieces[-2][-1:].strip():
+            break  # a hash within the text
+        if tag.startswith(LINE_TAG):
+            name = tag.removeprefix(LINE_TAG)
+        pieces.pop()
+    text = "#".join(pieces).removeprefix("->").removeprefix("=>").strip()
+    if jump := JUMP.match(text):
+        text = jump["text"] or ""
+    found = YARN_SPEAKER.match(text)
+    speaker = found["who"].strip() if found else ""
+    said = YARN_ESCAPE.sub(r"\1", text[found.end() if found else 0 :]).strip()
+    if said:
+        yield source.line(number, said, name=name, speaker=speaker)

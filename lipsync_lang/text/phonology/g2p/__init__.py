@@ -1,0 +1,15 @@
+"""Text to phonemes (G2P): each engine is a file here, registered by name in `G2P_ENGINES`.
+
+What an engine gives are words with labels of one notation. Which engine reads a language, and
+what its labels stand for, is the language pack's word.
+"""
+
+from lipsync_lang.text.phonology.g2p.g2p_engines import (
+    G2P_ENGINES,
+    RESPELLERS,
+    Settings,
+    SpokenWord,
+    engine,
+)
+
+__all__ = ["G2P_ENGINES", "RESPELLERS", "Settings", "SpokenWord", "engine"]

@@ -1,0 +1,389 @@
+"""Keys of abbreviations and signs, found in a text and replaced by spoken words.
+
+A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
+and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
+first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
+the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
+with a capital and a full stop are titles, which stand before a name; the words after `|` serve
+without one. A key after `…` is the end of a word; one between two of them stands within words, too.
+In the text, `#` is `№` here, the `~` of `~30` is `≈`, and digits of other scripts are 0 to 9.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from itertools import pairwise
+from typing import NamedTuple
+
+from lipsync_lang.text.phonology.g2p.number_words import DIGITS, number_words
+from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
+from lipsync_lang.text.phonology.g2p.tokens import counts
+
+MAX_SCORE = 999
+"""Maximum number of points in a score."""
+
+SEEN_KEY_CHARS = 16
+"""Number of characters examined on each side of an abbreviation."""
+
+_ROMAN = re.compile(
+    "M{0,3}"
+    + "".join(
+        f"(?:{one}{ten}|{one}{five}|{five}?{one}{{0,3}})"
+        for one, five, ten in ("CDM", "XLC", "IVX")
+    )
+)
+_VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
+
+_UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
+"""First and last character of scripts that put no spaces between words, or are treated so."""
+
+_UNSPACED_LETTER = re.compile("[\u0e00-\u0eff]")
+"""A letter of a script that puts spaces between clauses, and none after an abbreviation."""
+
+_SIGNS = str.maketrans("#\u2212٪٫٬״׳", "№-%.,\"'")
+"""Signs of a text, and those of the keys that serve them."""
+
+_UNSPACED_RANGES = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
+_SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。（「{_UNSPACED_RANGES}])-(?=\d)"
+"""A minus; a hyphen behind a word, as in `F-16`, is none."""
+
+_WAVE = re.compile(r"(?<=[\w%℃])[~～](?=\d)")
+_RANGE_SIGN = re.compile(
+    r"(?<=\d)[—－](?=\d)|(?:(?<=:\d\d)|(?<=\d[%€])|(?<=\d\s%))[-–—－](?=\d)"
+    r"|(?<=\d)[-–](?=[$€£¥₩₹]\d)"
+    r"|(?<=:\d\d )[-–—－](?= \d\d?:\d\d)"
+)
+"""A sign between two numbers that is neither a minus nor a hyphen, whatever else it is.
+
+Keys with the sign itself precede those with `〜`."""
+_RANGE_KEY = "#〜#"
+_ABOUT = re.compile("[~∼～](?= ?[0-9])")
+_OPTIONAL_SPACE = "[ \u00a0\u202f]?"
+_NUMBER_RUN = re.compile("-?[\\d., \u00a0\u202f]{1,40}\\D?")
+"""A number with the sign behind it."""
+_SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
+_SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
+_FIRST_CHARS = {"#": "0123456789-", "~": "IVXLC"}
+_NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
+_BEFORE_ALONE = re.compile(r"([^{}]+)\{1\}")
+"""Words before the only number, as in `max. 5 kg`."""
+_BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?([^{}]*)\{[12][^{}]*\}")
+_OTHER_DIGIT = re.compile(r"(?![0-9])\d")
+_NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
+_NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
+"""A number; its thousands may have spaces between them."""
+_SPACES = " \u00a0\u202f"
+_LETTERS = r"([^\W\d_][^\s\d!-/:-@\[-`{-~]+)"
+"""A letter and more, some of which may be marks on letters."""
+
+
+class Replacement(NamedTuple):
+    """A part of a text, and the text to read in its place."""
+
+    start: int
+    stop: int
+    read: str
+
+
+def respelled(text: str, replacements: Iterable[Replacement]) -> str:
+    """Return a text with replacements, which are in order."""
+    read, at = "", 0
+    for one in replacements:
+        read += text[at : one.start] + one.read
+        at = one.stop
+    return read + text[at:]
+
+
+class AbbreviationKeys:
+    """Keys of abbreviations, looked up by the character that each begins with.
+
+    An expression is compiled when a text has the beginning of its key: most texts have none.
+    """
+
+    def __init__(self, forms: SpokenForms) -> None:
+        # engines name these signs where a pack has no words for them
+        self._expansions = {"≈": " ", "/": " ", **forms.abbreviations}
+        self._numbers = forms.numbers
+        self._rules = {
+            name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
+        }
+        bare = _NUMBER_PLACE.fullmatch(self._expansions.get("#", ""))
+        self._bare = self._rules.get(bare[2] if bare else "")
+        """Rules of every number in words, if the pack has any."""
+        self._minus = self._expansions.get("-#", "").partition("{")[0]
+        self._decimal = forms.decimal
+        self._thousands = forms.thousands
+        between = re.escape(forms.thousands) + _SPACES
+        self._grouped = re.compile(
+            rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
+            rf"(?![{between}]?\d)"
+        )
+        self._beginnings: dict[tuple[str, str], dict[tuple[str, str], list[tuple[int, str]]]] = {}
+        self._ends = {k.strip("…"): read for k, read in self._expansions.items() if k[0] == "…"}
+        for rank, key in enumerate(sorted(self._expansions, key=_longest_first)):
+            literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
+            # most words like "in" have nothing of `in 19##` behind them
+            follows = key[1 + len(literal) :].lstrip()[:1] if key[0] not in _FIRST_CHARS else ""
+            # a number begins hundreds of keys, and the sign behind it few of them
+            sign = _SIGN_OF_KEY.match(key)
+            second = sign[1] if sign else literal[:1]
+            for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key)):
+                keys = self._beginnings.setdefault((first, second), {})
+                keys.setdefault((literal, follows.strip("~*")), []).append((rank, key))
+        read = _BEFORE_LAST.fullmatch(self._expansions.get(_RANGE_KEY, ""))
+        self._between = read[2] if read else ""
+        self._starts = re.compile("|".join(self._start_patterns()))
+
+    def _start_patterns(self) -> Iterator[str]:
+        """Yield patterns of the places at which a key may begin."""
+        for key in self._expansions:
+            if key[0] == "…":
+                end = r"(?!\d)" if key[-1] == "…" else r"(?!\w)"
+                yield rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}{end}"
+        yield r"(?<!\d)(?<!\d[.,/:-])\d"
+        yield _SIGNED_DIGIT
+        firsts = dict.fromkeys(first for first, _ in self._beginnings)
+        # most letters within words are passed over here, and the others one by one
+        if letters := "".join(filter(str.isalpha, firsts)):
+            yield f"(?<![A-Za-z])[{letters}]"
+        # `½` is a sign, too
+        signs = (one for one in firsts if not (one.isalpha() or one.isdecimal() or one == "-"))
+        if escaped := "".join(map(re.escape, signs)):
+            yield f"[{escaped}]"
+        if self._between:
+            yield r"(?:(?<=[\w%€℃])|(?<=\d ))〜(?= ?[^\w\s]?\d)"
+
+    def find(self, text: str) -> Iterator[Replacement]:
+        """Yield the keys in a text with their expansions."""
+        written = text
+        at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).translate(_SIGNS)
+        text = _OTHER_DIGIT.sub(lambda digit: str(int(digit[0])), text)
+        plain = _RANGE_SIGN.sub("〜", text)
+        while start := self._starts.search(plain, at):
+            at = start.end()
+            if start[0] == "〜":
+                yield Replacement(*start.span(), self._between)
+                continue
+            if start[0] in self._ends:
+                yield Replacement(*start.span(), self._ends[start[0]])
+                continue
+            if start[0].isalpha() and (
+                self._beginnings.keys().isdisjoint(((start[0], text[at : at + 1]), (start[0], "")))
+                or is_spaced(text[max(at - 2, 0) : at - 1])
+            ):
+                continue
+            found, read = max(
+                (self._match(one, start.start()) for one in dict.fromkeys((text, plain))),
+                key=lambda match: match[0].end() if match[0] else -1,
+            )
+            if found:
+                at, words = self._read(found, read)
+                yield Replacement(found.start(), at, words)
+            elif grouped := self._grouped.match(text, start.start()):
+                at = grouped.end()
+                yield Replacement(*grouped.span(), _digits(grouped))
+            elif number := _NUMBER.match(text, start.start()):
+                at = number.end()
+                if number[0] != written[number.start() : at]:
+                    yield Replacement(*number.span(), number[0])
+
+    def _read(self, found: re.Match[str], read: str) -> tuple[int, str]:
+        """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
+        if found.re.pattern in _RANGE_PATTERNS:
+            start, end = found.groups()
+            # a range rises, but for `1914-18`, and a score such as `3-1` may fall
+            if start.isdigit() and end.isdigit() and int(end) < int(start) <= MAX_SCORE:
+                read = self._expansions.get("#:#", read)
+        words = ""
+        while found.re.pattern in _OPEN_PATTERNS and (before := _BEFORE_LAST.fullmatch(read)):
+            first, last = found[1] if before[1] else "", found.lastindex or 0
+            words += self.respelled(first) + before[2]
+            match, read = self._match(found.string, found.start(last))
+            if match is None:
+                return found.end(), words + self.respelled(found[last])
+            found = match
+        if before := _BEFORE_ALONE.fullmatch(read):
+            unit, after = self._match(found.string, found.start(1))
+            if unit and unit.end() > found.end() == unit.end(unit.lastindex or 0):
+                return unit.end(), words + before[1] + self._expanded(unit, after)
+        return found.end(), words + self._expanded(found, read)
+
+    def respelled(self, text: str) -> str:
+        """Return a text with the expansions of its keys."""
+        return respelled(text, self.find(text))
+
+    def _match(self, text: str, at: int) -> tuple[re.Match[str] | None, str]:
+        """Return the longest match of a key at a place of a text, and its expansion.
+
+        The longer key precedes of two that match alike.
+        """
+        first = text[at]
+        numeric = first.isdecimal() or first == "-"
+        run = _NUMBER_RUN.match(text, at) if numeric else None
+        behind = _SIGN_BEHIND.findall(run[0]) if run else ()
+        fitting: list[tuple[int, str]] = []
+        for second in {"", text[at + 1 : at + 2], *behind}:
+            for (literal, follows), keys in self._beginnings.get((first, second), {}).items():
+                end = at + 1 + len(literal)
+                if text.startswith(literal, at + 1) and (
+                    not follows or _is_sign(text[end : end + 2].strip()[:1], follows)
+                ):
+                    fitting += keys
+        best, read = None, ""
+        for _, key in sorted(fitting):
+            found = _expression(key).match(text, at)
+            if not found or (best and found.end() <= best.end()):
+                continue
+            if key[0] == "~" and not roman(found[1]):
+                continue
+            in_word = is_spaced(key[-1]) or key[-1] in ".'"
+            after = text[found.end() : found.end() + 2]
+            # `les 2 m'ont vu`
+            after = after.lstrip("'’") if key[-2:-1] == " " else after
+            glued = key[-1] == "." and _UNSPACED_LETTER.match(after)
+            titled, _, alone = self._expansions[key].partition("|")
+            words = titled if _fits(found, titled, choosy=bool(alone)) else alone
+            if words and (glued or not (in_word and is_spaced(after[:1]))):
+                best, read = found, words
+        return best, read
+
+    def _expanded(self, found: re.Match[str], read: str) -> str:
+        """Return the expansion of a key with its numbers, and spaces before and after words."""
+
+        def number(place: re.Match[str]) -> str:
+            written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
+            if _NUMBER_RANGE.fullmatch(written) and {*words} != DIGITS:
+                return self.respelled(written)
+            written = written.lstrip("-") if self._minus else written
+            if self._bare and not words and written != found[0] and written[-1].isdigit():
+                # decimals are read as their key says
+                return self.respelled(written)
+            written = self._grouped.sub(_digits, written)
+            if self._thousands == ",":
+                written = written.replace(",", ", ")  # two numbers, such as `2,3`
+            if isinstance(words, Mapping):
+                written = written.lstrip("-")
+                written = str(roman(written) or written)
+                return number_words(words, written, self._rules, self._decimal)
+            value = int(written) if written.isdigit() else roman(written)
+            if 0 < value <= len(words):
+                return words[value - 1]
+            if written.isalpha():
+                return str(value) if value else written
+            return re.sub("[.,]", f" {self._decimal} ", written) if self._decimal else written
+
+        negative = found.lastindex and found[1].startswith("-")
+        read = self._minus * bool(negative) + _NUMBER_PLACE.sub(number, read)
+        if self._bare:
+            # `{few} km` of a list of digits
+            read = number_words(self._bare, read, self._rules, self._decimal)
+        rest = _seen_after(found)
+        after = rest.lstrip()
+        if read.endswith(".") and after and not after[:1].isupper():
+            read = read[:-1]
+        before = found.string[max(found.start() - 1, 0) : found.start()]
+        left = " " if any(map(counts, before)) and read[:1].isalnum() else ""
+        right = " " if is_spaced(rest[:1]) and counts(read[-1:] or " ") else ""
+        return left + read + right
+
+
+def _digits(grouped: re.Match[str]) -> str:
+    """Return a number without signs between its thousands."""
+    return re.sub(r"\D", "", grouped[0])
+
+
+def _is_sign(char: str, sign: str) -> bool:
+    """Return True for a character of a text that a sign of a key allows."""
+    return char.isdecimal() if sign == "#" else char == sign
+
+
+def _longest_first(key: str) -> tuple[int, int, str]:
+    return -len(key), key.count("#"), key
+
+
+def is_spaced(char: str) -> bool:
+    """Return True for a letter, mark or digit of a script that puts spaces between words."""
+    spaced = not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
+    return spaced and any(map(counts, char))
+
+
+def _either(key: str) -> str:
+    """Return the first letter of a key; that of a word may be a capital, as in a sentence."""
+    first = key[0]
+    if key[1:2] == "#":
+        return first  # `x3` is no `BMW X3`
+    return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
+
+
+def _fits(found: re.Match[str], read: str, *, choosy: bool) -> bool:
+    """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`.
+
+    A name of a `choosy` title begins with a capital.
+    """
+    key = found[0]
+    if not key.endswith(".") or read.endswith("."):
+        return True
+    after = _seen_after(found).lstrip(" \u00a0\u202f")
+    if key[:-1].isdigit():
+        return not _seen_after(found)[:1].strip() and after[:1].islower()
+    if found.lastindex:
+        return True
+    if len(key) == len("D."):
+        before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
+        return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
+    named = after[:1].isupper() if choosy else any(map(str.isalnum, after[:3]))
+    return not key[0].isupper() or named
+
+
+def _seen_after(found: re.Match[str]) -> str:
+    """Return the start of the text after a match; the whole rest would be copied for each match."""
+    return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
+
+
+def roman(numeral: str) -> int:
+    """Return the value of a Roman numeral; 0 for any other text.
+
+    >>> roman("XIV"), roman("IIX")
+    (14, 0)
+    """
+    if not numeral or not _ROMAN.fullmatch(numeral):
+        return 0
+    values = [_VALUES[letter] for letter in numeral]
+    return sum(-v if v < after else v for v, after in zip(values, (*values[1:], 0), strict=True))
+
+
+@cache
+def _expression(key: str) -> re.Pattern[str]:
+    """Return the expression of a key; spaces in it may be missing in a text."""
+    parts = [
+        (_NUMBER_PATTERN if part == "#" else rf"(\d{{{len(part)}}})")
+        if part.startswith("#")
+        else _OPTIONAL_SPACE
+        if part == " "
+        else _LETTERS
+        if part == "*"
+        # "Le" and "Ce" are words, and no numerals with an ending
+        else ("([IVX]{1,6})" if after.isalpha() else "([IVXLC]{1,7})(?![A-Za-z])")
+        if part == "~"
+        else re.escape(part)
+        for part, after in pairwise([*re.findall("#+|[^#]", key), ""])
+    ]
+    if key[0].isalpha():
+        parts[0] = f"[{_either(key)}]"
+    elif key[:1] == "#" != key[1:2]:
+        parts[0] = f"(-?(?:{parts[0][1:]})"
+    if key[0].isalpha() and key[-1] == "#":
+        # `pages 12–15`, and `February 2nd`
+        parts[-1] = parts[-1][:-1] + r"(?:[-–]\d+)?)"
+        parts.append("(?![a-z])")
+    if key[-1] == "#" or key[-1].isdigit():
+        parts.append(r"(?!\d|[.,/:–-]\d|\.?[ºª])")
+    return re.compile("".join(parts))
+
+
+_NUMBER_RANGE = re.compile(r"\d+[-–]\d+")
+_RANGE_KEYS = ("#-#", "# - #", "#–#", "#—#", "#〜#")
+_RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGE_KEYS)
+_OPEN_KEYS = (*_RANGE_KEYS, "# x #", "# × #", "≈ #", "± #", "= #", "-#")
+_OPEN_PATTERNS = frozenset(_expression(key).pattern for key in _OPEN_KEYS)
+"""Keys whose last number may have a unit behind it."""

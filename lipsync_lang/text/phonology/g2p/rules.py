@@ -1,0 +1,267 @@
+"""Spelling to phonemes by ordered rewrites, which a language pack states itself.
+
+At each place of a word the rules are tried in order, and the first that fits takes its letters:
+its spelling stands here, its `after` matches what precedes, its `before` what follows. Where none
+fits, the longest label of the notation that stands here is taken as it is, so that letters
+that are labels need no rule. What still is not read is left over, and named.
+
+Words are compared composed and in small letters. A context is a regular expression over the
+word's own letters (see `contexts`): ``^`` in `after` is the start of the word, ``$`` in `before`
+its end.
+
+Readings, which a pack states syllable by syllable, count where their letters are whole words of a
+text, and their contexts fit around them.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import lru_cache
+from itertools import accumulate
+from typing import NamedTuple
+
+from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.text.phonology.g2p.contexts import MAX_STEPS_PER_LETTER, Surroundings
+from lipsync_lang.text.phonology.g2p.g2p_engines import (
+    G2P_ENGINES,
+    WHISPER,
+    G2PEngine,
+    Rule,
+    Settings,
+    SpokenWord,
+    merged,
+    respeller,
+)
+from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
+
+_ABBREVIATION = re.compile("[^a-z]{,3}|[^AEIOUa-z]+")
+"""Capitals that are spelled: few ones, or without a vowel; others are a word, as `FAILED`."""
+
+SLOW = "and those before it with the same first letter could take too long"
+QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
+
+ForeignReader = Callable[[str], tuple[str, ...]]
+
+_LATIN_WORD = re.compile("[A-Za-zÀ-ɏ][A-Za-zÀ-ɏ'-]*")
+
+CACHED_WORDS = 20_000
+"""Maximum number of cached readings of words."""
+
+
+class _CompiledRule(NamedTuple):
+    number: int
+    spelling: str
+    to: tuple[str, ...]
+    around: Surroundings
+
+    def fits(self, word: str, at: int) -> bool:
+        """Return True if the rule applies at a place of a word."""
+        return word.startswith(self.spelling, at) and self.around.fit(
+            word, at, at + len(self.spelling)
+        )
+
+
+class Rewriter:
+    """Compiled rules; raise `SpeechError` for a context that is unusable, or too slow."""
+
+    def __init__(self, rules: Iterable[Rule], labels: Iterable[str] = ()) -> None:
+        self._rules: dict[str, list[_CompiledRule]] = {}
+        self._labels: dict[str, list[tuple[str, str]]] = {}
+        rules = tuple(rules)
+        for number in too_slow(rules):
+            raise SpeechError(f"rule {number + 1} ('{rules[number].spelling}') {SLOW}; {QUICKER}")
+        for number, rule in enumerate(rules):
+            made = _compile(number, rule)
+            self._rules.setdefault(made.spelling[:1], []).append(made)
+        for label in labels:
+            letters = plain(label)
+            if letters:
+                self._labels.setdefault(letters[0], []).append((letters, label))
+        for known in self._labels.values():
+            known.sort(key=lambda pair: -len(pair[0]))
+        self.read = lru_cache(CACHED_WORDS)(self._read)
+
+    def _read(self, word: str) -> SpokenWord:
+        """Return a word with its labels, and the characters left over."""
+        labels: list[str] = []
+        unread: list[str] = []
+        for _, made, letters in self.steps(word):
+            if made is None:
+                unread += [c for c in letters if c.isalnum()]
+            else:
+                labels += made
+        return SpokenWord(word, tuple(labels), unread="".join(unread))
+
+    def steps(self, word: str) -> Iterator[tuple[int | None, tuple[str, ...] | None, str]]:
+        """Yield (number of the rule or None, labels or None, letters) along a word."""
+        word = plain(word)
+        at = 0
+        while at < len(word):
+            rule = next((one for one in self._rules.get(word[at], ()) if one.fits(word, at)), None)
+            if rule is not None:
+                yield rule.number, rule.to, rule.spelling
+                at += len(rule.spelling)
+                continue
+            known = self._labels.get(word[at], ())
+            found = next((one for one in known if word.startswith(one[0], at)), None)
+            letters, label = found or (word[at], None)
+            yield None, None if label is None else (label,), letters
+            at += len(letters)
+
+
+def _compile(number: int, rule: Rule) -> _CompiledRule:
+    where = f"rule {number + 1} ('{rule.spelling}'): its context"
+    around = Surroundings.compiled(rule.before, rule.after, where)
+    return _CompiledRule(number, plain(rule.spelling), rule.to, around)
+
+
+@G2P_ENGINES.register("rules")
+def engine(settings: Settings) -> G2PEngine:
+    """Read text with the rules of a pack."""
+    rewriter = Rewriter(settings.rules, settings.labels)
+    readings = Rewriter(settings.readings)
+    respell = respeller(settings.respell) if settings.respell else None
+    foreign = foreign_reader(settings)
+
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
+        for text in texts:
+            yield tuple(_read(text))
+
+    def _read_word(word: str) -> SpokenWord:
+        labels = () if settings.readings or len(word) == 1 else foreign(word)
+        if labels and "-" in word:  # nag-upload
+            return merged(word, [_read_word(part) for part in word.split("-") if part], word)
+        return SpokenWord(word, labels) if labels else rewriter.read(word)
+
+    def _read(text: str) -> Iterator[SpokenWord]:
+        if respell is None:
+            yield from read_words(text, _read_word)
+            return
+        for piece, respelled in respell(text):
+            spelling = _by_syllables(piece, respelled, readings, foreign)
+            words = read_words(spelling, _read_word)
+            if any(word.labels for word in words):
+                yield merged(piece, words, spelling.replace(WHISPER, ""))
+            else:
+                yield from (word._replace(text=piece) for word in words[:1])
+
+    return read
+
+
+def foreign_reader(settings: Settings) -> ForeignReader:
+    """Return a function from a word in Latin letters to the labels of its sounds in another voice.
+
+    They are none if there is no such voice, or if it cannot say the word.
+    """
+    rewriter = Rewriter(settings.foreign, settings.labels)
+    around = Surroundings.compiled(f"(?:{settings.native})$", "", "`native`")
+
+    def native(word: str) -> bool:
+        parts = re.split("[-']", plain(word)) if settings.native else [""]
+        return any(parts) and all(around.fit(part, 0, 0) for part in parts)
+
+    @lru_cache(CACHED_WORDS)
+    def read(word: str) -> tuple[str, ...]:
+        if not settings.foreign or not _LATIN_WORD.fullmatch(word) or native(word):
+            return ()
+        voice = Settings(settings.language, settings.foreign_voice)
+        try:
+            (said,) = G2P_ENGINES.find("espeak", SpeechError)(voice)([word])
+        except SpeechError:
+            return ()
+        found = rewriter.read("".join(label for one in said for label in one.labels))
+        return () if found.unread else found.labels
+
+    return read
+
+
+def too_slow(rules: Sequence[Rule]) -> Iterator[int]:
+    """Yield each rule that brings the steps of its first letter above the limit."""
+    steps: dict[str, int] = {}
+    for number, rule in enumerate(rules):
+        made = _compile(number, rule)
+        letter = made.spelling[:1]
+        before = steps.get(letter, 0)
+        steps[letter] = before + sum(side.steps for side in made.around if side)
+        if before <= MAX_STEPS_PER_LETTER < steps[letter]:
+            yield number
+
+
+def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:
+    """Yield (rule, earlier rule) for each rule that an earlier one always preempts.
+
+    The earlier rule does so if its spelling is a prefix of the other's, and its contexts demand
+    nothing that the other's do not.
+    """
+    first: dict[tuple[str, str, str], int] = {}
+    for number, rule in enumerate(rules):
+        spelling = plain(rule.spelling)
+        wider = [(spelling[:end], "") for end in range(len(spelling) + 1)]
+        found = [
+            first[start, after, before]
+            for start, before in (*wider, (spelling, rule.before))
+            for after in ("", rule.after)
+            if (start, after, before) in first
+        ]
+        if found:
+            yield number, min(found)
+        first.setdefault((spelling, rule.after, rule.before), number)
+
+
+def _by_syllables(word: str, respelled: str, readings: Rewriter, foreign: ForeignReader) -> str:
+    """Return the readings of a word that its respelling spells by letters; else the respelling.
+
+    A word without readings has those of its sounds in another voice.
+
+    Names of letters are longer than the word; they are kept if it is an abbreviation.
+    """
+    if len(respelled) <= len(word) or _ABBREVIATION.fullmatch(word):
+        return respelled
+    read = readings.read(word)
+    if read.unread:
+        read = readings.read("".join(foreign(word.lower())))
+    return respelled if read.unread else "".join(read.labels) or respelled
+
+
+class StatedReading(NamedTuple):
+    """A stated reading: its letters, their syllables, and what must stand around them."""
+
+    letters: str
+    syllables: tuple[str, ...]
+    around: Surroundings
+
+    def spans(self, text: str) -> Iterator[tuple[int, int]]:
+        """Yield where it applies in a text."""
+        at = text.find(self.letters)
+        while at >= 0:
+            stop = at + len(self.letters)
+            if self.around.fit(text, at, stop):
+                yield at, stop
+            at = text.find(self.letters, at + 1)
+
+
+def compiled_readings(readings: Sequence[Rule]) -> tuple[StatedReading, ...]:
+    """Compile the readings of a pack, which have one syllable for each character."""
+    made: list[StatedReading] = []
+    for number, rule in enumerate(readings, start=1):
+        where = f"reading {number} ('{rule.spelling}')"
+        if len(rule.to) != len(rule.spelling):
+            raise SpeechError(
+                f"{where} has {len(rule.to)} syllables for {len(rule.spelling)} characters; "
+                "state one for each"
+            )
+        around = Surroundings.compiled(rule.before, rule.after, f"{where}:")
+        made.append(StatedReading(rule.spelling, rule.to, around))
+    return tuple(made)
+
+
+def stated_syllables(
+    text: str, phrases: Sequence[str], readings: Sequence[StatedReading]
+) -> dict[int, str]:
+    """Return the stated syllable of each character that has one, by its place."""
+    ends = {0, *accumulate(map(len, phrases))}
+    found: dict[int, str] = {}
+    for reading in readings:
+        for start, stop in reading.spans(text):
+            if {start, stop} <= ends and start not in found:
+                found |= dict(zip(range(start, stop), reading.syllables, strict=True))
+    return found

@@ -1,0 +1,51 @@
+"""Read-outs: the mouth is found without names, and each shape moves it as its pose set says."""
+
+import pytest
+from places import ROOT
+from small_models import glb
+
+import lipsync_lang as ll
+from lipsync_lang.base.errors import ModelError
+from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.faces.rigs.read_outs import read_outs, still_shapes
+
+
+def measured(name):
+    return read_outs(read_model(ROOT / "posesets" / name / "model.glb"))
+
+
+def test_each_pose_of_the_head_moves_what_its_title_says():
+    found = measured("facefx")
+    assert found["open"].aperture > 0.4
+    assert found["open"].jaw > 0.3
+    assert found["W"].width < -0.4
+    assert found["W"].protrusion > 0.15
+    assert found["wide"].width > 0.2
+    assert found["PBM"].aperture <= 0
+    assert found["tTeeth"].tongue_out > 0.3
+    assert found["tRoof"].tongue_up > 0.3
+    assert max(found[pose].tongue_out for pose in ("open", "PBM", "FV", "wide")) == 0
+    assert set(found["blink"].to_dict().values()) == {0.0}
+
+
+@pytest.mark.parametrize("name", ["facefx", "crab"])
+def test_shapes_of_gestures_move_and_leave_the_mouth_alone(name):
+    own = ll.resolve("english", name)
+    found = measured(name)
+    assert not still_shapes(read_model(own.model))
+    for channel in own.gesture_channels:
+        if channel.node is None:
+            assert max(map(abs, found[channel.name].to_dict().values())) < 0.01
+
+
+def test_a_mouth_of_any_form_is_found():
+    found = measured("crab")
+    assert max(found, key=lambda pose: found[pose].aperture) == "mouthOpen"
+    assert max(found, key=lambda pose: found[pose].tongue_out) == "tongueOut"
+    assert max(found, key=lambda pose: found[pose].protrusion) == "mouthOO"
+
+
+def test_a_model_without_a_mouth_is_refused(tmp_path):
+    model = read_model(glb(tmp_path / "cube.glb", "big"))
+    with pytest.raises(ModelError, match=r"cube\.glb: no shape opens a mouth"):
+        read_outs(model)

@@ -1,0 +1,123 @@
+"""Builds of archives of takes: whole, in shards, merged, and as patches."""
+
+import json
+import shutil
+
+import pytest
+from build_project import PROJECT, Game
+
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.cli import main
+from lipsync_lang.production.builds.archives import members
+from lipsync_lang.production.builds.shards import Shard
+from lipsync_lang.production.builds.takes import read_takes
+
+SAID = ["L OW", "M AE P", "M EY L", "HH OW M", "L OW M", "M AE M", "P AE L"]
+ARCHIVE = "takes/facefx.takes"
+SHARDS = 3
+
+
+@pytest.fixture
+def game(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    made = Game(tmp_path, capsys)
+    for number, sounds in enumerate(SAID):
+        made.say(f"line{number}", sounds)
+    made.script([f"line{number}" for number in range(len(SAID))])
+    stated = PROJECT.replace('"takes/{id}.csv"', '"takes/{character}.takes", "csv/{id}.csv"')
+    made.write("lipsync.yaml", stated)
+    return made
+
+
+def test_a_build_fills_an_archive_and_then_changes_nothing(game):
+    assert len(game.build().built) == len(SAID)
+    first = (game.folder / ARCHIVE).read_bytes()
+    names = [f"english/line{number}" for number in range(len(SAID))]
+    assert [*read_takes(game.folder / ARCHIVE).takes] == names
+    assert not game.build().built
+    assert (game.folder / ARCHIVE).read_bytes() == first
+
+
+def test_a_lost_or_damaged_archive_is_noticed(game, capsys):
+    game.build()
+    (game.folder / ARCHIVE).unlink()
+    assert len(game.build().built) == len(SAID)
+    (game.folder / ARCHIVE).write_bytes(b"LLTAKES\0 damaged")
+    assert main(["build"]) == 2
+    assert "facefx.takes: is a damaged archive (its header ends early)" in capsys.readouterr().err
+
+
+def test_prune_removes_takes(game):
+    game.build()
+    game.script([f"line{number}" for number in range(2)])
+    game.build("--prune")
+    assert [*members(game.folder / ARCHIVE)] == ["english/line0.keys", "english/line1.keys"]
+
+
+def test_shards_are_disjoint_and_merge_to_the_bytes_of_one_build(game):
+    game.build()
+    whole = (game.folder / ARCHIVE).read_bytes()
+    counts = [len(game.build("--shard", f"{n}/{SHARDS}").built) for n in range(1, SHARDS + 1)]
+    assert sum(counts) == len(SAID)
+    assert not game.build("--shard", f"1/{SHARDS}").built
+    parts = sorted(str(path) for path in (game.folder / "takes").glob("*-of-3.takes"))
+    assert main(["archive", "merge", "merged.takes", *parts]) == 0
+    assert (game.folder / "merged.takes").read_bytes() == whole
+    assert main(["archive", "merge", "again.takes", *reversed(parts), ARCHIVE]) == 0
+    assert (game.folder / "again.takes").read_bytes() == whole
+
+
+def test_shards_of_lines_do_not_move():
+    shards = [Shard(number, 16) for number in range(1, 17)]
+    homes = [[s.number for s in shards if s.has("english", f"l{n}")] for n in range(500)]
+    assert all(len(home) == 1 for home in homes)
+    assert len({home[0] for home in homes}) == 16
+    assert homes[7] == [next(s.number for s in shards if s.has("english", "l7"))]
+    for bad in ("0/3", "4/3", "3", "a/b", "-1/3"):
+        with pytest.raises(LipsyncError, match="such as 3/16"):
+            Shard.parse(bad)
+
+
+def records(path):
+    """Return the bytes of each take as they stand in an archive."""
+    players = pytest.importorskip(
+        "lipsync_lang.faces.players.takes", reason="the players are removed"
+    )
+    names = read_takes(path).takes
+    with players.Archive(path) as opened:
+        return {name: opened.data[slice(*opened.find(name))] for name in names}
+
+
+def test_a_build_after_one_bigram_performs_what_changed_and_copies_the_rest(game):
+    game.build()
+    before = records(game.folder / ARCHIVE)
+    game.bank(0.7)
+    built = game.build().built
+    after = records(game.folder / ARCHIVE)
+    changed = [name for name in after if after[name] != before[name]]
+    assert 0 < len(built) < len(SAID)
+    assert changed == [f"english/{one}" for one in built]
+
+
+def test_a_patch_after_one_bigram_holds_only_what_changed(game, capsys):
+    game.build()
+    shutil.copy(game.folder / ARCHIVE, "old.takes")
+    game.bank(0.7)
+    changed = game.build().built
+    assert 0 < len(changed) < len(SAID)
+    assert main(["archive", "diff", "old.takes", ARCHIVE, "crab.patch"]) == 0
+    assert len(read_takes(game.folder / "crab.patch").takes) == len(changed)
+    assert main(["archive", "apply", "old.takes", "crab.patch", "-o", "new.takes"]) == 0
+    assert (game.folder / "new.takes").read_bytes() == (game.folder / ARCHIVE).read_bytes()
+    assert main(["archive", "apply", ARCHIVE, "crab.patch"]) == 2
+    assert "is not the archive that crab.patch was made for" in capsys.readouterr().err
+    assert main(["archive", "merge", "x.takes", "old.takes", "new.takes"]) == 2
+    assert "differs from that of old.takes" in capsys.readouterr().err
+    assert main(["archive", "show", "--json", "crab.patch"]) == 0
+    assert len(json.loads(capsys.readouterr().out)) == len(changed)
+
+
+def test_only_takes_go_into_an_archive(game, capsys):
+    game.write("lipsync.yaml", PROJECT.replace("takes/{id}.csv", "crab.takes/{id}.csv"))
+    assert main(["build"]) == 2
+    assert "holds takes only" in capsys.readouterr().err

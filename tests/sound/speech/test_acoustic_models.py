@@ -1,0 +1,467 @@
+"""Acoustic models as data: the model of pocketsphinx written in other forms aligns alike."""
+
+import struct
+
+import numpy as np
+import pytest
+from lanes import full
+from spoken_sentences import SENTENCES
+
+from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.resolver.nearest_phonemes import model_phones
+from lipsync_lang.schedules import SILENCE
+from lipsync_lang.sound.speech.hearing.alignment import aligned
+from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import Listening
+from lipsync_lang.sound.speech.hearing.sphinx.features import (
+    CepstralFrames,
+    features,
+)
+from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models, models_in, read_model
+from lipsync_lang.sound.speech.hearing.sphinx.htk_front_end import (
+    HtkFrontEnd,
+    kept_features,
+    mel_filters,
+    regression,
+)
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import prepared
+from lipsync_lang.sound.speech.hearing.sphinx.sphinx_files import read_gaussians, read_sphinx
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+pytest.importorskip("pocketsphinx")
+
+TEXT = "Glue the sheet to the dark blue background."
+POSITIONS = "ibes"
+HTK_CONFIG = "TARGETKIND = MFCC_0_D_A_Z\nNUMCHANS = 26\nCEPLIFTER = 22\nSOURCERATE = 625\n"
+
+
+@pytest.fixture(scope="module")
+def english():
+    return Speaker.of("english")
+
+
+@pytest.fixture(scope="module")
+def spoken(english):
+    return english.speak(TEXT).audio
+
+
+@pytest.fixture(scope="module")
+def shipped():
+    return find_models("en-us")
+
+
+def table(path, sizes, values):
+    """Write a binary table of Sphinx."""
+    values = np.asarray(values, "<f4")
+    head = b"s3\nversion 1.0\nendhdr\n" + struct.pack("<I", 0x11223344)
+    path.write_bytes(head + struct.pack(f"<{len(sizes)}i", *sizes) + values.tobytes())
+
+
+def text_mdef(model, contexts):
+    """Return the text of the phonemes without context and of some rows of others."""
+    names, alone = model.names, [phone.states for phone in model.alone]
+    rows = [
+        f"{name} - - - {'filler' if n in model.fillers else 'n/a'} {n} {' '.join(map(str, own))} N"
+        for n, (name, own) in enumerate(zip(names, alone, strict=True))
+    ]
+    for key, row in contexts:
+        here, left, right, place = (int(key) >> shift & 255 for shift in (24, 16, 8, 0))
+        states = " ".join(map(str, model.states[row].tolist()))
+        where = f"{names[here]} {names[left]} {names[right]} {POSITIONS[place]}"
+        rows.append(f"{where} n/a {here} {states} N")
+    return "\n".join(["# made by a test", "0.3", f"{len(names)} n_base", *rows]) + "\n"
+
+
+def in_text(shipped, folder):
+    """Write the model with a text `mdef` and with `mixture_weights`."""
+    folder.mkdir()
+    for name in ("feat.params", "means", "variances", "transition_matrices"):
+        (folder / name).write_bytes((shipped.acoustic / name).read_bytes())
+    model = shipped.model
+    mdef = text_mdef(model, zip(model.keys, model.rows, strict=True))
+    (folder / "mdef").write_text(mdef, encoding="utf-8")
+    weights = np.moveaxis(model.weights, -1, 0)
+    table(folder / "mixture_weights", (*weights.shape, weights.size), 1000 * weights)
+    return folder
+
+
+def continuous(shipped, folder):
+    """Write the phonemes without context with a codebook for each state."""
+    folder.mkdir()
+    model = shipped.model
+    for name in ("feat.params", "transition_matrices"):
+        (folder / name).write_bytes((shipped.acoustic / name).read_bytes())
+    (folder / "mdef").write_text(text_mdef(model, ()), encoding="utf-8")
+    states = np.array([phone.states for phone in model.alone])
+    assert states.ravel().tolist() == [*range(states.size)]
+    for name in ("means", "variances"):
+        values = np.repeat(read_gaussians(shipped.acoustic / name), 3, axis=0)
+        books, streams, count, length = values.shape
+        sizes = (books, streams, count, *[length] * streams, values.size)
+        table(folder / name, sizes, values)
+    weights = np.moveaxis(model.weights[:, :, : states.size], -1, 0)
+    table(folder / "mixture_weights", (*weights.shape, weights.size), weights)
+    return folder
+
+
+def close(english, audio, one, other, seconds=1e-4):
+    """Check that two models put the same labels at the same times."""
+    found, known = (
+        aligned(english, audio, TEXT, aligner=f"pocketsphinx:{folder}") for folder in (one, other)
+    )
+    assert found.labels == known.labels
+    assert np.median(np.abs(found.times - known.times)) <= seconds
+    assert found.confidence > 0.5
+
+
+def test_a_model_in_text_is_the_binary_one(shipped, english, spoken, tmp_path):
+    folder = in_text(shipped, tmp_path / "text")
+    model, other = shipped.model, models_in(folder).model
+    assert (model.names, model.alone, model.fillers) == (other.names, other.alone, other.fillers)
+    np.testing.assert_array_equal(model.keys, other.keys)
+    np.testing.assert_array_equal(model.states[model.rows], other.states[other.rows])
+    np.testing.assert_array_equal(model.books, other.books)
+    # quantised weights add up to 1 roughly
+    shares = model.weights / model.weights.sum(axis=1, keepdims=True)
+    np.testing.assert_allclose(other.weights, shares, rtol=1e-3, atol=2e-7)
+    (folder / "words.dict").write_bytes(shipped.dictionary.read_bytes())
+    close(english, spoken, folder, shipped.folder)
+
+
+def test_a_continuous_model_scores_as_the_tied_one(shipped, spoken, tmp_path):
+    model, other = shipped.model, models_in(continuous(shipped, tmp_path / "cont")).model
+    assert len(other.gaussians) == 3 * len(model.names)
+    sound = features(prepared(spoken))[:50]
+    known, found = (Listening(one, sound).scores(one.alone) for one in (model, other))
+    away = found - known  # weights of one state add up to 1 roughly
+    assert np.abs(away - away.mean(axis=0)).max() < 0.5
+    assert np.abs(away).max() < 1
+
+
+def test_one_stream_is_three_in_a_row(shipped, tmp_path):
+    folder = continuous(shipped, tmp_path / "three")
+    single = tmp_path / "one"
+    single.mkdir()
+    for name in ("feat.params", "mdef", "transition_matrices"):
+        (single / name).write_bytes((folder / name).read_bytes())
+    for name in ("means", "variances"):
+        first = read_gaussians(folder / name)[:, :, :1]
+        table(single / name, (len(first), 1, 1, 39, first.size), first)
+        table(folder / name, (len(first), 3, 1, 13, 13, 13, first.size), first)
+    for where, streams in ((folder, 3), (single, 1)):
+        alike = np.ones((len(first), streams, 1))
+        table(where / "mixture_weights", (*alike.shape, alike.size), alike)
+    sound = np.random.default_rng(1).normal(0, 5, (20, 3, 13))
+    one, three = (read_sphinx(where) for where in (single, folder))
+    np.testing.assert_allclose(
+        Listening(one, sound).scores(one.alone), Listening(three, sound).scores(three.alone), 1e-4
+    )
+
+
+def test_states_that_share_one_codebook_are_read(shipped, tmp_path):
+    folder = continuous(shipped, tmp_path / "semi")
+    for name in ("means", "variances"):
+        first = read_gaussians(folder / name)[:1]
+        table(folder / name, (*first.shape[:3], 13, 13, 13, first.size), first)
+    assert set(read_sphinx(folder).books.tolist()) == {0}
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("-feat s2_4x", "-feat s2_4x: the features have 1s_c_d_dd"),
+        ("-lda yes", "-lda yes: the features have no such parameter"),
+        ("-agc max", "-agc max: the features have none"),
+        ("-samprate 8000", "-samprate 8000: the features have 16000"),
+        ("-cmn none", "-cmn none: the features have batch"),
+        ("-transform wavelet", "-transform wavelet"),
+        ("-upperf 9000", "leave 0 to 8000 Hz"),
+        ("-nfilt 300", "-nfilt, -lowerf, -upperf"),
+        ("-shoe 44", "-shoe: this parameter is unknown"),
+    ],
+)
+def test_features_that_cannot_be_computed_are_refused_by_parameter(shipped, tmp_path, line, told):
+    folder = continuous(shipped, tmp_path / "other")
+    params = folder / "feat.params"
+    params.write_text(f"{params.read_text('utf-8')}\n{line}\n", encoding="utf-8")
+    with pytest.raises(SpeechError, match=told):
+        _ = models_in(folder).model
+
+
+@pytest.mark.parametrize(
+    "params",
+    [
+        "-nfilt 40 -transform legacy",
+        "-nfilt 30 -lowerf 130 -upperf 6800 -transform dct -lifter 22",
+        "-lowerf 200 -transform htk -lifter 22 -remove_noise yes",
+    ],
+)
+def test_features_are_those_of_pocketsphinx(spoken, shipped, tmp_path, params):
+    from pocketsphinx import Decoder
+
+    for path in shipped.acoustic.iterdir():
+        if path.name != "feat.params":
+            (tmp_path / path.name).symlink_to(path)
+    text = f"{params} -feat 1s_c_d_dd -svspec 0-12/13-25/26-38 -cmn batch"
+    (tmp_path / "feat.params").write_text(text.replace(" -", "\n-") + "\n", encoding="utf-8")
+    decoder = Decoder(hmm=str(tmp_path), dict=str(shipped.dictionary), lm=None, loglevel="FATAL")
+    decoder.set_align_text("glue")
+    decoder.start_utt()
+    sound = np.rint(prepared(spoken))
+    decoder.process_raw(sound.astype("<i2").tobytes(), full_utt=True)
+    decoder.end_utt()
+    mean = [float(one) for one in decoder.get_cmn(update=False).split(",")]
+    ours = CepstralFrames(read_model(tmp_path).front_end).push(sound).mean(axis=0)
+    np.testing.assert_allclose(ours, mean, rtol=0.02, atol=0.05)
+
+
+# HTK
+
+
+def hmmdefs(phones, kind="MFCC_0_D_A_Z", size=39):
+    """Return monophones of HTK: for each name the means and variances of three states."""
+    rows = [f"~o <STREAMINFO> 1 {size} <VECSIZE> {size}<NULLD><{kind}><DIAGC>"]
+    for name, states in phones.items():
+        rows += [f'~h "{name}"', "<BEGINHMM>", "<NUMSTATES> 5"]
+        for number, parts in enumerate(states, 2):
+            rows.append(f"<STATE> {number} <NUMMIXES> {len(parts)}")
+            for n, (mean, spread) in enumerate(parts, 1):
+                rows += [
+                    f"<MIXTURE> {n} {1 / len(parts):e}",
+                    f"<MEAN> {size}", " ".join(f"{one:e}" for one in mean),
+                    f"<VARIANCE> {size}", " ".join(f"{one:e}" for one in spread), "<GCONST> 1.0",
+                ]  # fmt: skip
+        rows += [
+            "<TRANSP> 5",
+            "0 1 0 0 0 0 .7 .3 0 0 0 0 .7 .3 0 0 0 0 .7 .3 0 0 0 0 0",
+            "<ENDHMM>",
+        ]
+    return "\n".join(rows) + "\n"
+
+
+def simple(size):
+    """Return a state of one Gaussian."""
+    return [(np.arange(size), np.ones(size))]
+
+
+def put(folder, text, config=HTK_CONFIG, phones=""):
+    folder.mkdir(exist_ok=True)
+    for name, content in (("hmmdefs", text), ("config", config), ("phones.yaml", phones)):
+        if content:
+            (folder / name).write_text(content, encoding="utf-8")
+    return folder
+
+
+def test_htk_features_follow_their_formulas():
+    kept, rows = kept_features("MFCC_0_D_A_Z", 39, None)
+    front = HtkFrontEnd(rows, 26)
+    seconds = np.arange(16_000) / 16_000
+    tone = 1000 * np.sin(2 * np.pi * 1000 * seconds)
+    found = front(tone)
+    assert (kept, found.shape) == (tuple(range(39)), (100, 1, 39))
+    np.testing.assert_allclose(found[5:90, 0, :13], 0, atol=0.5)  # a tone is its own mean
+    # filters are triangles in mel whose neighbours add up to 1
+    filters = mel_filters(front)
+    assert filters.shape == (257, 26)
+    centres = filters.argmax(axis=0)
+    np.testing.assert_allclose(filters[centres[0] + 1 : centres[-1]].sum(axis=1), 1)
+    mel = 1127 * np.log(1 + 8000 / 700) / 27 * np.arange(1, 27)
+    np.testing.assert_allclose(centres * 31.25, 700 * (np.exp(mel / 1127) - 1), atol=16)
+    # a gain is the same in all bands: it changes the first cepstrum alone
+    louder = front.cepstra_at(2 * tone, np.array([1600])) - front.cepstra_at(tone, np.array([1600]))
+    np.testing.assert_allclose(louder[0, -1], np.sqrt(2 / 26) * 26 * np.log(2), rtol=0.02)
+    np.testing.assert_allclose(louder[0, :12], 0, atol=1)
+    np.testing.assert_allclose(regression(np.arange(9.0)[:, None])[2:-2], 1)
+
+
+@pytest.mark.parametrize("front", [features, HtkFrontEnd(tuple(range(39)), 26)])
+def test_pauses_beside_a_held_sound_hardly_move_its_features(front):
+    """The cepstra of a held sound are their own mean, and pauses take a limited part in it."""
+    tone = 8000 * np.sin(2 * np.pi * 1000 * np.arange(16_000) / 16_000)
+    hiss = np.random.default_rng(0).normal(0, 3, 16_000)
+
+    def level(seconds):
+        pause = np.tile(hiss, seconds)
+        found = front(np.concatenate([pause, tone + hiss, pause])).reshape(-1, 39)
+        return np.linalg.norm(found[100 * seconds + 10 : 100 * seconds + 90, :13].mean(axis=0))
+
+    assert level(0) < 2
+    assert 2 < level(1) < 1.2 * level(5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "first", "count"),
+    [
+        ("mfcc_0_D_N_Z", 25, 0, 25),
+        ("MFCC_D_N_Z_0", 25, 0, 25),
+        ("MFCC_E_D_A_Z", 39, 0, 36),
+        ("MFCC_E_D_N_Z", 25, 0, 24),
+    ],
+)
+def test_vectors_of_htk_are_known_by_their_kind(kind, size, first, count):
+    kept, rows = kept_features(kind, size, None)
+    assert (rows[0], len(rows), len(kept)) == (first, count, count)
+    assert rows[12:25] == tuple(range(13, 26)) or "0" not in kind
+
+
+@pytest.mark.parametrize(
+    ("text", "config", "told"),
+    [
+        (hmmdefs({"sil": [simple(39)] * 3}, "PLP_0_D_A_Z"), HTK_CONFIG, "<PLP_0_D_A_Z>"),
+        (hmmdefs({"sil": [simple(39)] * 3}, "MFCC_0_D_A"), HTK_CONFIG, "without _Z"),
+        (hmmdefs({"sil": [simple(26)] * 3}, size=26), HTK_CONFIG, "<VECSIZE> 26"),
+        (hmmdefs({"a": [simple(39)] * 3}), HTK_CONFIG, "no phone is silence"),
+        (hmmdefs({"sil": [simple(39)] * 2}), HTK_CONFIG, "2 states instead of 3"),
+        (hmmdefs({"sil": [simple(39)] * 3}), "", "config: is missing"),
+        (hmmdefs({"sil": [simple(39)] * 3}), "SOURCERATE = 1250\n", "SOURCERATE = 1250"),
+        (hmmdefs({"sil": [simple(39)] * 3}), "NUMCHANS = many\n", "mend the number"),
+        (hmmdefs({"sil": [simple(39)] * 3}), "VTLN = 1\n", "VTLN: this setting is unknown"),
+        (hmmdefs({"sil": [simple(39)] * 3}).replace("<VARIANCE>", "<INVCOVAR>"), HTK_CONFIG,
+         r"hmmdefs:9: '<INVCOVAR>' is not read here"),
+        ("\0\1\2 binary", HTK_CONFIG, "is no text"),
+        (hmmdefs({"sil": [simple(39)] * 3})[:200], HTK_CONFIG, "ends within a definition"),
+    ],
+)  # fmt: skip
+def test_models_of_htk_that_do_not_fit_are_refused_by_name(tmp_path, text, config, told):
+    with pytest.raises(SpeechError, match=told):
+        _ = models_in(put(tmp_path / "other", text, config)).model
+
+
+def test_definitions_of_htk_refer_to_each_other(tmp_path):
+    numbers = " ".join("1" * 25)
+    gaussian = f"<Mean> 25\n{numbers}\n<Variance> 25\n{numbers}\n<GConst> 3\n"
+    moves = "<TransP> 5\n0 1 0 0 0\n0 .5 .5 0 0\n0 0 .5 .3 .2\n0 0 0 .5 .5\n0 0 0 0 0\n"
+    states = '<State> 2\n~s "one"\n<State> 3\n~s "two"\n<State> 4\n'
+    (tmp_path / "macros").write_text(
+        f'~o <StreamInfo> 1 25\n<VecSize> 25\n<nulld>\n<mfcc_0_D_N_Z>\n<diagc>\n~v "varFloor1"\n'
+        f"<Variance> 25\n{numbers}\n", encoding="utf-8",
+    )  # fmt: skip
+    put(
+        tmp_path,
+        f'~s "one"\n{gaussian}~m "part"\n{gaussian}~t "moves"\n{moves}'
+        f'~s "two"\n<NumMixes> 2\n<Mixture> 1 .25\n~m "part"\n<Mixture> 2 .75\n{gaussian}'
+        f'~h "sil"\n<BeginHMM>\n<NumStates> 5\n{states}{gaussian}~t "moves"\n<EndHMM>\n'
+        f'~h "sp"\n<BeginHMM>\n<NumStates> 3\n<State> 2\n~s "one"\n<TransP> 3\n0 .5 .5\n0 .5 .5\n'
+        "0 0 0\n<EndHMM>\n",
+    )
+    model = read_model(tmp_path)
+    assert model.names == ("sil",)
+    np.testing.assert_allclose(model.weights[0].T, [[1, 0], [0.25, 0.75], [1, 0]])
+    # the move past a state is left out
+    np.testing.assert_allclose(np.exp(model.stay[0]), [0.5, 0.5 / 0.8, 0.5])
+
+
+VARIED = (
+    *SENTENCES[:9],
+    "Measure the joy of your usual voice with care.",
+    "Glue brings the youth the blue sheet back.",
+)
+
+
+def trained(english, folder):
+    """Write monophones of HTK, fitted to how the model of Sphinx aligns some sentences."""
+    _, rows = kept_features("MFCC_0_D_A_Z", 39, None)
+    front, frames = HtkFrontEnd(rows, 26), {}
+    for sentence in VARIED:
+        found = aligned(english, english.speak(sentence).audio, sentence, aligner="pocketsphinx")
+        heard = front(prepared(found.audio))[:, 0]
+        for label, start, stop in zip(found.labels, found.times, found.times[1:], strict=False):
+            span = heard[int(start * 100) : max(int(stop * 100), int(start * 100) + 3)]
+            states = frames.setdefault("sil" if label == SILENCE else label, ([], [], []))
+            for state, part in zip(states, np.array_split(span, 3), strict=True):
+                state.append(part)
+    phones = {
+        name: [[(np.vstack(one).mean(axis=0), np.vstack(one).var(axis=0) + 0.1)] for one in states]
+        for name, states in frames.items()
+    }
+    letters = model_phones().nearest.candidates
+    rows = [f"{n}: [{', '.join(letters[n])}]" for n in phones if n != "sil"]
+    return put(folder, hmmdefs(phones), phones="\n".join(rows) + "\n")
+
+
+@full
+def test_monophones_of_htk_align_a_sentence_that_they_were_not_trained_on(english, tmp_path):
+    folder = trained(english, tmp_path / "htk")
+    known = english.speak(TEXT)
+    found = aligned(english, known.audio, TEXT, aligner=f"pocketsphinx:{folder}")
+    assert [word.text for word in found.words] == [word.text for word in known.words]
+    off = [
+        abs(found.times[mine.first] - known.times[theirs.first])
+        for mine, theirs in zip(found.words, known.words, strict=True)
+    ]
+    assert np.median(off) < 0.02
+    assert found.confidence > 0.5
+
+
+# Phones
+
+
+def phones_of(folder, names):
+    letters = model_phones().nearest.candidates
+    rows = [f"{name}: [{', '.join(letters[name])}]" for name in names if name in letters]
+    (folder / "phones.yaml").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return folder
+
+
+def test_phones_without_letters_are_listed_with_their_file(shipped, tmp_path):
+    folder = phones_of(continuous(shipped, tmp_path / "few"), ["P", "T"])
+    with pytest.raises(SpeechError, match=r"phones.yaml:1:1: no letters for AA, AE"):
+        _ = models_in(folder).phones
+
+
+def test_wrong_letters_and_phones_are_told_by_line(shipped, tmp_path):
+    folder = phones_of(continuous(shipped, tmp_path / "bad"), shipped.numbers)
+    path = folder / "phones.yaml"
+    path.write_text(path.read_text("utf-8").replace("P: [p]", "P: ['Ж']") + "QQ: p\n", "utf-8")
+    with pytest.raises(SpeechError) as told:
+        _ = models_in(folder).phones
+    lines = str(told.value).splitlines()
+    assert len(lines) == 2
+    assert any("'Ж' is not IPA" in line for line in lines)
+    assert any(f"yaml:{len(shipped.numbers) + 1}:1: 'QQ' is no phone" in line for line in lines)
+
+
+def test_a_phone_without_sound_is_a_filler(shipped, tmp_path):
+    folder = phones_of(continuous(shipped, tmp_path / "quiet"), shipped.numbers)
+    path = folder / "phones.yaml"
+    path.write_text(path.read_text("utf-8").replace("ZH: [ʒ]", "ZH: []"), "utf-8")
+    models = models_in(folder)
+    assert models.model.names.index("ZH") in models.model.fillers
+    assert "ZH" not in models.numbers
+
+
+def test_a_pack_names_the_folder_of_a_model_beside_it(shipped, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = phones_of(continuous(shipped, tmp_path / "mine"), shipped.numbers)
+    (tmp_path / "languages").mkdir()
+    (tmp_path / "languages" / "kin.yaml").write_text(
+        "kind: language\nformat: 1\nname: kin\ntag: de-x-kin\nextends: german\n"
+        "audio: {model: ../mine, align: pocketsphinx}\n", encoding="utf-8",
+    )  # fmt: skip
+    speaker = Speaker.of("kin")
+    assert find_models(speaker.manner.audio.model).folder.resolve() == folder
+    spoken = speaker.speak("Guten Morgen, mein Freund.")
+    found = aligned(speaker, spoken.audio, "Guten Morgen, mein Freund.")
+    assert [word.text for word in found.words] == ["Guten", "Morgen", "mein", "Freund"]
+
+
+def test_a_model_of_the_project_has_the_name_of_its_folder(shipped, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "models").mkdir()
+    continuous(shipped, tmp_path / "models" / "mine")
+    assert find_models("mine").folder == tmp_path / "models" / "mine"
+    with pytest.raises(SpeechError, match="no such folder"):
+        find_models("models/yours")
+
+
+def test_a_model_without_letters_says_what_to_write(shipped, tmp_path):
+    folder = continuous(shipped, tmp_path / "cont")
+    mdef = folder / "mdef"
+    mdef.write_text(
+        mdef.read_text("utf-8").replace(" AA -", " aa -").replace("AA -", "aa -"), "utf-8"
+    )
+    german = Speaker.of("german")
+    spoken = german.speak("Guten Morgen.")
+    with pytest.raises(
+        SpeechError, match=r"no phone of the model is known for 'ɡ': write .*phones"
+    ):
+        aligned(german, spoken.audio, "Guten Morgen.", aligner=f"pocketsphinx:{folder}")

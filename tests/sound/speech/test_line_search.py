@@ -1,0 +1,125 @@
+"""A line with music before or after it is searched without that sound, too."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import lipsync_lang as ll
+from lipsync_lang.schedules.schedule import DOUBTFUL
+from lipsync_lang.sound.speech.hearing.alignment import aligned
+from lipsync_lang.sound.speech.hearing.sphinx import line_search
+from lipsync_lang.sound.speech.hearing.sphinx.text_errors import UnwrittenSpeech
+from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+pytest.importorskip("pocketsphinx")
+
+TEXT = "The hogs were fed chopped corn and garbage"
+OTHER = "A large size in stockings is hard to sell"
+
+
+def music(seconds):
+    """Two chords in turn with harmonics, struck twice a second."""
+    times = np.arange(round(seconds * SPEECH_RATE)) / SPEECH_RATE
+    chord = np.array([[220, 277, 330], [196, 247, 294]])[(times % 2).astype(int)]
+    tones = sum(np.sin(2 * np.pi * chord * n * times[:, None]).sum(1) / n for n in range(1, 7))
+    return tones * np.exp(-2 * (times % 0.5))
+
+
+@pytest.fixture(scope="module")
+def english():
+    return Speaker.of("english")
+
+
+@pytest.fixture(scope="module")
+def line(english):
+    return resampled(english.speak(TEXT).audio, SPEECH_RATE)
+
+
+def beside(line, first):
+    """Return a line with five seconds of music as loud as it."""
+    said, sound = line.samples.astype(float), music(5.0)
+    sound *= said.std() / sound.std()
+    whole = np.concatenate([sound, said] if first else [said, sound])
+    return ll.Audio(np.clip(whole, -32768, 32767).astype(np.int16), SPEECH_RATE)
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_music_beside_a_line_is_no_reason_to_doubt_it(english, line, first, monkeypatch):
+    audio = beside(line, first)
+    alone = aligned(english, line, TEXT, aligner="pocketsphinx")
+    found = aligned(english, audio, TEXT, aligner="pocketsphinx")
+    assert found.confidence >= DOUBTFUL
+    assert "sound without text" in " ".join(found.remarks)
+    assert [word.text for word in found.words] == TEXT.split()
+    assert found.end == pytest.approx(audio.seconds)
+    shift = 5.0 if first else 0.0
+    starts = [
+        (found.times[one.first] - shift, alone.times[other.first])
+        for one, other in zip(found.words, alone.words, strict=True)
+    ]
+    assert max(abs(own - known) for own, known in starts) < 0.05
+    monkeypatch.setattr(line_search, "CHANGE_DEPTH", 0)
+    assert aligned(english, audio, TEXT, aligner="pocketsphinx").confidence < DOUBTFUL
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_wrong_text_beside_music_is_doubted_still(english, line, first):
+    try:
+        found = aligned(english, beside(line, first), OTHER, aligner="pocketsphinx")
+    except ll.SpeechError:
+        return
+    assert found.confidence < DOUBTFUL
+
+
+@pytest.mark.parametrize(("of_part", "kept"), [(0.9, "part"), (0.7, "whole")])
+def test_parts_are_searched_where_speech_is_unwritten(of_part, kept, monkeypatch):
+    whole = line_search.FoundLine([], 0.8, None, (UnwrittenSpeech(1, 0, 50),))
+    part = line_search.FoundLine([], of_part)
+    monkeypatch.setattr(line_search, "_found", lambda *_: whole)
+    monkeypatch.setattr(line_search, "_alone", lambda *_: part)
+    models = SimpleNamespace(model=SimpleNamespace(front_end=lambda _: np.zeros((800, 3, 13))))
+    found = line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)])
+    assert found is {"part": part, "whole": whole}[kept]
+    surely = whole._replace(unwritten=())
+    monkeypatch.setattr(line_search, "_found", lambda *_: surely)
+    assert line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)]) is surely
+
+
+def test_the_sound_around_a_part_is_no_place_for_a_word_of_it(monkeypatch):
+    margins = []
+
+    def found(*_, margin=line_search.ORDER_MARGIN_FRAMES):
+        margins.append(margin)
+        return line_search.FoundLine([], 0.2)
+
+    monkeypatch.setattr(line_search, "_found", found)
+    models = SimpleNamespace(model=SimpleNamespace(front_end=lambda _: np.zeros((800, 3, 13))))
+    line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)])
+    assert margins[0] == line_search.ORDER_MARGIN_FRAMES
+    assert {*margins[1:]} == {0}
+
+
+@given(
+    st.lists(st.integers(120, 300), min_size=2, max_size=3),
+    st.integers(0, 2**32 - 1),
+)
+def test_changes_of_a_sound_are_found(lengths, seed):
+    chance = np.random.default_rng(seed)
+    parts = [chance.normal(3.0 * n, 1.0 + n, (count, 4)) for n, count in enumerate(lengths)]
+    changes = line_search.sound_changes(np.concatenate(parts), 2)
+    known = np.cumsum(lengths)[:-1]
+    step = line_search.CHANGE_STEP_FRAMES
+    assert changes == sorted(changes)
+    assert all(min(abs(at - one) for one in changes) <= step for at in known)
+
+
+@given(st.integers(1, 700), st.integers(0, 2**32 - 1))
+def test_each_part_leaves_out_a_second_or_more(count, seed):
+    features = np.random.default_rng(seed).normal(size=(count, 3, 13))
+    for first, stop in line_search.sound_parts(features):
+        assert 0 <= first < stop <= count
+        assert stop - first <= count - line_search.MIN_BESIDE_FRAMES

@@ -1,0 +1,34 @@
+"""Running text as it is written, beside the same text in words: both are read alike."""
+
+import csv
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+with (Path(__file__).parent / "running_lines.tsv").open(encoding="utf-8", newline="") as file:
+    ROWS = list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
+LINES = defaultdict(list)
+for row in ROWS:
+    LINES[row["language"]].append((row["written"], row["said"]))
+assert len(ROWS) > 100
+
+
+def sounds(speaker, texts):
+    """Return the phonemes of texts; pauses and the seams of words make no difference here."""
+    read = list(speaker.transcribe_many(texts))
+    if isinstance(read[0], SpeechError):
+        pytest.skip(str(read[0]))
+    assert not any(one.unread for one in read)
+    return ["".join(name for name in one.phonemes if name != "_") for one in read]
+
+
+@pytest.mark.parametrize("language", LINES)
+def test_written_forms_are_read_as_their_words(language):
+    written, said = zip(*LINES[language], strict=True)
+    speaker = Speaker.of(language)
+    pairs = zip(written, sounds(speaker, written), sounds(speaker, said), strict=True)
+    assert [pair for pair in pairs if pair[1] != pair[2]] == []
