@@ -21,25 +21,26 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, get_args, get_type_hints
 
+from draw_house import graph, ordered, sources
 from ipa_comparison import SymbolMappings, UnusualMapping, compare
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.base.extensions import PROGRAM, F, Formats
 from lipsync_lang.cli import parser
 from lipsync_lang.commands.completion import leaves
-from lipsync_lang.coverage.report import schema as coverage_schema
-from lipsync_lang.extensions import PROGRAM, F, Formats
-from lipsync_lang.lines.line_readers import LINE_READERS
+from lipsync_lang.faces.rigs.recognise import losses
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Language, PoseSet
 from lipsync_lang.packs.models.schema import schema
 from lipsync_lang.packs.yaml.faults import fault_codes
 from lipsync_lang.pipeline import motion
-from lipsync_lang.quality.measures import load_measures
-from lipsync_lang.rigs.recognise import losses
+from lipsync_lang.reports.coverage.report import schema as coverage_schema
+from lipsync_lang.reports.quality.measures import load_measures
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
+from lipsync_lang.text.lines.line_readers import LINE_READERS
 
 HERE = Path(__file__).parent / "reference"
 README = Path(__file__).parents[1] / "README.md"
@@ -526,17 +527,20 @@ def development(text: str) -> str:
 
 
 def house_map(package: Path) -> str:
-    """List the folders of the package, two deep, and its modules, each with its summary."""
-    found = {*package.glob("*/__init__.py"), *package.glob("*/*/__init__.py")}
-    folders = [path.parent for path in sorted(found)]
-    modules = [path for path in sorted(package.glob("*.py")) if not path.name.startswith("__")]
+    """List the wings from the roof to the ground, and their rooms, each with its summary."""
+    wings = ordered(graph(dict(sources(None))))
     rows = []
-    for path in [*folders, *modules]:
-        place = path.relative_to(package)
-        source = path / "__init__.py" if path.is_dir() else path
-        summary = ast.get_docstring(ast.parse(source.read_bytes())).splitlines()[0].rstrip(".")
-        name = "  " * len(place.parts) + place.name + "/" * path.is_dir()
-        rows.append(f"{name:<20} {summary}")
+    for wing in wings:
+        base = package / wing
+        loose = base.glob("*.py") if wing == wings[-1] else ()
+        rooms = [path.parent for path in base.glob("*/__init__.py")]
+        rooms += [path for path in loose if path.name != "__init__.py"]
+        for path in [base if base.is_dir() else base.with_suffix(".py"), *sorted(rooms)]:
+            source = path / "__init__.py" if path.is_dir() else path
+            summary = ast.get_docstring(ast.parse(source.read_bytes())).splitlines()[0].rstrip(".")
+            place = path.relative_to(package)
+            name = "  " * len(place.parts) + place.name + "/" * path.is_dir()
+            rows.append(f"{name:<20} {summary}")
     return "\n".join(["lipsync_lang/", *rows, ""])
 
 

@@ -1,10 +1,10 @@
-"""Print which rooms of `lipsync_lang` import from which, for `docs/explanation/house.md`.
+"""Print which wings of `lipsync_lang` import from which, for `docs/explanation/house.md`.
 
     python docs/draw_house.py [REVISION]
 
-A room is a folder or a loose module. Its row marks the rooms it imports from, lazy imports
-included. Rooms stand above those they import from, as far as that is possible: an `x` left of the
-diagonal is an import upwards, or within a ring of rooms that import from each other.
+A wing is a folder or a loose module. Its row marks the wings it imports from, lazy imports
+included. Wings stand above those they import from, as far as that is possible: an `x` left of the
+diagonal is an import upwards, or within a ring of wings that import from each other.
 """
 
 import ast
@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = "lipsync_lang"
 
 Graph = dict[str, set[str]]
-"""For each room, the rooms it imports from."""
+"""For each wing, the wings it imports from."""
 
 
 def sources(revision: str | None) -> Iterator[tuple[str, str]]:
@@ -36,16 +36,16 @@ def sources(revision: str | None) -> Iterator[tuple[str, str]]:
             yield name.removeprefix(f"{PACKAGE}/"), git("show", f"{revision}:{name}")
 
 
-def room(name: str) -> str:
-    """Return the room of a module, named by its path within the package."""
+def wing(name: str) -> str:
+    """Return the wing of a module, named by its path within the package."""
     return name.split("/", maxsplit=1)[0].removesuffix(".py")
 
 
 def graph(modules: dict[str, str]) -> Graph:
-    """Return the rooms with what each imports from; the package's own module is none."""
-    found: Graph = {room(name): set() for name in modules if not name.startswith("__")}
+    """Return the wings with what each imports from; the package's own module is none."""
+    found: Graph = {wing(name): set() for name in modules if not name.startswith("__")}
     for name, text in modules.items():
-        for node in ast.walk(ast.parse(text)) if room(name) in found else ():
+        for node in ast.walk(ast.parse(text)) if wing(name) in found else ():
             names = [alias.name for alias in getattr(node, "names", ()) if hasattr(alias, "name")]
             if isinstance(node, ast.ImportFrom):
                 names = [f"{node.module}.{name}" for name in names]
@@ -53,30 +53,35 @@ def graph(modules: dict[str, str]) -> Graph:
                 continue
             steps = (name.split(".") for name in names)
             there = {s[1] for s in steps if s[0] == PACKAGE and len(s) > 1}
-            found[room(name)] |= there & found.keys() - {room(name)}
+            found[wing(name)] |= there & found.keys() - {wing(name)}
     return found
 
 
-def below(rooms: Graph, start: str) -> set[str]:
-    """Return the rooms that a room imports from, directly or through others."""
+def below(wings: Graph, start: str) -> set[str]:
+    """Return the wings that a wing imports from, directly or through others."""
     seen: set[str] = set()
     ahead = [start]
     while ahead:
-        new = rooms[ahead.pop()] - seen
+        new = wings[ahead.pop()] - seen
         seen |= new
         ahead += new
     return seen
 
 
-def matrix(rooms: Graph) -> str:
+def ordered(wings: Graph) -> list[str]:
+    """Order wings from the roof to the ground: those that need most of the others come first."""
+    return sorted(wings, key=lambda name: (-len(below(wings, name)), -len(wings[name]), name))
+
+
+def matrix(wings: Graph) -> str:
     """Return the graph as a square of rows and columns, from the roof to the ground."""
-    order = sorted(rooms, key=lambda name: (-len(below(rooms, name)), -len(rooms[name]), name))
+    order = ordered(wings)
     width = max(map(len, order))
     lines = [" " * (width + 4) + " ".join(f"{n % 100:>2}" for n in range(1, len(order) + 1))]
     for number, name in enumerate(order, start=1):
-        cells = ("-" if other == name else "x" if other in rooms[name] else "." for other in order)
+        cells = ("-" if other == name else "x" if other in wings[name] else "." for other in order)
         lines.append(f"{number:>2} {name:<{width}} " + " ".join(f"{cell:>2}" for cell in cells))
-    ring = [name for name in order if name in below(rooms, name)]
+    ring = [name for name in order if name in below(wings, name)]
     lines += ["", f"in a ring: {', '.join(ring) or 'none'}"]
     return "\n".join(lines)
 

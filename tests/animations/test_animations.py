@@ -15,13 +15,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from lanes import full
+from take_files import READ_BACK as TAKES
 from test_avatar_files import READ_BACK as AVATARS
 from test_drawn_mouth_files import READ_BACK as HELD
 from test_engine_files import READ_BACK as ENGINES
 from test_godot import READ_BACK as GODOT
 from test_line_page import data_of
 from test_subtitle_files import READ_BACK as SUBTITLES
-from test_take_files import READ_BACK as TAKES
 from test_usd import READ_BACK as USD
 from test_video import NEEDS
 from test_video import READ_BACK as PICTURES

@@ -4,15 +4,14 @@ import re
 
 import pytest
 from lanes import full
-from test_house import modules, part, texts
+from test_house import modules, texts, wing
 
 import lipsync_lang as ll
 from lipsync_lang.commands.output import OPTIONS, as_options
 from lipsync_lang.commands.parser import parser
 
-AT_HOME = {"cli", "commands", "authoring", "build", "live", "capture", "cluster", "mfa"}
-AT_HOME |= {"smartbody", "study"}
-"""Rooms with commands of their own, of drafts, and of `build` and `live`."""
+AT_HOME = {"cli", "commands", "authoring", "plugins", "production"}
+"""Wings with commands of their own, of drafts, and of `build` and `live`."""
 
 ELSEWHERE = {
     "animations/keys.py": "reads what an option of the command line was given",
@@ -20,7 +19,7 @@ ELSEWHERE = {
     "reports/coverage/changes.py": "names the command that writes a report",
     "reports/coverage/forms/total_text.py": "a text for the terminal",
     "reports/coverage/forms/text.py": "the command's own report",
-    "extras.py": "an option of another program",
+    "base/extras.py": "an option of another program",
     "base/files/reach.py": "names the option by which a user permits a folder",
     "packs/project.py": "names the option by which a user permits a folder",
     "render/fonts.py": "an option of another program",
@@ -63,7 +62,7 @@ def test_messages_of_the_library_name_no_options():
     found = {
         name
         for name, tree in modules().items()
-        if part(name) not in AT_HOME
+        if wing(name) not in AT_HOME
         for text in texts(tree)
         if re.search(r"(^|[\s(])--[a-z]", text)
     }

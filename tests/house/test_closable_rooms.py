@@ -9,10 +9,13 @@ import pytest
 from lanes import full
 from places import ROOT
 
-CLOSABLE = ("capture", "cluster", "mfa", "players", "smartbody", "study")
+CLOSABLE = (
+    *(f"plugins/{room}" for room in ("capture", "cluster", "mfa", "smartbody", "study")),
+    "faces/players",
+)
 """Rooms that register by entry points, and that no other room imports."""
 
-REST = ("build", "packs", "performing", "resolver", "schedules")
+REST = ("production/builds", "packs", "performing", "resolver", "schedules")
 """Rooms whose quick tests run without all of them."""
 
 

@@ -8,20 +8,20 @@ import pytest
 from lanes import full
 from test_import_is_light import modules_after
 
-from lipsync_lang import extensions
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer, writer
+from lipsync_lang.base import extensions
+from lipsync_lang.base.errors import LipsyncError, OutputError
+from lipsync_lang.base.extensions import Extensions, PluginWarning
 from lipsync_lang.cli import main
 from lipsync_lang.commands.registry import COMMANDS
-from lipsync_lang.coverage.forms import FORMS
-from lipsync_lang.errors import LipsyncError, OutputError
-from lipsync_lang.extensions import Extensions, PluginWarning
-from lipsync_lang.lines.line_readers import LINE_READERS
-from lipsync_lang.phonology.g2p import G2P_ENGINES, RESPELLERS
+from lipsync_lang.reports.coverage.forms import FORMS
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
-from lipsync_lang.speech import ENGINES as SPEECH_ENGINES
-from lipsync_lang.speech.hearing.align.aligners import ALIGNERS
-from lipsync_lang.speech.hearing.recognise.recognisers import RECOGNISERS
+from lipsync_lang.sound.speech import ENGINES as SPEECH_ENGINES
+from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS
+from lipsync_lang.sound.speech.hearing.recognise.recognisers import RECOGNISERS
+from lipsync_lang.text.lines.line_readers import LINE_READERS
+from lipsync_lang.text.phonology.g2p import G2P_ENGINES, RESPELLERS
 
 EVERY = (
     TIMING_READERS, LINE_READERS, ANIMATION_READERS, WRITERS, FORMS, G2P_ENGINES, RESPELLERS,
@@ -206,8 +206,8 @@ def test_kinds_have_groups_of_their_own():
     [
         "import lipsync_lang.animations.animation_writers as w; w.find_writer(Path('line.csv'))",
         "import lipsync_lang.schedules.timing_readers as r; r.read_schedule('line.json')",
-        "from lipsync_lang.speech import ENGINES\nENGINES['espeak']",
-        "from lipsync_lang.speech.hearing.align.aligners import ALIGNERS\nALIGNERS['warp']",
+        "from lipsync_lang.sound.speech import ENGINES\nENGINES['espeak']",
+        "from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS\nALIGNERS['warp']",
     ],
     ids=["writer", "reader", "engine", "aligner"],
 )

@@ -61,7 +61,7 @@ def test_help_is_light(arguments):
     )
     loaded = modules_after(code)
     assert not HEAVY & loaded
-    assert not {one for one in loaded if one.startswith(("lipsync_lang.lines", "html"))}
+    assert not {one for one in loaded if one.startswith(("lipsync_lang.text.lines", "html"))}
 
 
 @full

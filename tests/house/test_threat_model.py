@@ -13,12 +13,12 @@ from lanes import full, swept
 from places import TESTS
 
 import lipsync_lang as ll
-from lipsync_lang.errors import LipsyncError
-from lipsync_lang.lines.markup import spoken
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.finding import beside
-from lipsync_lang.phonology.labels import looser
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 from lipsync_lang.schedules.timing_file import ROOT_TAG
+from lipsync_lang.text.lines.markup import spoken
+from lipsync_lang.text.phonology.labels import looser
 
 PAGE = TESTS.parent / "docs" / "explanation" / "threat-model.md"
 ROW = re.compile(r"`(tests/[\w/]+\.py)::(\w+)` \|$", re.MULTILINE)

@@ -13,8 +13,8 @@ from build_project import PROJECT, SOUNDS, Game
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
-from lipsync_lang.build import planning, records
 from lipsync_lang.pipeline import kernel
+from lipsync_lang.production.builds import planning, records
 
 FEW_AND_MANY = 4, 24
 """Lines of two games."""

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from file_bytes import bytes_of
 from glb_files import document_of, mesh, model_of, parts
+from take_files import take_names
 from test_avatar_files import from_vrma
 from test_coverage_page import Reader
 from test_drawn_mouth_files import READERS as DRAWN
@@ -21,7 +22,6 @@ from test_engine_files import READERS
 from test_godot import from_tres
 from test_line_page import data_of
 from test_subtitle_files import read
-from test_take_files import take_names
 from test_usd import from_usda
 
 import lipsync_lang as ll
