@@ -43,12 +43,12 @@ NO_TARGET = {
     "cli.py": "opens the null device",
     "commands/bank_fitting.py": "opens a pair by its name",
     "commands/build.py": "the project, which is a target",
-    "extensions.py": "looks for names with a pattern",
-    "files": "what all others read and write with",
+    "base/extensions.py": "looks for names with a pattern",
+    "base/files": "what all others read and write with",
     "animations": "templates and names of our own; its readers are targets",
     "authoring/language_check.py": "opens a pair by its name",
     "production/builds/project_folder.py": "templates of our own",
-    "extras.py": "a table of our own, and the settings of the environment",
+    "base/extras.py": "a table of our own, and the settings of the environment",
     "plugins/capture/accept_fit.py": "packs, which are a target; opens a pair by its name",
     "authoring/language_draft.py": "copies a lexicon, which is a target",
     "authoring/poseset_copy.py": "copies packs, which are a target",
@@ -79,9 +79,9 @@ NO_TARGET = {
     "plugins/capture/fit_command.py": "writes",
     "commands/doctor_checks.py": "the licence of a model, of which any text may be shown",
     "reports/coverage/heard_lines.py": "names files by their bytes; recordings are a target",
-    "mfa": "what a program of the user's has written",
+    "plugins/mfa": "what a program of the user's has written",
     "plugins/study/making_command.py": "a plain text",
-    "speech": "what engines and models installed on purpose have written; recordings are a target",
+    "sound/speech": "what installed engines and models have written; recordings are a target",
 }
 """Modules that open files without a target, with the reason."""
 

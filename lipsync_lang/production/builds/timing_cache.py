@@ -23,7 +23,7 @@ from lipsync_lang.sound.speech.sound import read_audio
 
 MARK = b"lipsync-lang timings, version 2\n"
 
-TIMERS = ("lines", "listening", "mfa", "phonology", "schedules", "speech")
+TIMERS = ("plugins/mfa", "schedules", "sound", "text")
 """Folders of the code that times lines. A change below them invalidates every file."""
 
 MAX_KEPT_TIMINGS_BYTES = 2**30

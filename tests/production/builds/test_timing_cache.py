@@ -11,7 +11,7 @@ from build_project import Game
 import lipsync_lang as ll
 from lipsync_lang.production.builds import timing_cache
 from lipsync_lang.production.builds.planned_line import PlannedLine
-from lipsync_lang.production.builds.timing_cache import MARK, TimingCache, prune_timings
+from lipsync_lang.production.builds.timing_cache import MARK, TIMERS, TimingCache, prune_timings
 from lipsync_lang.resolver.cache import sealed
 from lipsync_lang.sound.speech.hearing import alignment
 from lipsync_lang.sound.speech.sound import read_audio
@@ -152,3 +152,9 @@ def test_another_frame_rate_or_character_aligns_no_recording_again(tmp_path, mon
     takes = game.takes()
     assert (game.build("--force").built, len(asked)) == (["low", "map"], 4)
     assert game.takes() == takes
+
+
+def test_the_code_that_times_lines_is_where_it_is_sought():
+    package = Path(ll.__file__).parent
+    folders = {folder for folder in TIMERS if not folder.startswith("plugins/")}
+    assert all(list((package / folder).rglob("*.py")) for folder in folders)

@@ -18,7 +18,7 @@ def heard(tmp_path, monkeypatch):
     def recognised(_, path, *, recogniser):
         log.append((path.name, recogniser))
         if path.name == "torn.wav":
-            raise ll.errors.SpeechError(f"{path}: is not sound")
+            raise ll.SpeechError(f"{path}: is not sound")
         return Schedule(("m", "iː"), [0.0, 0.1, 0.2], notation="ipa", language="english")
 
     monkeypatch.setattr("lipsync_lang.reports.coverage.heard_lines.recognised", recognised)
