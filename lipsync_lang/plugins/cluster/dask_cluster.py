@@ -23,7 +23,6 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files.temporary import sweep, temporary_name
 from lipsync_lang.base.files.writing import cannot_write
-from lipsync_lang.base.version import __version__
 from lipsync_lang.production.builds.workers import (
     BATCHES_PER_WORKER,
     CLUSTERS,
@@ -140,7 +139,7 @@ def check_versions(client: "Client", address: str) -> None:
                 raise LipsyncError(
                     f"{address}: {name} has {package} {versions[package] or '(none)'}, this "
                     f"machine {wanted}; install the same versions on all machines: "
-                    f'pip install "lipsync-lang[cluster]=={__version__}" '
+                    f'pip install "lipsync-lang[cluster]=={own[PACKAGE]}" '
                     f"distributed=={own['distributed']} numpy=={own['numpy']}"
                 )
 

@@ -1,0 +1,31 @@
+"""The wall around the plug-ins: each name that they import from the rest is in one list."""
+
+from places import TESTS
+from test_house import imports, modules, wing
+
+LIST = TESTS / "house" / "plugin_imports.txt"
+
+
+def imported():
+    """Return the full names that the plug-ins import from the rest of the package."""
+    return {
+        name
+        for path, tree in modules().items()
+        if wing(path) == "plugins"
+        for name in imports(tree)
+        if name.startswith("lipsync_lang") and not name.startswith("lipsync_lang.plugins.")
+    }
+
+
+def test_the_list_has_exactly_the_names_that_plug_ins_import():
+    stated = LIST.read_text("utf-8").splitlines()
+    assert stated == sorted(set(stated))
+    found = imported()
+    assert not found - set(stated), "new: do without it, or add it to the list"
+    if found:  # the wing can be removed
+        assert not set(stated) - found, "no longer imported: remove it from the list"
+
+
+def test_no_name_begins_with_an_underscore():
+    stated = LIST.read_text("utf-8").splitlines()
+    assert not [name for name in stated if any(part.startswith("_") for part in name.split("."))]
