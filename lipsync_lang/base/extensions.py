@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, reduce
 from importlib import import_module
+from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 from pkgutil import iter_modules
@@ -287,6 +288,20 @@ def plug_ins() -> dict[str, list[EntryPoint]]:
     for one in sorted(_every()):
         if one.dist != PROGRAM:
             found.setdefault(one.dist, []).append(one)
+    return found
+
+
+def removed_rooms() -> dict[str, list[EntryPoint]]:
+    """Return the program's own entry points whose folder was removed, by the folder's package."""
+    found: dict[str, list[EntryPoint]] = {}
+    for one in sorted(one for one in _every() if one.dist == PROGRAM and one.group != PACKS):
+        package = one.module.rpartition(".")[0]
+        try:
+            there = find_spec(package) is not None
+        except ModuleNotFoundError:  # the folder above it was removed, too
+            there = False
+        if not there:
+            found.setdefault(package, []).append(one)
     return found
 
 

@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.base.errors import LipsyncError, SpeechError, count, shortlist
-from lipsync_lang.base.extensions import PACKS, Extensions, plug_ins
+from lipsync_lang.base.extensions import PACKS, Extensions, plug_ins, removed_rooms
 from lipsync_lang.base.extras import Extra, extras, install_line
 from lipsync_lang.base.version import __version__
 
@@ -239,6 +239,19 @@ def _plug_ins() -> Iterator[CheckedPart]:
     """Import each plug-in in a process of its own; find the folders of its packs."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         yield from pool.map(lambda found: _plug_in(*found), sorted(plug_ins().items()))
+
+
+@check
+def _removed_rooms() -> Iterator[CheckedPart]:
+    """Name the plug-ins of the program whose folders were removed, and what the user loses."""
+    for package, entry_points in removed_rooms().items():
+        lost = [
+            f"{one.group.rpartition('.')[2].replace('_', ' ').removesuffix('s')} "
+            f"'{one.name.replace('-', ' ')}'"
+            for one in entry_points
+        ]
+        told = f"its folder was removed: no {', no '.join(lost)}; install lipsync-lang again"
+        yield CheckedPart(f"plug-in {package.rpartition('.')[2]}", MISSING, told)
 
 
 def _plug_in(name: str, entry_points: "list[EntryPoint]") -> CheckedPart:

@@ -359,7 +359,8 @@ def test_the_doctor_names_every_part(cli, healthy):
     ended = cli("doctor", "--json")
     found = states(ended)
     assert ended.code == int("broken" in found.values())
-    assert {"Python", "packs", "project", "cache", "terminal", "mfa"} <= set(found)
+    assert {"Python", "packs", "project", "cache", "terminal"} <= set(found)
+    assert {"mfa", "plug-in mfa"} & set(found), "its own check runs, or its loss is told"
     assert {one.name for one in extras.extras()} <= set(found)
     assert list(healthy.iterdir()) == [healthy / "game"]
 
@@ -370,6 +371,29 @@ def test_a_broken_project_fails_the_check(cli):
     ended = cli("doctor")
     assert ended.code == 1
     assert re.search(r"^broken +project .*fsp", ended.out, re.MULTILINE)
+
+
+def test_a_removed_plug_in_is_named_with_what_it_costs(cli, healthy, monkeypatch):
+    info = healthy / "site" / "lipsync_lang-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Name: lipsync-lang\nVersion: 1.0\n")
+    gone = "lipsync_lang.plugins.gone"
+    (info / "entry_points.txt").write_text(
+        f"[lipsync_lang.commands]\nbank-sing = {gone}.sing_command\n"
+        "run = lipsync_lang.commands.run\n"
+        f"[lipsync_lang.aligners]\nchoir = {gone}.choir\n"
+        "[lipsync_lang.doctor_checks]\nfar = lipsync_lang.away.far.far_check\n"
+    )
+    monkeypatch.syspath_prepend(healthy / "site")
+    monkeypatch.setattr(doctor, "MORE_CHECKS", {})
+    ended = cli("doctor", "--json")
+    found = {one["part"]: one for one in json.loads(ended.out) if "removed" in one["told"]}
+    assert {name: one["told"] for name, one in found.items()} == {
+        "plug-in far": "its folder was removed: no doctor check 'far'; install lipsync-lang again",
+        "plug-in gone": "its folder was removed: no aligner 'choir', no command 'bank sing'; "
+        "install lipsync-lang again",
+    }
+    assert {one["state"] for one in found.values()} == {"missing"}
 
 
 @pytest.mark.usefixtures("healthy")
