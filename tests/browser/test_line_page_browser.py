@@ -12,9 +12,7 @@ from test_consumers import chromium, found, run
 from test_line_page import NASTY, schedule
 
 import lipsync_lang as ll
-from lipsync_lang import studio
 from lipsync_lang.animations.animation import ExportSettings
-from lipsync_lang.plugins import study
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged, sweep
@@ -70,8 +68,9 @@ def test_the_types_of_the_scripts_hold():
 def test_the_scripts_keep_to_the_rules():
     node, modules = found("eslint")
     linter = Path(modules) / "eslint" / "bin" / "eslint.js"
-    scripts = [Path(room.__file__).parent / "static" for room in (studio, study)]
-    scripts.append(HERE.parents[1] / "docs/site")
+    package = HERE.parents[1] / "lipsync_lang"
+    scripts = [package / "studio/static", *package.glob("plugins/*/static")]
+    scripts.append(package.parent / "docs/site")
     done = subprocess.run(
         [node, linter, "--max-warnings", "0", "-c", HERE / "eslint.config.mjs", *scripts],
         capture_output=True, encoding="utf-8", check=False,

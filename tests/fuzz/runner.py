@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from fuzz.mutators import mutated
 from fuzz.oracle import judge
-from fuzz.targets import HERE, Target, targets
+from fuzz.targets import Target, targets
 from lipsync_lang import LipsyncError
 
 
@@ -35,7 +35,7 @@ class Finding(NamedTuple):
     def keep(self) -> Path:
         """Write the input into the corpus."""
         name = sha256(self.content).hexdigest()[:10] + self.suffix
-        path = HERE / "corpus" / self.target / name
+        path = targets()[self.target].home / "corpus" / self.target / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(self.content)
         return path

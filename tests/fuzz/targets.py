@@ -1,7 +1,7 @@
 """Targets of the fuzz tests: every reader of the registries.
 
 A target wants a sound file or two, in `seeds/GROUP/NAME/`; inputs that once failed are in
-`corpus/GROUP/NAME/`.
+`corpus/GROUP/NAME/`. Targets of plug-ins are in `tests/plugins/fuzz`, with their files.
 """
 
 from collections.abc import Callable, Iterator
@@ -21,22 +21,14 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS as ANIMATIONS
 from lipsync_lang.animations.writers.glb import write_glb
 from lipsync_lang.authoring.inventories import read_inventory
-from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.faces.players.takes import Archive, Player, TakesError
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library, Pack
-from lipsync_lang.packs.models import MODELS, Project, ReadOut
+from lipsync_lang.packs.models import MODELS, Project
 from lipsync_lang.packs.yaml.source import YamlSource
-from lipsync_lang.plugins.capture.capture_files import find_captures
-from lipsync_lang.plugins.capture.capture_reading import read_sensors
-from lipsync_lang.plugins.capture.fit_file import read_fit
-from lipsync_lang.plugins.smartbody.bank_files import ImportRemarks, read_smartbody
-from lipsync_lang.plugins.study.preference_page import report_page
-from lipsync_lang.plugins.study.study_file import Submission, parsed, read_study, texts_of
-from lipsync_lang.plugins.study.study_report import report_study
-from lipsync_lang.plugins.study.study_text import report_text
 from lipsync_lang.production.builds import takes
 from lipsync_lang.production.builds.script import read_script
 from lipsync_lang.render.staging import staged
@@ -52,6 +44,7 @@ from lipsync_lang.text.lines.line_readers import read_lines
 from lipsync_lang.text.phonology.g2p.lexicon import read_lexicon
 
 HERE = Path(__file__).parent
+PLUG_INS = HERE.parent / "plugins" / "fuzz"
 
 LINE = Schedule.from_intervals(
     [("HH", 0.0, 0.08), ("AH", 0.08, 0.15), ("P", 0.15, 0.2), ("IY", 0.2, 0.4), ("_", 0.4, 0.9)],
@@ -69,22 +62,24 @@ class Target:
     read : reads the file at a path
     place : where a file of a suffix lies in an empty folder
     share : how many inputs the target gets for one of another's; less where each takes long
+    home : folder of its seeds and its corpus
     """
 
     name: str
     read: Callable[[Path], object]
     place: Callable[[Path, str], Path] = lambda folder, suffix: folder / f"line{suffix}"
     share: float = 1.0
+    home: Path = HERE
 
     @property
     def seeds(self) -> list[Path]:
         """Valid files."""
-        return _files(HERE / "seeds" / self.name)
+        return _files(self.home / "seeds" / self.name)
 
     @property
     def corpus(self) -> list[Path]:
         """Inputs that failed in the past."""
-        return _files(HERE / "corpus" / self.name)
+        return _files(self.home / "corpus" / self.name)
 
 
 def _files(folder: Path) -> list[Path]:
@@ -108,20 +103,17 @@ def _found() -> Iterator[Target]:
         yield Target(f"animations/{name}", lambda path: read_for(_performer(), path, LINE))
     for kind in MODELS:
         yield Target(f"packs/{kind}", _pack, partial(_placed, kind), share=0.2)
-    yield Target("captures/list", _listed)
-    yield Target("captures/sensors", lambda path: read_sensors(path, READ_OUT))
     yield Target("models/names", partial(read_model, bones=True))
     yield Target("models/written", _written)
     yield Target("models/drawn", _drawn)
     yield Target("sound/recording", read_audio)
-    yield Target("banks/smartbody", lambda path: read_smartbody(path, ImportRemarks()))
-    yield Target("banks/fit", read_fit)
     yield Target("words/lexicon", read_lexicon)
     yield Target("words/inventory", lambda path: read_inventory(path, "1"))
     yield Target("words/coverage", read_document)
-    yield Target("study/key", read_study)
-    yield Target("study/answers", _answers)
-    yield Target("study/report", _report)
+    if PLUG_INS.is_dir():  # the wing can be removed
+        from plugins.fuzz.plug_in_targets import plug_in_targets
+
+        yield from plug_in_targets()
 
 
 @cache
@@ -225,18 +217,6 @@ def _moi() -> Schedule:
     return Schedule(("p", "a", "_"), np.array([0.0, 0.1, 0.3, 0.5]))
 
 
-# Captures
-
-READ_OUT = ReadOut(
-    kind="readout", format=1, measures={"aperture": {"up": 1, "low": -1}, "other": {"low": 2}}
-)
-
-
-def _listed(path: Path) -> None:
-    for one in find_captures(path)[0]:
-        assert one.capture.resolve().is_relative_to(path.parent.resolve())
-
-
 # Models
 
 
@@ -259,20 +239,3 @@ def _drawn(path: Path) -> None:
 
 def _written(path: Path) -> None:
     write_glb(_animation(path), BytesIO())
-
-
-# Studies
-
-
-def _answers(path: Path) -> None:
-    for place, text in texts_of([path]):
-        if isinstance(text, LipsyncError):
-            raise text
-        parsed(Submission, text, place)
-
-
-def _report(path: Path) -> None:
-    report = report_study(HERE / "seeds/study/key/study.json", [path])
-    whole = sum(one.submissions for one in report.answers.set_aside)
-    assert report.answers.submissions == report.answers.raters + whole
-    _plain(report_text(report) + report_page(report))

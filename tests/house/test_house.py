@@ -77,6 +77,13 @@ ALONE = {
 }
 """Rooms that import less than their floor allows."""
 
+PLUG_INS = (PACKAGE / "plugins").is_dir()
+"""False in a checkout from which the wing of plug-ins was removed."""
+
+if not PLUG_INS:
+    WINGS = tuple(floor for floor in WINGS if floor != {"plugins"})
+    del ROOMS["plugins"]
+
 
 def wing(room):
     """Return the wing of a room, or of a module's path."""
@@ -333,7 +340,7 @@ def test_no_module_knows_the_name_of_a_language_a_phoneme_or_a_pose():
     loose = sorted(one for one, rows in excuses.items() if not rows)
     assert not loose, "names that belong into packs"
     used = {row for rows in excuses.values() for row in rows}
-    assert used == set(EXEMPT), "cured: remove it from EXEMPT"
+    assert used == set(EXEMPT) or not PLUG_INS, "cured: remove it from EXEMPT"
 
 
 # Tests as a map
@@ -409,7 +416,8 @@ def test_one_name_has_one_meaning():
         found[name][meaning].append(place)
     several = {name: [*found[name].values()] for name in found if len(found[name]) > 1}
     assert not {name: places for name, places in several.items() if name not in SHARED_NAMES}
-    assert several.keys() == SHARED_NAMES, "cured: remove it from SHARED_NAMES"
+    cured = SHARED_NAMES - several.keys()
+    assert not cured or not PLUG_INS, "cured: remove it from SHARED_NAMES"
 
 
 def public(tree):

@@ -2,11 +2,11 @@
 
 import json
 import threading
-from pathlib import Path
 
 import numpy as np
 import pytest
 from lanes import full
+from places import TESTS
 from study_answers import submissions_in
 from test_consumers import chromium, found, run
 
@@ -22,7 +22,6 @@ from lipsync_lang.plugins.study.study_page import PageTexts, parse_asked
 
 pytestmark = full
 
-HERE = Path(__file__).parent
 TITLE = "Which <b>face</b> speaks better?"
 
 
@@ -52,7 +51,7 @@ def study(tmp_path, monkeypatch):
 def answered(study, address, folder):
     """Answer a study's page, and check its export against the study."""
     node, modules = found("playwright-core")
-    shown = run(node, HERE / "study.mjs", modules, chromium(), address, folder)
+    shown = run(node, TESTS / "browser" / "study.mjs", modules, chromium(), address, folder)
     assert shown["said"] == []
     assert shown["nameless"] == []
     assert shown["overflow"] <= 0
