@@ -13,7 +13,7 @@ DATA ?= data
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo test test-rest test-all test-windows sanitize test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel extras clean
+.PHONY: findings help demo test test-rest test-all test-windows sanitize test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel extras clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -137,6 +137,10 @@ wheel: $(VENV)/ready ## build the wheel and the source archive into dist/, and c
 
 extras: $(VENV)/ready ## measure the size of each extra for the page on installation (20 minutes): make extras EXTRAS="plot audio"
 	$(BIN)/python docs/measure_extras.py $(EXTRAS)
+
+# They install pinned packages of others from PyPI and npm, and run nothing of ours.
+findings: ## check what libraries of others do unexpectedly (needs a network, python3 and npm)
+	@for script in findings/*.sh; do echo "$$script"; bash "$$script" || exit 1; done
 
 clean: ## remove what was built
 	rm -rf $(VENV) $(LOWEST) build dist out

@@ -95,3 +95,15 @@ def test_the_changelog_begins_with_a_summary():
     summary = newest.split("\n### ")[1]
     assert summary.startswith("In short\n")
     assert len(summary.split()) < 300
+
+
+def test_every_finding_is_listed_with_its_version_and_date(root):
+    rows = (root / "findings/README.md").read_text("utf-8").splitlines()
+    scripts = sorted((root / "findings").glob("*.sh"))
+    assert scripts, "a sweep over nothing passes"
+    listed = [row.split("|")[1:-1] for row in rows if row.startswith("| [")]
+    assert [cells[0].split("]")[0].strip(" [") for cells in listed] == [p.name for p in scripts]
+    for script, (_, _, version, seen) in zip(scripts, listed, strict=True):
+        head = script.read_text("utf-8").partition("set -euo pipefail")[0]
+        assert version.split()[-1] in head, "the head names the version"
+        assert f"seen on {seen.strip()}" in head
