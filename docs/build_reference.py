@@ -29,7 +29,7 @@ from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.base.extensions import PROGRAM, F, Formats
 from lipsync_lang.cli import parser
-from lipsync_lang.commands.completion import leaves
+from lipsync_lang.commands.registry import leaves
 from lipsync_lang.faces.rigs.recognise import losses
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library

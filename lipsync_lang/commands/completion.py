@@ -1,13 +1,12 @@
 """The command that generates shell completion scripts."""
 
-from argparse import ArgumentParser, Namespace, _SubParsersAction
-from collections.abc import Iterator
+from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.commands.output import SOUND
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import Add, command, leaves
 
 SHELLS = ("bash", "zsh", "tcsh", "fish", "powershell")
 FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
@@ -22,18 +21,6 @@ def _add_completion(add: Add) -> None:
         "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",
     )
     made.add_argument("shell", choices=SHELLS, help="the shell")
-
-
-def leaves(
-    made: ArgumentParser, path: tuple[str, ...] = ()
-) -> Iterator[tuple[tuple[str, ...], ArgumentParser]]:
-    """Yield every command that can run by itself, with its full name."""
-    below = [action for action in made._actions if isinstance(action, _SubParsersAction)]  # noqa: SLF001
-    if path and not any(action.required for action in below):
-        yield path, made
-    for action in below:
-        for name, child in action.choices.items():
-            yield from leaves(child, (*path, name))
 
 
 def completion(options: Namespace) -> int:

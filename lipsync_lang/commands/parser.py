@@ -3,8 +3,7 @@
 import argparse
 
 from lipsync_lang.base.version import __version__
-from lipsync_lang.commands.completion import leaves
-from lipsync_lang.commands.registry import COMMANDS, add_command
+from lipsync_lang.commands.registry import COMMANDS, add_command, leaves
 from lipsync_lang.commands.shared_options import add_words
 from lipsync_lang.commands.starting import welcome
 from lipsync_lang.pipeline import kernel

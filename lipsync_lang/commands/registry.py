@@ -6,7 +6,7 @@ distribution adds a command by an entry point of the group `lipsync_lang.command
 """
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from lipsync_lang.base.extensions import Extensions
@@ -90,3 +90,15 @@ def family(name: str, title: str, example: str) -> None:
         for other in sorted(COMMANDS):
             if other.startswith(f"{name} "):
                 add_command(actions, other)
+
+
+def leaves(
+    made: argparse.ArgumentParser, path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], argparse.ArgumentParser]]:
+    """Yield every command that can run by itself, with its full name."""
+    below = [action for action in made._actions if isinstance(action, Subparsers)]  # noqa: SLF001
+    if path and not any(action.required for action in below):
+        yield path, made
+    for action in below:
+        for name, child in action.choices.items():
+            yield from leaves(child, (*path, name))

@@ -13,8 +13,9 @@ from lanes import full
 import lipsync_lang as ll
 from lipsync_lang.base.extensions import PluginWarning
 from lipsync_lang.cli import saying
-from lipsync_lang.commands.completion import SHELLS, leaves
+from lipsync_lang.commands.completion import SHELLS
 from lipsync_lang.commands.parser import parser
+from lipsync_lang.commands.registry import leaves
 
 SAYING = {path: made for path, made in leaves(parser()) if path}
 LINE = '[{"label": "HH", "start": 0, "end": 0.1}, {"label": "AY", "start": 0.1, "end": 0.3}]'

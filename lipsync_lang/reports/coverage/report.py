@@ -4,11 +4,10 @@ Counts are occurrences of bigrams. Bigrams with silence are counted separately, 
 percentages do not include them. Percentages are from 0 to 100.
 """
 
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from lipsync_lang.reports.coverage.facts import AuthoredShare, Fact, NextHour, WorkLeft, authored
 from lipsync_lang.reports.coverage.script_changes import ScriptChange, ScriptLines
-from lipsync_lang.reports.coverage.total import Total
 
 COVERAGE_FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
 """The form's name and version; a key that is added at the end does not change it."""
@@ -214,6 +213,66 @@ class CoverageChanges(Fact):
     """Lines that changed; empty if the older document has no digests."""
     left: tuple[WorkLeft, WorkLeft] | None = None
     """Work of all reports together, before and now."""
+
+
+class WorkKey(NamedTuple):
+    """Identity of a work item."""
+
+    bigram: str
+    poseset: str
+    bank: str
+
+
+class WorkItem(Fact):
+    """A bigram to author, once for all languages and faces that it serves."""
+
+    bigram: str
+    poseset: str
+    bank: str
+    """The language or character with a draft of it in its own bank; empty for the shared bank."""
+    count: int
+    """Occurrences in all reports that nobody has drawn."""
+    percent: float
+    """Gain in authored speech in percentage points, averaged over the languages."""
+    reaches: float
+    """Authored percentage after this and all items before it are drawn."""
+    languages: tuple[str, ...]
+    """Languages that it serves."""
+    characters: tuple[str, ...]
+    """Characters that it serves."""
+
+    @property
+    def piece(self) -> WorkKey:
+        """Its identity among all work."""
+        return WorkKey(self.bigram, self.poseset, self.bank)
+
+
+class TotalFigures(Fact):
+    """Figures over several languages; shared work counts once."""
+
+    languages: tuple[str, ...]
+    needed: int
+    """Different bigrams that the languages need."""
+    authored: AuthoredShare
+    left: WorkLeft
+    next_hour: NextHour
+
+
+class FaceTotal(TotalFigures):
+    """The total of all languages on one character."""
+
+    character: str
+    poseset: str
+
+
+class Total(TotalFigures):
+    """The total of all languages on all characters."""
+
+    weights: dict[str, float]
+    """Weight of each language in percentages."""
+    faces: tuple[FaceTotal, ...]
+    ranking: tuple[WorkItem, ...] = ()
+    """The bigrams that are left, largest gain first."""
 
 
 class Coverage(Fact):

@@ -10,78 +10,22 @@ languages. Languages have equal weights by default, because each player hears on
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.base.presentation.percentages import WHOLE_PERCENT, rounded
 from lipsync_lang.reports.coverage import plan
-from lipsync_lang.reports.coverage.facts import AuthoredShare, Fact, NextHour, WorkLeft
-
-if TYPE_CHECKING:
-    from lipsync_lang.reports.coverage.report import BigramNeed, CoverageReport
-
-
-class WorkKey(NamedTuple):
-    """Identity of a work item."""
-
-    bigram: str
-    poseset: str
-    bank: str
-
-
-class WorkItem(Fact):
-    """A bigram to author, once for all languages and faces that it serves."""
-
-    bigram: str
-    poseset: str
-    bank: str
-    """The language or character with a draft of it in its own bank; empty for the shared bank."""
-    count: int
-    """Occurrences in all reports that nobody has drawn."""
-    percent: float
-    """Gain in authored speech in percentage points, averaged over the languages."""
-    reaches: float
-    """Authored percentage after this and all items before it are drawn."""
-    languages: tuple[str, ...]
-    """Languages that it serves."""
-    characters: tuple[str, ...]
-    """Characters that it serves."""
-
-    @property
-    def piece(self) -> WorkKey:
-        """Its identity among all work."""
-        return WorkKey(self.bigram, self.poseset, self.bank)
-
-
-class TotalFigures(Fact):
-    """Figures over several languages; shared work counts once."""
-
-    languages: tuple[str, ...]
-    needed: int
-    """Different bigrams that the languages need."""
-    authored: AuthoredShare
-    left: WorkLeft
-    next_hour: NextHour
-
-
-class FaceTotal(TotalFigures):
-    """The total of all languages on one character."""
-
-    character: str
-    poseset: str
-
-
-class Total(TotalFigures):
-    """The total of all languages on all characters."""
-
-    weights: dict[str, float]
-    """Weight of each language in percentages."""
-    faces: tuple[FaceTotal, ...]
-    ranking: tuple[WorkItem, ...] = ()
-    """The bigrams that are left, largest gain first."""
+from lipsync_lang.reports.coverage.facts import AuthoredShare, NextHour, WorkLeft
+from lipsync_lang.reports.coverage.report import (
+    BigramNeed,
+    CoverageReport,
+    FaceTotal,
+    Total,
+    WorkItem,
+    WorkKey,
+)
 
 
 def total_of(
-    reports: "Sequence[CoverageReport]", minutes: float, weights: Mapping[str, float] | None = None
+    reports: Sequence[CoverageReport], minutes: float, weights: Mapping[str, float] | None = None
 ) -> Total:
     """Return the total of reports, with minutes per bigram; a language without a weight has 1."""
     stated = weights or {}
@@ -98,7 +42,7 @@ def total_of(
 
 
 def _figures(
-    reports: "Sequence[CoverageReport]", minutes: float, weights: Mapping[str, float]
+    reports: Sequence[CoverageReport], minutes: float, weights: Mapping[str, float]
 ) -> tuple[dict[str, object], list[WorkItem]]:
     """Return the fields of `TotalFigures`, and the work that is left, the largest gain first."""
     worth = _worth(reports, weights)
@@ -120,7 +64,7 @@ def _figures(
 
 
 def _ranking(
-    reports: "Sequence[CoverageReport]", worth: Mapping[str, float], reached: float
+    reports: Sequence[CoverageReport], worth: Mapping[str, float], reached: float
 ) -> list[WorkItem]:
     """Rank the work that is left from the percentage `reached` on, the largest gain first."""
     gains: defaultdict[WorkKey, float] = defaultdict(float)
@@ -149,13 +93,13 @@ def _ranking(
     return items
 
 
-def piece_of(report: "CoverageReport", need: "BigramNeed") -> WorkKey:
+def piece_of(report: CoverageReport, need: BigramNeed) -> WorkKey:
     """Return the work item of a bigram of a report."""
     own = {"language": report.language, "character": report.character}
     return WorkKey(need.bigram, report.poseset, own.get(need.layer, ""))
 
 
-def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> dict[str, float]:
+def _worth(reports: Sequence[CoverageReport], weights: Mapping[str, float]) -> dict[str, float]:
     """Return the percentage of one occurrence in each language."""
     heard: Counter[str] = Counter()
     for report in reports:

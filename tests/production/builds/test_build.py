@@ -19,7 +19,7 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation_readers import read_animation
 from lipsync_lang.cli import main
 from lipsync_lang.commands import build as build_command
-from lipsync_lang.production.builds import build_run, keeping, making, needs, process_pool
+from lipsync_lang.production.builds import build_run, keeping, making, needs, workers
 from lipsync_lang.production.builds.archives import rewrite
 from lipsync_lang.production.builds.build_tally import BuildTally
 from lipsync_lang.production.builds.making import LineBatch
@@ -515,7 +515,7 @@ def test_processes_start_only_for_work_that_is_worth_them(game, monkeypatch, lin
         asked.append(count)
         return (run_job(job) for job in jobs)
 
-    monkeypatch.setattr(process_pool, "run_in_processes", run)
+    monkeypatch.setattr(workers, "run_in_processes", run)
     game.script(game.say(f"line{number}", "L OW") or f"line{number}" for number in range(lines))
     told = game.build("--workers", "2")
     assert (told.code, len(told.built)) == (0, lines)

@@ -326,7 +326,7 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
 
 
 def test_bars_of_few_lines_are_seen():
-    from lipsync_lang.production.builds.report_page import LEAST_BAR, figure_bars
+    from lipsync_lang.production.builds.report_files import LEAST_BAR, figure_bars
 
     lines = [*map(made, range(2000)), made(1, speed=13.0)]
     tally = BuildTally(map(CountedLine.of, lines))

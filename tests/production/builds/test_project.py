@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from lanes import full
 
-from lipsync_lang.commands.completion import leaves
 from lipsync_lang.commands.parser import parser
+from lipsync_lang.commands.registry import leaves
 from lipsync_lang.packs.models.schema import schema
 from lipsync_lang.packs.project import find_project
 

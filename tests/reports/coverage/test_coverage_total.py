@@ -20,9 +20,9 @@ from lipsync_lang.reports.coverage.changes import since
 from lipsync_lang.reports.coverage.facts import AuthoredShare, NextHour, WorkLeft
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
 from lipsync_lang.reports.coverage.forms.total_text import draft_calls
-from lipsync_lang.reports.coverage.report import BigramNeed, CoverageReport
+from lipsync_lang.reports.coverage.report import BigramNeed, CoverageReport, WorkItem
 from lipsync_lang.reports.coverage.script_changes import ScriptDigests, script_changes
-from lipsync_lang.reports.coverage.total import WorkItem, total_of
+from lipsync_lang.reports.coverage.total import total_of
 from lipsync_lang.text.lines import Line
 
 STATES = [("draft", "drafted"), ("shared", "edited"), ("language", "drafted"), ("gap", "")]

@@ -14,8 +14,7 @@ from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
 from lipsync_lang.reports.coverage.forms.total_text import headline
 
 if TYPE_CHECKING:
-    from lipsync_lang.reports.coverage.report import Coverage, CoverageReport
-    from lipsync_lang.reports.coverage.total import TotalFigures
+    from lipsync_lang.reports.coverage.report import Coverage, CoverageReport, TotalFigures
 
 
 @FORMS.register("junit")

@@ -10,8 +10,7 @@ from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.reports.coverage.plan import affordable
 
 if TYPE_CHECKING:
-    from lipsync_lang.reports.coverage.report import Coverage
-    from lipsync_lang.reports.coverage.total import Total, TotalFigures, WorkItem
+    from lipsync_lang.reports.coverage.report import Coverage, Total, TotalFigures, WorkItem
 
 MAX_ROW_LANGUAGES = 3
 """Maximum number of languages in a row."""
