@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.base.errors import LipsyncError, SpeechError, count, shortlist
 from lipsync_lang.base.extensions import PACKS, Extensions, plug_ins, removed_rooms
@@ -21,8 +21,12 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Language
 
-OK, MISSING, BROKEN = "ok", "missing", "broken"
+PartState = Literal["ok", "missing", "broken"]
 """States. A missing part is optional; a broken one fails the check."""
+
+OK: PartState = "ok"
+MISSING: PartState = "missing"
+BROKEN: PartState = "broken"
 
 ALWAYS, PROJECT, OPTIONAL = "always needed", "this project needs", "optional"
 """Sections of the report, in order."""
@@ -59,7 +63,7 @@ class CheckedPart(NamedTuple):
     """The state of a part."""
 
     part: str
-    state: str
+    state: PartState
     told: str
     """Details of the part, or the way to mend it."""
     section: str = OPTIONAL

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple, Self
 
 from lipsync_lang.base.errors import PackError
+from lipsync_lang.base.files import atomic
 from lipsync_lang.packs.finding import POSESET
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
@@ -27,6 +28,7 @@ from lipsync_lang.packs.yaml.source import (
     Position,
     SourceMark,
     YamlSource,
+    read_bytes,
     read_yaml,
     scan,
 )
@@ -232,6 +234,13 @@ def spliced(source: YamlSource, content: bytes, changes: Sequence[Change]) -> by
     `source` is the pack as read from `content`.
     """
     return SplicedText.of(source, content).changed(changes).content
+
+
+def rewrite(path: Path, changes: Sequence[Change]) -> None:
+    """Change values of a pack's file, as `SplicedText.changed` does."""
+    content = SplicedText.read(path, read_bytes(path)).changed(changes).content
+    with atomic(path, durable=True) as stream:
+        stream.write(content)
 
 
 def get(data: Data, loc: Loc) -> Data:

@@ -20,7 +20,6 @@ from lipsync_lang.performing.style_drafts import styled_motion, with_drafts
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance
-from lipsync_lang.pipeline.prepare import channel_kernel
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
@@ -354,10 +353,8 @@ class Performer:
                 f"the rig of {self.character} needs the poses of {self.character}; "
                 "this animation has others"
             )
-        motion, fps = self.motion, animation.fps
-        kernel = channel_kernel(motion, fps)
         spoken = np.ascontiguousarray(animation.weights[:, :count])
-        values = drive(spoken, driver.rig, motion.speed_limit / fps, kernel)
+        values = driver.driven(spoken, self.motion, animation.fps)
         names = (*(channel.name for channel in driver.channels), *animation.poses[count:])
         if len(animation.poses) > count:  # shapes that speech does not move go to the model as such
             values = np.hstack([values, animation.weights[:, count:]])

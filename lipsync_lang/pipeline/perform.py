@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.base.arrays import Bools, Floats
+from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline import kernel_plan
 from lipsync_lang.pipeline.anticipate import anticipate
 from lipsync_lang.pipeline.bend import Bend, bend
@@ -30,7 +30,7 @@ from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.switch import FREE, NONE, REST, switch
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.pipeline.track import Track
-from lipsync_lang.pipeline.warp import FramePlace, locate, warp
+from lipsync_lang.pipeline.warp import FramePlace, locate, positions, warp
 
 BLOCK = 8192
 """Number of frames of a block, whose arrays fit into the processor's cache."""
@@ -107,6 +107,15 @@ class Performance:
             curves = self.last(low, high)
             out[begin:stop] = curves[:, begin - low : stop - low].T
         return out
+
+    def with_tables(self, tables: Tables, motion: Motion) -> "Performance":
+        """Return the performance of the same track and dials with other neutral curves."""
+        prepared = prepare(tables, motion, self.frames.fps)
+        return Performance(tables, self.track, motion, self.frames, prepared, (), (), self.dials)
+
+    def places(self) -> tuple[Ints, Floats]:
+        """Return the table rows of the two bigrams that cover each frame, and the place in each."""
+        return positions(self.tables.neutral, self.track, locate(self.track, self.frames.times()))
 
     @property
     def compiled(self) -> bool:

@@ -380,6 +380,12 @@ class PairPacks:
             return self._found(pair, style, fitted) or row
         return row
 
+    def drawn_by_hand(self, pair: Pair) -> BigramRow | None:
+        """Return a neutral row that a person drew for a pair, or that is performed in its place."""
+        files = (file.rows.get(pair) for file in self.drawn if file.style == NEUTRAL)
+        rows = (row for row in (*files, self.authored(pair)) if row is not None)
+        return next((row for row in rows if row.origin.status not in {DRAFTED, FITTED}), None)
+
     def _found(self, pair: Pair, style: str, layers: Layers) -> BigramRow | None:
         """Return the row of a pair, of a coarser one, or of its substitute, in some layers."""
         # from the finest: a drawn parent comes before a drafted shade

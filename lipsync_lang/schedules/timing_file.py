@@ -56,6 +56,11 @@ class TimingFile:
     silences: Collection[str] = ()
     """Labels that are silence in this file, besides blank ones, in small letters."""
 
+    @classmethod
+    def of(cls, path: Path, **options: Any) -> "TimingFile":
+        """Read a file with some of the options; a ScheduleError if it cannot be read."""
+        return cls(path, timing_bytes(path), **options)
+
     def fault(self, what: str, line: int | None = None, column: int | None = None) -> ScheduleError:
         """Return an error at a place of the file; `what` is the mistake and the cure."""
         where = ":".join(str(part) for part in (self.path, line, column) if part is not None)

@@ -14,7 +14,7 @@ from lipsync_lang.base.extensions import Format, Formats
 from lipsync_lang.base.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
-from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
+from lipsync_lang.schedules.timing_file import TimingFile
 
 _log = logging.getLogger(__name__)
 
@@ -122,7 +122,7 @@ def read_timings(  # noqa: PLR0913 facts that a file may lack
     path = argument_path(path)
     if rate is not None and not 0 < rate < float("inf"):
         raise ScheduleError(f"{rate:g} units per second: give a number above 0")
-    source = TimingFile(path, timing_bytes(path), tier, rate, encoding)
+    source = TimingFile.of(path, tier=tier, rate=rate, encoding=encoding)
     found = timings_of(source, read_as)
     if notation is None or isinstance(found, TimedWords):
         return found

@@ -2,15 +2,14 @@
 
 import os
 import signal
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager, suppress
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
-from pathlib import Path
 from threading import Thread
+from typing import Any
 
 MOST_PROCESSES = 61 if sys.platform == "win32" else 10_000
 """Maximum number of processes of a pool, which is the limit on Windows."""
@@ -26,9 +25,16 @@ def child_pool(
     count : of processes, fewer where the system allows no more
     begin, values : a function that each process calls first, and its arguments
     """
-    return ProcessPoolExecutor(
-        min(count, MOST_PROCESSES), get_context("spawn"), _begin, (begin, values)
-    )
+    return _ChildPool(min(count, MOST_PROCESSES), get_context("spawn"), _begin, (begin, values))
+
+
+class _ChildPool(ProcessPoolExecutor):
+    """Pool whose processes leave Ctrl-C to their parent from their start on."""
+
+    def submit(self, *work: Any, **named: Any) -> Future[Any]:
+        """Submit work; a process may start for it."""
+        with deaf_to_interrupts():
+            return super().submit(*work, **named)
 
 
 def _begin(then: Callable[..., None] | None, values: tuple[object, ...]) -> None:
@@ -58,21 +64,6 @@ def deaf_to_interrupts() -> Iterator[None]:
         yield
     finally:
         mask(signal.SIG_SETMASK, before)
-
-
-def end_tree(process: "subprocess.Popen[bytes]") -> None:
-    """End a process in a session of its own, and all that it started."""
-    if sys.platform == "win32":
-        tool = Path(os.environ.get("SYSTEMROOT", r"C:\Windows"), "System32", "taskkill.exe")
-        with suppress(OSError):
-            subprocess.run(  # noqa: S603 no shell reads it
-                [str(tool), "/F", "/T", "/PID", str(process.pid)], capture_output=True, check=False
-            )
-        process.kill()
-    else:
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
 
 
 def _end_with(sentinel: int) -> None:

@@ -10,7 +10,9 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.faces.rigs.channel import Channel
-from lipsync_lang.pipeline.drive import Rig, sides
+from lipsync_lang.pipeline.drive import Rig, drive, sides
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.prepare import channel_kernel
 
 MORPH = (0.0, 1.0)
 """Default range of a morph target weight."""
@@ -46,6 +48,10 @@ class Driver:
         pairs = tuple((own, limits[own]) for own in order if own in limits)
         rig = Rig(gains, ranges[:, 0], ranges[:, 1], pairs, sides(gains, floors))
         return cls(tuple(channels), rig)
+
+    def driven(self, weights: Floats, motion: Motion, fps: float) -> Floats:
+        """Return the channels (T, C) for poses (T, P), within the speed limit of a motion."""
+        return drive(weights, self.rig, motion.speed_limit / fps, channel_kernel(motion, fps))
 
 
 def bare(poses: Sequence[str], names: Mapping[str, Sequence[str]]) -> tuple[Channel, ...]:

@@ -12,14 +12,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
-from lipsync_lang.base.files import atomic
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import Character
-from lipsync_lang.packs.splicing import ABSENT, Change, SplicedText, get, plain, put
+from lipsync_lang.packs.splicing import ABSENT, Change, get, plain, put, rewrite
 from lipsync_lang.packs.yaml.faults import shown
-from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.plugins.capture.fit_file import FitItem, FitProposal, rounded, split_item
-from lipsync_lang.resolver.layers import DRAFTED, FITTED, NEUTRAL, PairPacks
+from lipsync_lang.resolver.layers import FITTED, PairPacks
 
 Data = Any
 """Plain data of a character's file."""
@@ -113,11 +111,10 @@ def _reviewed(shelf: PairPacks, item: FitItem, confidence: float) -> ReviewedIte
     pack, loc = shelf.character, split_item(item.item)
     if item.kind == "bigrams":
         first, second = item.name.split("-")
-        files = (file.rows.get((first, second)) for file in shelf.drawn if file.style == NEUTRAL)
-        for row in (*files, shelf.authored((first, second))):
-            if row is not None and row.origin.status not in {DRAFTED, FITTED}:
-                told = f"a person drew it: {row.origin.status} in {row.place}"
-                return ReviewedItem(item, "stays", told)
+        row = shelf.drawn_by_hand((first, second))
+        if row is not None:
+            told = f"a person drew it: {row.origin.status} in {row.place}"
+            return ReviewedItem(item, "stays", told)
     elif pack.source.known(loc) == len(loc) and item.item not in fitted_items(pack.model):
         return ReviewedItem(item, "stays", f"a person wrote it: {pack.where(loc, key=True)}")
     data = pack.source.data
@@ -243,6 +240,4 @@ def remove_fit(
 def _write(path: Path, made: Sequence[Change]) -> None:
     """Rewrite a character's file with some changes; leave it alone if there are none."""
     if made:
-        content = SplicedText.read(path, read_bytes(path)).changed(made).content
-        with atomic(path, durable=True) as stream:
-            stream.write(content)
+        rewrite(path, made)

@@ -9,6 +9,7 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from pathlib import Path
 
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
@@ -17,17 +18,19 @@ from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.files import argument_path
 from lipsync_lang.base.files.names import folded_name
 from lipsync_lang.plugins.capture.fit_file import SetAside
-from lipsync_lang.schedules.timing_file import HEAD_BYTES
 from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
 from lipsync_lang.text.lines.line_readers import LineFile
-from lipsync_lang.text.lines.table import cell, open_table
-from lipsync_lang.text.lines.timings import TIMING_SUFFIXES, is_timed
+from lipsync_lang.text.lines.table import open_table
+from lipsync_lang.text.lines.timings import is_timed
 
 TEXT_SUFFIXES = (".txt", ".lab")
 """Suffixes of texts beside a capture, the most likely first."""
 
 READ_OUT = "readout.yaml"
 """File name of a read-out for the captures in its folder and below."""
+
+HEAD_OF_CAPTURE = 4096
+"""Number of first bytes that tell the kind of a file."""
 
 MAX_CAPTURES = 20_000
 
@@ -143,7 +146,7 @@ def _below(root: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
 def _head(path: Path) -> str:
     try:
         with path.open("rb") as stream:
-            return stream.read(HEAD_BYTES).decode("utf-8-sig", "ignore")
+            return stream.read(HEAD_OF_CAPTURE).decode("utf-8-sig", "ignore")
     except OSError:
         return ""
 
@@ -167,7 +170,9 @@ def _stated(
     if unknown is not None:
         raise source.fault(1, f"unknown column '{unknown}'; {did_you_mean(unknown, LIST_COLUMNS)}")
     for number, row in table.rows:
-        cells = {name: cell(row, at) for at, name in enumerate(head)}
+        cells = {
+            name: cell.strip() for name, cell in zip_longest(head, row[: len(head)], fillvalue="")
+        }
         if not any(cells.values()):
             continue
         try:
@@ -267,4 +272,4 @@ class _Neighbours:
 
 
 def _is_timings(path: Path) -> bool:
-    return path.suffix.lower() in TIMING_SUFFIXES and is_timed(LineFile(path, lambda _: None))
+    return is_timed(LineFile(path, lambda _: None))

@@ -15,34 +15,36 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from lipsync_lang.animations.animation_readers import (
-    LONGEST_SECONDS,
-    MAX_ANIMATION_BYTES,
-    MAX_VALUE,
-    MIN_FRAMES,
+    ANIMATION_READERS,
     Recording,
-    fail,
     read_animation,
 )
-from lipsync_lang.animations.readers.csv import table_of
-from lipsync_lang.animations.readers.live_link import fits
+from lipsync_lang.animations.readers.csv import read_table
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import AnimationError, LipsyncError, did_you_mean
-from lipsync_lang.base.files import read_input
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import ReadOut
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.plugins.capture.capture_files import CaptureFiles, find_captures
+from lipsync_lang.plugins.capture.capture_files import HEAD_OF_CAPTURE, CaptureFiles, find_captures
 from lipsync_lang.plugins.capture.capture_timings import (
     SILENT_SCHEDULE,
     aligned_captures,
+    few_names,
     readable,
     timed_capture,
 )
 from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.plugins.capture.fit_lines import CapturedLine, resampled
-from lipsync_lang.reports.quality.fitting import even_times, placed_columns, some_names
+from lipsync_lang.reports.quality.fitting import even_times, placed_columns
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import HEAD_BYTES
+
+MIN_SAMPLES = 2
+
+MAX_SENSED = 1e9
+"""Maximum size of a value; larger ones are damage, and their squares overflow."""
+
+MAX_SAMPLE_SECONDS = 86_400.0
+"""Maximum time of a sample; larger ones are in another unit."""
 
 FPS_TOLERANCE = 0.01
 """Maximum relative difference of the stated frame rate from that of the times."""
@@ -66,10 +68,7 @@ def load_readout(path: Path) -> ReadOut:
 
 def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
     """Read a table of sensors; return None without any column of the read-out."""
-    content = read_input(
-        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="check that it is a table of sensors"
-    )
-    times, names, table = table_of(path, content, gaps=True)
+    times, names, table = read_table(path, mend="check that it is a table of sensors")
     wanted = {column for sums in readout.measures.values() for column in sums}
     if wanted.isdisjoint(names):
         return None
@@ -83,7 +82,7 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
     known = [measure for measure in readout.measures if measure not in lacking]
     if not known:
         column = min(wanted - set(names))
-        fail(path, f"has no column '{column}'", did_you_mean(column, names))
+        raise AnimationError(f"{path}: has no column '{column}'; {did_you_mean(column, names)}")
     remarks = [
         f"{path}: has no column '{column}', so measure '{measure}' is left out"
         for measure, column in lacking.items()
@@ -91,10 +90,12 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
     sensed = np.where(np.isfinite(table), table, np.nan)
     if readout.lost is not None:
         sensed[sensed == readout.lost] = np.nan
-    beyond = (np.abs(sensed) > MAX_VALUE).any(axis=1)
+    beyond = (np.abs(sensed) > MAX_SENSED).any(axis=1)
     if beyond.any():
-        what = f"sample {int(beyond.argmax())}: a value is beyond {MAX_VALUE:g}"
-        fail(path, what, "state such values as `lost` in the read-out, or export the table again")
+        raise AnimationError(
+            f"{path}: sample {int(beyond.argmax())}: a value is beyond {MAX_SENSED:g}; state such "
+            "values as `lost` in the read-out, or export the table again"
+        )
     places = {name: at for at, name in enumerate(names)}
     values = np.column_stack(
         [
@@ -109,17 +110,16 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
 
 
 def _check_times(path: Path, times: Floats) -> None:
-    if len(times) < MIN_FRAMES:
-        fail(path, f"has only {len(times)} samples", "export the whole recording")
-    if not (np.isfinite(times) & (np.abs(times) <= LONGEST_SECONDS)).all():
-        fail(
-            path,
-            "a time is not a number of seconds",
-            "name the column time_ms if it has milliseconds",
-        )
     falls = np.diff(times) <= 0
-    if falls.any():
-        fail(path, f"sample {int(falls.argmax()) + 1}: its time does not rise", "sort the table")
+    if len(times) < MIN_SAMPLES:
+        what = f"has only {len(times)} samples; export the whole recording"
+    elif not (np.isfinite(times) & (np.abs(times) <= MAX_SAMPLE_SECONDS)).all():
+        what = "a time is not a number of seconds; name the column time_ms if it has milliseconds"
+    elif falls.any():
+        what = f"sample {int(falls.argmax()) + 1}: its time does not rise; sort the table"
+    else:
+        return
+    raise AnimationError(f"{path}: {what}")
 
 
 class Captures(NamedTuple):
@@ -170,9 +170,11 @@ def _line(
     """Read one capture: of sensors if the read-out has the columns, or else poses or channels."""
     line: CapturedLine | None = None
     may_be_sensors = files.capture.suffix.lower() == ".csv"
-    if may_be_sensors:  # unless it is a take of Live Link Face
+    if may_be_sensors:  # unless it is a table of another kind, such as a take of Live Link Face
         with files.capture.open("rb") as stream:
-            may_be_sensors = not fits(stream.read(HEAD_BYTES))
+            head = stream.read(HEAD_OF_CAPTURE)
+        kinds = ANIMATION_READERS.ending(files.capture)
+        may_be_sensors = not any(one.fits and one.fits(head) for one in kinds)
     if readout is not None and may_be_sensors:
         sensed = read_sensors(files.capture, readout)
         if sensed is not None:
@@ -203,8 +205,8 @@ def _measured(performer: Performer, path: Path, sensed: SensorSignals) -> Captur
     used = [at for at, name in enumerate(sensed.measures) if name in known]
     if not used:
         raise AnimationError(
-            f"{path}: its read-out has {some_names(sensed.measures)}, but the measures of "
-            f"{performer.character} are {some_names(known) or 'none'}; use these in the read-out"
+            f"{path}: its read-out has {few_names(sensed.measures)}, but the measures of "
+            f"{performer.character} are {few_names(known) or 'none'}; use these in the read-out"
         )
     signals = tuple(sensed.measures[at] for at in used)
     gains = np.array([[known[s].get(pose, 0.0) for pose in performer.poses] for s in signals])
@@ -215,7 +217,7 @@ def _measured(performer: Performer, path: Path, sensed: SensorSignals) -> Captur
     other = [name for name in sensed.measures if name not in known]
     remarks = sensed.remarks
     if other:
-        told = f"{performer.character} has no measure {some_names(other)}; these are left out"
+        told = f"{performer.character} has no measure {few_names(other)}; these are left out"
         remarks += (f"{path}: {told}",)
     return CapturedLine(
         str(path), SILENT_SCHEDULE, times, signals, values, gains, free=True, remarks=remarks
@@ -229,11 +231,11 @@ def _weighted(performer: Performer, recording: Recording) -> CapturedLine:
     gains = found.gains[found.numbers]
     remarks = found.remarks
     if found.missing:
-        told = f"has no column for {some_names(found.missing)}; these are not fitted"
+        told = f"has no column for {few_names(found.missing)}; these are not fitted"
         remarks += (f"{recording.source}: {told}",)
     deaf = ~gains.any(axis=1)
     if deaf.all():
-        raise AnimationError(f"{recording.source}: no pose moves any of {some_names(names)}")
+        raise AnimationError(f"{recording.source}: no pose moves any of {few_names(names)}")
     kept = np.flatnonzero(~deaf)
     signals = tuple(names[at] for at in kept)
     schedule, rigged = recording.schedule or SILENT_SCHEDULE, found.face != performer.channels

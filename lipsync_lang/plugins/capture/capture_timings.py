@@ -1,20 +1,19 @@
 """Timings of captures, from files beside them or by alignment with their sound."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.base.errors import LipsyncError, ScheduleError
+from lipsync_lang.base.errors import LipsyncError, ScheduleError, shortlist
 from lipsync_lang.base.files.reading import input_text
 from lipsync_lang.packs.models import ReadOut
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.plugins.capture.capture_files import CaptureFiles
-from lipsync_lang.reports.quality.fitting import some_names
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
-from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
+from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import timings_of
 
 SILENT_SCHEDULE = Schedule((SILENCE,), np.array([0.0, 1.0]))
@@ -30,6 +29,14 @@ MAX_UNKNOWN_SHARE = 0.1
 
 MAX_TEXT_BYTES = 2**20
 
+FEW_NAMES = 8
+"""Maximum number of names in a message."""
+
+
+def few_names(names: Iterable[str]) -> str:
+    """Format the first few names as a list."""
+    return shortlist(names, FEW_NAMES)
+
 
 def timed_capture(
     performer: Performer,
@@ -44,8 +51,7 @@ def timed_capture(
 
         quiet = {*performer.compiled.silences, *(readout.silences if readout else ())}
         silences = frozenset(one.casefold() for one in quiet)
-        content = timing_bytes(files.timings)
-        found = timings_of(TimingFile(files.timings, content, silences=silences))
+        found = timings_of(TimingFile.of(files.timings, silences=silences))
         if isinstance(found, TimedWords):
             return filled(performer.speaker, found, audio=files.audio)
         notation = notation or (readout.notation if readout else None) or found.notation
@@ -103,12 +109,12 @@ def readable(performer: Performer, schedule: Schedule) -> tuple[Schedule, tuple[
     if len(lost) > MAX_UNKNOWN_SHARE * len(schedule):
         raise ScheduleError(
             f"{schedule.source}: {len(lost)} of {len(schedule)} labels are unknown to "
-            f"{performer.language}: {some_names(sorted(unknown))}; name their notation, or list "
+            f"{performer.language}: {few_names(sorted(unknown))}; name their notation, or list "
             "the silent ones in a read-out"
         )
     if lost:
         what = f"labels unknown to {performer.language}, read as silence"
-        told = (f"{schedule.source}: {what}: {some_names(sorted(unknown))}",)
+        told = (f"{schedule.source}: {what}: {few_names(sorted(unknown))}",)
     made = replace(
         schedule,
         labels=tuple(SILENCE if label in unknown else label for label in schedule.labels),

@@ -162,7 +162,7 @@ def _proposal(
         poseset=pair.compiled.poseset,
         lines=len(captured),
         seconds=round(
-            sum(float(line.seen.any(axis=1).sum()) / line.frames.fps for line in task.lines), 3
+            sum(float(line.seen.any(axis=1).sum()) / line.made.frames.fps for line in task.lines), 3
         ),
         speakers=tuple(sorted({line.speaker for line in captured} - {""})),
         verdict=verdict,

@@ -12,9 +12,9 @@ from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.base.presentation.text_table import columns
-from lipsync_lang.base.terminal import progress, wipe
+from lipsync_lang.base.terminal import progress
 from lipsync_lang.commands.options import option
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_pair
 
@@ -116,23 +116,21 @@ def _fitted(options: Namespace) -> "CaptureFit":
         raise LipsyncError(f"{options.workers} workers: give 1 or more")
     pair = OpenPair.open(Library(options.path), options.language, options.character)
     performer = Performer(pair.compiled, pair.compiled.motion, paths=tuple(options.path))
-    captures = read_captures(
-        performer,
-        options.captures,
-        readout=options.readout,
-        speaker=options.speaker,
-        aligner=options.aligner,
-        notation=options.notation,
-        progress=lambda done, total: progress(f"reading {done} of {total} captures ..."),
-    )
-    wipe()
-    captures = judge_captures(
-        performer,
-        captures,
-        progress=lambda done, total: progress(f"judging {done} of {total} captures ..."),
-    )
-    wipe()
-    try:
+    with working("reading captures"):
+        captures = read_captures(
+            performer,
+            options.captures,
+            readout=options.readout,
+            speaker=options.speaker,
+            aligner=options.aligner,
+            notation=options.notation,
+            progress=lambda done, total: progress(f"reading {done} of {total} captures ..."),
+        )
+        captures = judge_captures(
+            performer,
+            captures,
+            progress=lambda done, total: progress(f"judging {done} of {total} captures ..."),
+        )
         return fit_captures(
             pair,
             performer,
@@ -141,8 +139,6 @@ def _fitted(options: Namespace) -> "CaptureFit":
             progress=lambda text: progress(f"{text} ..."),
             set_aside=captures.set_aside,
         )
-    finally:
-        wipe()
 
 
 def told(proposal: "FitProposal") -> Iterator[str]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import LipsyncError, shortlist
-from lipsync_lang.base.files.child_processes import child_pool, deaf_to_interrupts
+from lipsync_lang.base.files.child_processes import child_pool
 from lipsync_lang.plugins.capture.fit_lines import FitLine
 from lipsync_lang.plugins.capture.fit_steps import fit_bigrams, fit_motion, fit_targets
 from lipsync_lang.plugins.capture.fit_values import FitFace, FitValues, with_mentions
@@ -110,9 +110,7 @@ def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iter
         return
     try:
         with child_pool(min(workers, len(kept))) as pool:
-            with deaf_to_interrupts():
-                found = pool.map(task.fit, kept)
-            yield from found
+            yield from pool.map(task.fit, kept)
     except BrokenProcessPool:
         raise LipsyncError(
             "a process of the fit ended early, perhaps for lack of memory; fit in one process "

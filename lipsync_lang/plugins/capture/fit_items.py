@@ -153,7 +153,7 @@ def _frames(task: FitTask, meant: Sequence[set[int]]) -> tuple[list[Bools], int]
     """Return the frames of a sequence of common phonemes, and its number of occurrences."""
     chosen, count = [], 0
     for line in task.lines:
-        ids, bounds, times = line.track.ids, line.track.bounds, line.frames.times()
+        ids, bounds, times = line.made.track.ids, line.made.track.bounds, line.made.frames.times()
         fits = np.ones(len(ids) - len(meant) + 1, bool)
         for offset, some in enumerate(meant):
             fits &= np.isin(ids[offset : offset + len(fits)], list(some))
@@ -180,8 +180,8 @@ def _motion_items(
         for pose in some.tolist()
     ]
     changed.append(("motion.speed_limit", [one.speed for one in every], LEAST_SPEED_CHANGE))
-    everything = [np.ones(line.frames.count, bool) for line in task.lines]
-    seen = evidence.of(everything, sum(len(line.track.ids) for line in task.lines))
+    everything = [np.ones(line.made.frames.count, bool) for line in task.lines]
+    seen = evidence.of(everything, sum(len(line.made.track.ids) for line in task.lines))
     for name, (was, value, *rest), least in changed:
         if abs(value - was) >= least:
             yield FitItem(

@@ -5,22 +5,17 @@ A fit compares recorded values at the frames of a performance.
 Conventions: T samples or frames, S signals, P poses; times are seconds on the schedule's clock.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
-from lipsync_lang.performing.batch import LineDelivery
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.pipeline.drive import Rig, drive
-from lipsync_lang.pipeline.levels import Dial
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.perform import Frames, Performance, lay_frames
-from lipsync_lang.pipeline.prepare import channel_kernel, prepare
+from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.tables import Tables
-from lipsync_lang.pipeline.track import Track
 from lipsync_lang.schedules.schedule import Schedule
 
 GAP_SHARE = 1e-6
@@ -98,30 +93,26 @@ class FitLine:
     """A captured line, prepared for performance and comparison."""
 
     captured: CapturedLine
-    track: Track
-    frames: Frames
-    dials: tuple[Dial, ...]
+    made: Performance
+    """The performance before the fit."""
     wanted: Floats
     """(T, S) recorded values in units of the poses; NaN for lost values."""
     gains: Floats
     """(S, P)"""
-    rig: Rig | None = None
-    """The rig whose channels the signals are; None for sums of poses."""
+    driven: Callable[[Floats, Motion, float], Floats] | None = None
+    """Drives the rig whose channels the signals are; None for sums of poses."""
     columns: Ints | None = None
     """(S,) numbers of those channels."""
 
     def perform(self, tables: Tables, motion: Motion) -> Performance:
         """Return the performance of the line with other tables."""
-        prepared = prepare(tables, motion, self.frames.fps)
-        return Performance(tables, self.track, motion, self.frames, prepared, (), (), self.dials)
+        return self.made.with_tables(tables, motion)
 
     def signals(self, weights: Floats, motion: Motion) -> Floats:
         """Return the signals for (T, P) weights of poses: (T, S)."""
-        if self.rig is None:
+        if self.driven is None:
             return weights @ self.gains.T
-        fps = self.frames.fps
-        kernel = channel_kernel(motion, fps)
-        return drive(weights, self.rig, motion.speed_limit / fps, kernel)[:, self.columns]
+        return self.driven(weights, motion, self.made.frames.fps)[:, self.columns]
 
     def errors(self, shown: Floats) -> Floats:
         """Return performed minus recorded signals: (T, S); 0 for lost values."""
@@ -152,16 +143,10 @@ def lay_lines(
     """
     tables, motion = performer.compiled.tables, performer.motion
     tables = tables.papers if motion.thresholds == "paper" else tables
-    asked = {"styles": None, "dials": None, "intensity": None, "bends": None}
     laid = []
-    for line, sounds in zip(
-        captured, performer.labels.read([one.schedule for one in captured]), strict=True
-    ):
-        quiet = replace(line.schedule, audio=None)
-        said = LineDelivery.of(performer, quiet, sounds, None, asked)
-        made = said.performance(performer, sounds, fps)
-        frames = lay_frames(made.track, motion, fps, made.prepared.lead)
-        times = frames.times()
+    for line in captured:
+        made = performer.performance(replace(line.schedule, audio=None), fps)
+        times = made.frames.times()
         wanted = resampled(times, line.times, line.values)
         wanted[(times < line.times[0]) | (times > line.times[-1])] = np.nan
         # Sounds and short pauses count whole, and long pauses next to sounds.
@@ -173,11 +158,11 @@ def lay_lines(
         for start, end in zip(starts[counts], ends[counts], strict=True):
             spoken |= (times >= start - EDGE_SECONDS) & (times <= end + EDGE_SECONDS)
         wanted[~spoken] = np.nan
-        rig, at = None, None
+        driven, at = None, None
         if line.rigged and (driver := performer.driver) is not None:
             order = [channel.name for channel in driver.channels]
-            rig, at = driver.rig, np.array([order.index(name) for name in line.signals])
-        laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains, rig, at))
+            driven, at = driver.driven, np.array([order.index(name) for name in line.signals])
+        laid.append(FitLine(line, made, wanted, line.gains, driven, at))
     return _scaled(tuple(laid), tables, motion)
 
 
@@ -255,7 +240,7 @@ class ShownLine:
         """Return a line of a fit with the curves before and after it, (T, S) each."""
         captured, schedule = line.captured, line.captured.schedule
         return cls(
-            captured.name, line.frames.times(), captured.signals, line.wanted, before, after,
+            captured.name, line.made.frames.times(), captured.signals, line.wanted, before, after,
             schedule.labels, schedule.times,
             signal_figures(captured.signals, line.wanted, before, after), captured.speaker,
         )  # fmt: skip

@@ -28,8 +28,8 @@ from scipy.sparse.linalg import lsmr
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.packs.banks.draft import TIMES, Target, shape
 from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.tables import Tables
-from lipsync_lang.pipeline.warp import locate, positions
 from lipsync_lang.plugins.capture.fit_lines import FitLine
 from lipsync_lang.plugins.capture.fit_values import FitFace, FitValues
 
@@ -116,7 +116,7 @@ def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -
 
 def _line_slopes(face: FitFace, tables: Tables, motion: Motion, line: FitLine) -> Sparse:
     made = line.perform(tables, motion)
-    stages = {stage.name: stage.curves.T for stage in made.stages(0, line.frames.count)}
+    stages = {stage.name: stage.curves.T for stage in made.stages(0, line.made.frames.count)}
     stitched = stages["stitch"]
     dialled = stages.get("dial", stages.get("overlay", stitched))
     level = np.where(stitched > PASSED, dialled / np.maximum(stitched, PASSED), 1.0)
@@ -126,15 +126,15 @@ def _line_slopes(face: FitFace, tables: Tables, motion: Motion, line: FitLine) -
     if list(stages).index("constrain") > list(stages).index("limit"):
         last = stages["constrain"]
     same = (np.abs(ahead - dialled) < PASSED) & (np.abs(last - eased) < PASSED)
-    raw = _raw_slopes(face, tables, line, made.track, level)
+    raw = _raw_slopes(face, made, level)
     if made.prepared.wide:
-        raw = _kernel_matrix(made.prepared.wide, len(tables.priority), line.frames.count) @ raw
+        raw = _kernel_matrix(made.prepared.wide, len(tables.priority), line.made.frames.count) @ raw
     out = sparse.diags(same.ravel().astype(float)) @ raw
     if made.prepared.shared:
-        kernel = _kernel_matrix(made.prepared.shared, len(tables.priority), line.frames.count)
+        kernel = _kernel_matrix(made.prepared.shared, len(tables.priority), line.made.frames.count)
         out = kernel @ out
-    observed = sparse.kron(sparse.identity(line.frames.count), sparse.csr_matrix(line.gains))
-    if line.rig is not None:
+    observed = sparse.kron(sparse.identity(line.made.frames.count), sparse.csr_matrix(line.gains))
+    if line.driven is not None:
         # A channel at a bound of the rig does not follow the poses: its slopes are 0.
         weights = made.weights()
         apart = np.abs(line.signals(weights, motion) - weights @ line.gains.T)
@@ -142,11 +142,11 @@ def _line_slopes(face: FitFace, tables: Tables, motion: Motion, line: FitLine) -
     return sparse.csr_matrix(observed @ out)
 
 
-def _raw_slopes(face: FitFace, tables: Tables, line: FitLine, track: Any, level: Floats) -> Sparse:
+def _raw_slopes(face: FitFace, made: Performance, level: Floats) -> Sparse:
     """Return slopes of stitched curves against control values: (T P, R P n)."""
-    place = locate(track, line.frames.times())
-    row, position = positions(tables.neutral, track, place)
-    count, poses, points = len(place.phoneme), len(tables.priority), len(TIMES)
+    tables = made.tables
+    row, position = made.places()
+    count, poses, points = made.frames.count, len(tables.priority), len(TIMES)
     where = np.full(len(tables.curves), -1)
     where[face.rows] = np.arange(len(face.rows))
     drafted = where[row]

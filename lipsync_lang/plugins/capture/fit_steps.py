@@ -127,7 +127,7 @@ def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
     )
     free_signals = any(line.captured.free for line in lines)
     prior_occurrences = FREE_PRIOR_OCCURRENCES if free_signals else PRIOR_OCCURRENCES
-    strength = prior_occurrences * OCCURRENCE_SECONDS * lines[0].frames.fps
+    strength = prior_occurrences * OCCURRENCE_SECONDS * lines[0].made.frames.fps
     free = parameters.free
 
     def errors(vector: Floats) -> Floats:
@@ -196,7 +196,7 @@ def _changed(values: FitValues, name: str, poses: Ints, value: float) -> FitValu
 
 def fit_bigrams(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> FitValues:
     """Return values with fitted curves for bigrams with enough occurrences."""
-    spoken = np.concatenate([line.track.rows for line in lines])
+    spoken = np.concatenate([line.made.track.rows for line in lines])
     counts = np.bincount(spoken, minlength=len(face.tables.curves))
     often = counts[face.rows] >= ENOUGH_OCCURRENCES
     rows = np.flatnonzero(often)
@@ -205,7 +205,7 @@ def fit_bigrams(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
     drafts = face.controls(replace(base, bigrams={}))[rows]
     free = np.zeros(drafts.shape, bool)
     free[:, seen_poses(lines), 1:-1] = True
-    strength = BIGRAM_PRIOR_OCCURRENCES * OCCURRENCE_SECONDS * lines[0].frames.fps / len(TIMES)
+    strength = BIGRAM_PRIOR_OCCURRENCES * OCCURRENCE_SECONDS * lines[0].made.frames.fps / len(TIMES)
     start = np.zeros(int(free.sum()))
     every = np.zeros((len(often), *free.shape[1:]), bool)
     every[rows] = free

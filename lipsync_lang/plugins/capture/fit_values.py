@@ -14,7 +14,7 @@ import numpy as np
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.packs.banks.draft import PASSIVE, TIMES, Target, draft, shape
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.plugins.capture.fit_lines import FitLine
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.resolver.retouch import OpenPair
@@ -101,7 +101,7 @@ class FitFace:
         shelf, every, compiled = pair.shelf, pair.rows.every, pair.compiled
         tables = compiled.tables
         tables = tables.papers if compiled.motion.thresholds == "paper" else tables
-        played = sorted({int(row) for line in lines for row in line.track.rows} - {0})
+        played = sorted({int(row) for line in lines for row in line.made.track.rows} - {0})
         drafted = [row for row in played if row <= len(every) and every[row - 1].drafted]
         ends = [every[row - 1].origin.pair for row in drafted]
         named = {p: shelf.targeted(p) for p in sorted({p for pair in ends for p in pair})}
@@ -162,7 +162,7 @@ class FitFace:
         if any(a is not b for a, b in zip(key, latest["values"], strict=True)):
             curves = self.tables.curves.copy()
             if len(self.rows):
-                sampled = self.controls(values) @ shape(np.linspace(0, 1, RESOLUTION + 1))
+                sampled = self.controls(values) @ shape(np.linspace(0, 1, curves.shape[1]))
                 curves[self.rows] = sampled.swapaxes(1, 2).clip(0, 1)
             latest |= {"values": key, "curves": curves}
         return latest["base"].with_curves(latest["curves"])
@@ -253,8 +253,8 @@ def _occurrences(
         poses = (line.gains[alone] != 0).argmax(axis=1)
         gains = line.gains[alone, poses]
         beyond = (line.wanted[:, alone] - shown[:, alone]) / gains
-        sounds = np.flatnonzero(target[line.track.ids] >= 0)
-        middles = line.track.bounds[sounds] + np.diff(line.track.bounds)[sounds] / 2
-        at = np.rint((middles - line.frames.times()[0]) * line.frames.fps).astype(int)
+        sounds = np.flatnonzero(target[line.made.track.ids] >= 0)
+        middles = line.made.track.bounds[sounds] + np.diff(line.made.track.bounds)[sounds] / 2
+        at = np.rint((middles - line.made.frames.times()[0]) * line.made.frames.fps).astype(int)
         kept = (at >= 0) & (at < len(beyond))
-        yield target[line.track.ids[sounds[kept]]], poses, beyond[at[kept]]
+        yield target[line.made.track.ids[sounds[kept]]], poses, beyond[at[kept]]

@@ -31,9 +31,9 @@ from lipsync_lang.plugins.capture.capture_clock import (
     spoken_span,
 )
 from lipsync_lang.plugins.capture.capture_reading import Captures
+from lipsync_lang.plugins.capture.capture_timings import few_names
 from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.plugins.capture.fit_lines import CapturedLine
-from lipsync_lang.reports.quality.fitting import some_names
 
 LEAST_CAPTURE_FPS = 24.0
 """Minimum frame rate; slower captures miss closures of the lips."""
@@ -249,7 +249,7 @@ def _named(line: CapturedLine, which: Bools, what: str) -> CapturedLine:
     """Return a line with a remark on signals that will be left out."""
     if not which.any():
         return line
-    names = some_names(np.array(line.signals)[which].tolist())
+    names = few_names(np.array(line.signals)[which].tolist())
     return _remarked(line, f"signals left out, because they are {what}: {names}")
 
 

@@ -21,20 +21,14 @@ from uuid import uuid4
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.base.files.temporary import sweep, temporary_name
-from lipsync_lang.base.files.writing import cannot_write
-from lipsync_lang.production.builds.workers import (
-    BATCHES_PER_WORKER,
-    CLUSTERS,
-    DASK,
-    Job,
-    LostBatch,
-    Parcel,
-    run_job,
-)
+from lipsync_lang.base.files.writing import marker
+from lipsync_lang.production.builds.workers import Job, LostBatch, Parcel, cluster
 
 if TYPE_CHECKING:
     from distributed import Client, Future
+
+BUSY_BATCHES = 2
+"""Number of submitted batches that keeps a worker busy: a running one and a waiting one."""
 
 LIMIT_SECONDS = 10
 """Time limit for answers of a scheduler and its workers."""
@@ -57,7 +51,7 @@ MARK = "seen"
 """Name of the file that tests the access of workers to the project's folder."""
 
 
-@CLUSTERS.register(DASK)
+@cluster("dask")
 def run_on_cluster(jobs: Iterator[Job], address: str, folder: Path | None) -> Generator[Any]:
     """Run jobs on a cluster and yield their results; see `run_batches`."""
     with _client(address) as client, sight_mark(folder) as mark:
@@ -156,16 +150,8 @@ def sight_mark(folder: Path | None) -> Iterator[str]:
     if folder is None:
         yield ""
         return
-    path = folder.resolve() / temporary_name(MARK)
-    sweep(path.parent, again=True)  # the mark of a killed build
-    try:
-        path.touch()
-    except OSError as error:
-        raise cannot_write(path.parent, error, "copy the project to another folder") from None
-    try:
+    with marker(folder.resolve(), MARK, mend="copy the project to another folder") as path:
         yield str(path)
-    finally:
-        path.unlink(missing_ok=True)
 
 
 def check_sight(client: "Client", folder: Path | None, mark: str) -> None:
@@ -209,7 +195,7 @@ class _ClusterRun:
             while True:
                 if time.monotonic() - self._counted > COUNT_SECONDS:
                     with suppress(OSError, ValueError):
-                        self._room = BATCHES_PER_WORKER * max(1, len(self._client.nthreads()))
+                        self._room = BUSY_BATCHES * max(1, len(self._client.nthreads()))
                     self._counted = time.monotonic()
                 while len(running) < self._room and (job := next(jobs, None)):
                     batch = pickle.dumps(job.batch)  # Dask would look for tasks in tuples
@@ -268,4 +254,4 @@ def run_there(mark: str, batch: bytes, *parcels: Parcel) -> bytes:
         )
     work, *more = parcels
     job = Job(work, more[0] if more else None, pickle.loads(batch))  # noqa: S301 of our client
-    return pickle.dumps(run_job(job))
+    return pickle.dumps(job.run())

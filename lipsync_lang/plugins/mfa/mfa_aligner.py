@@ -26,7 +26,7 @@ from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, aligner
 from lipsync_lang.sound.speech.hearing.engine_names import engine_and_model
 from lipsync_lang.sound.speech.results import batches, each, tried
-from lipsync_lang.sound.speech.speaking.speaker import BATCH_TEXTS, Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 NAME = "mfa"
 
@@ -60,7 +60,7 @@ class MfaAligner(BatchAligner):
             stated = replace(found, notation=notation or None, language=speaker.manner.language)
             return with_lacking(stated, speaker)
 
-        for batch in batches(recordings, BATCH_TEXTS):
+        for batch in batches(recordings):
             yield from each(_aligned(batch, models), whole)
 
 

@@ -8,12 +8,14 @@ of its own as well: at an interrupt or after too long a time, its workers end wi
 import os
 import re
 import shutil
+import signal
 import subprocess
+import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.base.errors import SpeechError, did_you_mean
-from lipsync_lang.base.files.child_processes import end_tree
 
 PROGRAM = "mfa"
 
@@ -181,6 +183,21 @@ def _waited(command: list[str], folder: Path, log: Path, patience: float) -> int
     if code:
         end_tree(process)
     return code
+
+
+def end_tree(process: "subprocess.Popen[bytes]") -> None:
+    """End a process in a session of its own, and all that it started."""
+    if sys.platform == "win32":
+        tool = Path(os.environ.get("SYSTEMROOT", r"C:\Windows"), "System32", "taskkill.exe")
+        with suppress(OSError):
+            subprocess.run(  # noqa: S603 no shell reads it
+                [str(tool), "/F", "/T", "/PID", str(process.pid)], capture_output=True, check=False
+            )
+        process.kill()
+    else:
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 def _told(log: Path, code: int) -> str:

@@ -12,27 +12,15 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from lipsync_lang.base.errors import LipsyncError, OutputError, did_you_mean, shortlist
-from lipsync_lang.base.files import atomic
-from lipsync_lang.packs import models
-from lipsync_lang.packs.banks.write import (
-    NEUTRAL,
-    BankBigrams,
-    CurvePoints,
-    Interpolation,
-    add_bigrams,
-    bank_yaml,
-    done,
-    make_room,
-)
+from lipsync_lang.base.errors import LipsyncError, did_you_mean, shortlist
+from lipsync_lang.packs.banks.write import NEUTRAL, BankBigrams, done, write_bank
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import visible
 from lipsync_lang.pipeline.curve import bspline
-from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.plugins.smartbody.bank_files import (
     Diphone,
     DiphonePair,
@@ -40,7 +28,7 @@ from lipsync_lang.plugins.smartbody.bank_files import (
     Sets,
     read_smartbody,
 )
-from lipsync_lang.plugins.smartbody.conversion import Conversion, ImportedCurves
+from lipsync_lang.plugins.smartbody.conversion import Conversion, CurvePoints, ImportedCurves
 
 STATUS = "edited"
 """Status of imported bigrams, because SmartBody banks are drawn manually."""
@@ -48,8 +36,10 @@ STATUS = "edited"
 USUAL = frozenset({"", "default", NEUTRAL})
 """Set names for the neutral style; the name is empty for a text export."""
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
-"""Pattern of valid bank names."""
+Interpolation = Literal["bspline", "linear"]
+
+CURVE_SAMPLES = 129
+"""Number of samples in the search for the peak of a curve."""
 
 ENOUGH = 0.95
 """Minimum ratio of the curve peak to the highest key, without a warning."""
@@ -119,8 +109,7 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     imported.
     """
     poseset = library.poseset(library.character(character).model.poseset).model
-    common = library.common().model
-    sounds, poses = _names(common, poseset, mapped or {})
+    silence, sounds, poses = _names(library, poseset.name, mapped or {})
     remarks = ImportRemarks()
     chosen, pairs = _chosen([read_smartbody(path, remarks) for path in files], style, remarks)
     shapes = dict.fromkeys(shape for diphone in pairs.values() for shape in diphone.shapes)
@@ -130,7 +119,7 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
             f"shapes with --map THEIRS=OURS. Its shapes: {shortlist(map(visible, shapes), FEW)}. "
             f"The poses of {poseset.name}: {', '.join(poseset.poses)}"
         )
-    found = Conversion(sounds, poses, common.silence, remarks).fit(pairs)
+    found = Conversion(sounds, poses, silence, remarks).fit(pairs)
     if not found:
         raise LipsyncError(_nothing(remarks))
     manner = style or (NEUTRAL if chosen in USUAL else chosen)
@@ -139,15 +128,7 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     made = BankBigrams(poseset.name, found, STATUS, manner, interpolation)
     origin = ", ".join(visible(file.name) for file in files)
     origin += f", set '{visible(chosen)}'" if chosen else ""
-    make_room(path)
-    if path.exists():
-        new = add_bigrams(library, path, made)
-    elif not NAME.fullmatch(path.stem):
-        raise OutputError(f"{path}: the name of a bank may have only letters, digits, '-' and '_'")
-    else:
-        new, head = list(found), f"# Imported from SmartBody: {origin}.\n"
-        with atomic(path, durable=True) as stream:
-            stream.write(f"{head}{bank_yaml(made, path.stem)}".encode())
+    new = write_bank(library, path, made, f"Imported from SmartBody: {origin}.")
     kept = tuple(key for key in found if key not in new)
     reach = _reach(found, interpolation)
     return BankImport(path, poseset.name, chosen, manner, tuple(new), kept, reach, remarks)
@@ -161,7 +142,7 @@ def _reach(found: Mapping[str, ImportedCurves], interpolation: Interpolation) ->
             alike.setdefault(len(points), []).append(points)
     if interpolation == "linear" or not alike:
         return 1.0
-    at = np.linspace(0, 1, RESOLUTION + 1)
+    at = np.linspace(0, 1, CURVE_SAMPLES)
     shares = []
     # ImportedCurves are grouped by number of keys, so that each group is one array.
     for lines in alike.values():
@@ -171,9 +152,13 @@ def _reach(found: Mapping[str, ImportedCurves], interpolation: Interpolation) ->
 
 
 def _names(
-    common: models.Phonemes, poseset: models.PoseSet, mapped: Mapping[str, str]
-) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the maps of labels and shapes to phonemes and poses; `mapped` has precedence."""
+    library: Library, face: str, mapped: Mapping[str, str]
+) -> tuple[str, dict[str, str], dict[str, str]]:
+    """Return silence, and the maps of labels and shapes to phonemes and poses of a pose set.
+
+    `mapped` has precedence.
+    """
+    common, poseset = library.common().model, library.poseset(face).model
     sounds = {label.casefold(): common.silence for label in common.rests}
     for name, phoneme in common.phonemes.items():
         sounds.update(dict.fromkeys((label.casefold() for label in phoneme.spelled), name))
@@ -190,7 +175,7 @@ def _names(
             sounds[theirs.casefold()] = our
         if our in poseset.poses:
             poses[theirs] = our
-    return sounds, poses
+    return common.silence, sounds, poses
 
 
 def _chosen(

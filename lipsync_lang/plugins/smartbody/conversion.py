@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 from lipsync_lang.base.errors import did_you_mean
-from lipsync_lang.packs.banks.write import CurvePoints
 from lipsync_lang.packs.yaml.faults import visible
 from lipsync_lang.plugins.smartbody.bank_files import ALONE, Diphone, DiphonePair, ImportRemarks
 
@@ -22,6 +21,7 @@ FEWEST_KEYS = 2
 LONGEST, HINTS = 40, 100
 """Maximum length of a name in a remark, and maximum number of unknown names with a hint."""
 
+CurvePoints = list[list[float]]
 ImportedCurves = dict[str, CurvePoints]
 
 

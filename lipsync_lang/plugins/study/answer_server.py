@@ -32,7 +32,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import refuse_links
-from lipsync_lang.commands.local_server import SHUTDOWN_SECONDS, listening
+from lipsync_lang.commands.local_server import listening
 from lipsync_lang.plugins.study.study_file import (
     MAX_ANSWERS_BYTES,
     MAX_SUBMISSION_BYTES,
@@ -52,6 +52,9 @@ POST_PATH = "/answers"
 
 REQUEST_SECONDS = 30.0
 """Time limit for the arrival of a request."""
+
+FINISHING_SECONDS = 1
+"""Time for open requests when the server closes."""
 
 SEND_SECONDS = 60.0
 """Time limit for a client to take the part of a response that is ready."""
@@ -263,7 +266,7 @@ class AnswerServer:
             headers=[*RESPONSE_HEADERS.items()], server_header=False, proxy_headers=False,
             # No log receives the address of a rater.
             access_log=False, log_level=logging.CRITICAL,
-            timeout_graceful_shutdown=SHUTDOWN_SECONDS,
+            timeout_graceful_shutdown=FINISHING_SECONDS,
         )  # fmt: skip
         self._server = uvicorn.Server(config)
 

@@ -14,9 +14,9 @@ from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files import argument_path
 from lipsync_lang.base.files.reading import input_text
-from lipsync_lang.base.terminal import progress, wipe
-from lipsync_lang.commands.options import Options, option, repeated
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json
+from lipsync_lang.base.terminal import progress
+from lipsync_lang.commands.options import option, repeated
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.performing import motion_settings
 from lipsync_lang.commands.registry import Add, command, family
 from lipsync_lang.commands.shared_options import (
@@ -53,7 +53,7 @@ def _add_new(action: Add) -> None:
     )
     _add_lines(new_)
     _add_clips(new_)
-    _add_page(new_.add_argument_group("text and questions of the page"))
+    _add_page(new_)
     option(
         new_, "-o, --output FOLDER", "the folder of the study; it must not hold another study",
         type=Path, required=True,
@@ -130,8 +130,9 @@ def _add_clips(made: argparse.ArgumentParser) -> None:
     add_path(clips)
 
 
-def _add_page(page: Options) -> None:
+def _add_page(made: argparse.ArgumentParser) -> None:
     """Add the texts and questions of the page."""
+    page = made.add_argument_group("text and questions of the page")
     option(
         page, "--title TEXT", "the page's title [Which face speaks better?]",
         default="Which face speaks better?",
@@ -162,15 +163,13 @@ def new(options: Namespace) -> int:
     from lipsync_lang.plugins.study.study_maker import PAGE, make_study
 
     plan = _plan(options)
-    try:
+    with working("making the study"):
         made = make_study(
             plan,
             options.output,
             workers=options.workers,
             told=lambda what, done, of: progress(f"{what} {done} of {of} ..."),
         )
-    finally:
-        wipe()
     checks = sum(pair.check is not None for pair in made.study.pairs)
     key, page = options.output / STUDY_NAME, options.output / PAGE
     if options.json:

@@ -8,7 +8,6 @@ from functools import cache
 from typing import Any
 
 from lipsync_lang.base.presentation.pages import PageEnvironment
-from lipsync_lang.base.presentation.wording import NBSP
 from lipsync_lang.plugins.study import study_text
 from lipsync_lang.plugins.study.answer_sorting import reasons
 from lipsync_lang.plugins.study.bradley_terry import Ranking
@@ -16,6 +15,8 @@ from lipsync_lang.plugins.study.comparisons import Comparison
 from lipsync_lang.plugins.study.distributions import Interval
 from lipsync_lang.plugins.study.study_report import StudyReport
 from lipsync_lang.plugins.study.study_text import EVERYBODY
+
+NBSP = "\N{NO-BREAK SPACE}"
 
 PLOT_WIDTH = 1000
 

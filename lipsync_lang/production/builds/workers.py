@@ -24,7 +24,7 @@ from typing import Any, Generic, NamedTuple, Self, TypeVar
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extensions import Extensions
-from lipsync_lang.base.files.child_processes import child_pool, deaf_to_interrupts
+from lipsync_lang.base.files.child_processes import child_pool
 
 Batch = TypeVar("Batch")
 Result = TypeVar("Result")
@@ -43,6 +43,9 @@ RunOnCluster = Callable[[Iterator["Job"], str, Path | None], Generator[Any]]
 """Runs jobs on the machines of a scheduler, given its address and a folder; see `run_batches`."""
 
 CLUSTERS: Extensions[RunOnCluster] = Extensions("clusters", "cluster")
+
+cluster = CLUSTERS.register
+"""Decorator that registers a function as the cluster of a name."""
 
 DASK = "dask"
 """Name of the cluster that serves the addresses of schedulers."""
@@ -148,6 +151,27 @@ class Job(NamedTuple):
         """Keys of the values that the worker needs."""
         return (self.work.key, self.shared.key) if self.shared else (self.work.key,)
 
+    def run(self) -> Any:
+        """Run the job in a worker; return `MissingValues` if it came without a value not here.
+
+        Threads of a process take turns: performers and engines are not made for several at once.
+        """
+        with _at_work:
+            parcels = [parcel for parcel in (self.work, self.shared) if parcel is not None]
+            lacking = [p.key for p in parcels if p.content is None and p.key not in opened]
+            if lacking:
+                return MissingValues(tuple(lacking))
+            values = []
+            for key, content in parcels:
+                if key not in opened and content is not None:
+                    opened[key] = pickle.loads(content)  # noqa: S301 of our own parent
+                    if len(opened) > MAX_OPENED:
+                        opened.popitem(last=False)
+                opened.move_to_end(key)
+                values.append(opened[key])
+            work, *more = values
+            return work(self.batch, *more)
+
 
 def pack_jobs(
     work: Callable[..., Any], batches: Iterable[Batch], shared: Callable[[Batch], object] | None
@@ -179,28 +203,6 @@ class MissingValues(NamedTuple):
 
 opened: OrderedDict[str, Any] = OrderedDict()
 _at_work = Lock()
-
-
-def run_job(job: Job) -> Any:
-    """Run a job in a worker; return `MissingValues` if it came without a value that is not here.
-
-    Threads of a process take turns: performers and engines are not made for several at once.
-    """
-    with _at_work:
-        parcels = [parcel for parcel in (job.work, job.shared) if parcel is not None]
-        lacking = [p.key for p in parcels if p.content is None and p.key not in opened]
-        if lacking:
-            return MissingValues(tuple(lacking))
-        values = []
-        for key, content in parcels:
-            if key not in opened and content is not None:
-                opened[key] = pickle.loads(content)  # noqa: S301 of our own parent
-                if len(opened) > MAX_OPENED:
-                    opened.popitem(last=False)
-            opened.move_to_end(key)
-            values.append(opened[key])
-        work, *more = values
-        return work(job.batch, *more)
 
 
 MAX_DEATHS = 2
@@ -280,9 +282,8 @@ class _Pool:
                 sent = self._sent.get(job.key, 0)
                 self._sent[job.key] = sent + 1
                 try:
-                    with deaf_to_interrupts():
-                        one = job if sent < self._count else job.bare
-                        running[self.executor.submit(run_job, one)] = job
+                    one = job if sent < self._count else job.bare
+                    running[self.executor.submit(one.run)] = job
                 except BrokenProcessPool:
                     again.appendleft(job)
                     broken = True

@@ -14,6 +14,9 @@ from lipsync_lang.base.errors import SpeechError
 T = TypeVar("T")
 R = TypeVar("R")
 
+BATCH_TEXTS = 500
+"""Maximum number of texts that an engine reads at once."""
+
 
 def tried(act: Callable[[T], R]) -> Callable[[T], R | SpeechError]:
     """Return a function that returns its error in place of raising it."""
@@ -45,7 +48,7 @@ def exhaust(results: Iterator[object]) -> None:
     deque(results, maxlen=0)
 
 
-def batches(items: Iterable[T], size: int) -> Iterator[list[T]]:
+def batches(items: Iterable[T], size: int = BATCH_TEXTS) -> Iterator[list[T]]:
     """Yield items in lists of a size; the last may be shorter."""
     source = iter(items)
     while batch := list(islice(source, size)):

@@ -18,12 +18,15 @@ TIMING_SUFFIXES = tuple(
 
 def is_timed(source: LineFile) -> bool:
     """Test whether a file begins like a format of timed phonemes with its suffix."""
+    kinds = [one for one in TIMING_READERS.ending(source.path) if not one.script]
+    if not kinds:
+        return False
     try:
         with source.open() as stream:
             begins = TimingFile(source.path, stream.read(HEAD_BYTES))
     except OSError:
         return False
-    return any(one.sniff(begins) for one in TIMING_READERS.ending(source.path) if not one.script)
+    return any(one.sniff(begins) for one in kinds)
 
 
 @reader(SCHEDULE_FORMAT, suffixes=TIMING_SUFFIXES)

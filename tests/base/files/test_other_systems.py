@@ -56,8 +56,8 @@ ALLOWED = {
         "text/phonology/espeak/espeak_stream.py",
         "selectors",
     ): "of pipes, only where a process can fork",
-    ("base/files/child_processes.py", "killpg"): "not on Windows, which has taskkill",
-    ("base/files/child_processes.py", "SIGKILL"): "not on Windows, which has taskkill",
+    ("plugins/mfa/mfa_command.py", "killpg"): "not on Windows, which has taskkill",
+    ("plugins/mfa/mfa_command.py", "SIGKILL"): "not on Windows, which has taskkill",
     ("plugins/study/study_clips.py", "sched_getaffinity"): "asked for first",
 }
 """Reason for an exception by (module, name); obsolete entries must be removed."""
@@ -194,17 +194,6 @@ def test_files_of_dead_processes_are_deleted_on_windows(tmp_path, monkeypatch):
     temporary.sweep(tmp_path, again=True)
     assert [one.name.split(".")[1] for one in tmp_path.iterdir()] == [str(os.getpid())]
     ended.wait()
-
-
-def test_a_program_ends_with_all_that_it_started_on_windows(monkeypatch):
-    asked = []
-    monkeypatch.setattr(sys, "platform", "win32")
-    monkeypatch.setattr(subprocess, "run", lambda command, **_: asked.append(command))
-    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"]) as program:
-        child_processes.end_tree(program)
-    assert program.returncode
-    assert asked[0][0].endswith("taskkill.exe")
-    assert asked[0][1:] == ["/F", "/T", "/PID", str(program.pid)]
 
 
 def ran(code):

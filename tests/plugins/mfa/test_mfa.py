@@ -3,6 +3,7 @@
 import os
 import signal
 import stat
+import subprocess
 import sys
 import threading
 import time
@@ -386,3 +387,14 @@ def test_a_recorded_run_is_read(played, data):
     assert schedule.end == pytest.approx(schedule.audio.seconds)
     assert not schedule.remarks
     assert ll.resolve("english", "facefx").perform(schedule).weights.max() > 0.5
+
+
+def test_a_program_ends_with_all_that_it_started_on_windows(monkeypatch):
+    asked = []
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(subprocess, "run", lambda command, **_: asked.append(command))
+    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"]) as program:
+        mfa_command.end_tree(program)
+    assert program.returncode
+    assert asked[0][0].endswith("taskkill.exe")
+    assert asked[0][1:] == ["/F", "/T", "/PID", str(program.pid)]

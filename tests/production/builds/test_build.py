@@ -25,7 +25,7 @@ from lipsync_lang.production.builds.build_tally import BuildTally
 from lipsync_lang.production.builds.making import LineBatch
 from lipsync_lang.production.builds.project_build import ProjectBuild
 from lipsync_lang.production.builds.records import NEED, Records
-from lipsync_lang.production.builds.workers import LostBatch, run_job
+from lipsync_lang.production.builds.workers import LostBatch
 
 ALL = sorted(SOUNDS)
 
@@ -513,7 +513,7 @@ def test_processes_start_only_for_work_that_is_worth_them(game, monkeypatch, lin
 
     def run(jobs, count):
         asked.append(count)
-        return (run_job(job) for job in jobs)
+        return (job.run() for job in jobs)
 
     monkeypatch.setattr(workers, "run_in_processes", run)
     game.script(game.say(f"line{number}", "L OW") or f"line{number}" for number in range(lines))

@@ -22,7 +22,6 @@ from lipsync_lang.production.builds.workers import (
     MissingValues,
     parcel_of,
     run_batches,
-    run_job,
 )
 
 HEAVY = [{"name": name, "weight": b"x" * 100_000} for name in "abc"]
@@ -77,14 +76,14 @@ def test_equal_content_has_one_name_and_other_content_another():
 def test_a_worker_asks_for_what_it_has_not_got_and_keeps_what_it_got(monkeypatch):
     monkeypatch.setattr(workers, "opened", type(workers.opened)())
     job = Job(parcel_of(toy_work.named), parcel_of(HEAVY[0]), 7)
-    assert run_job(job.bare) == MissingValues(job.key)
-    assert run_job(job) == run_job(job.bare) == (7, "a", 100_000)
+    assert job.bare.run() == MissingValues(job.key)
+    assert job.run() == job.bare.run() == (7, "a", 100_000)
 
 
 def test_a_worker_keeps_a_few_values_only(monkeypatch):
     monkeypatch.setattr(workers, "opened", type(workers.opened)())
     for number in range(50):
-        run_job(Job(parcel_of(toy_work.named), parcel_of(HEAVY[0] | {"name": number}), 0))
+        Job(parcel_of(toy_work.named), parcel_of(HEAVY[0] | {"name": number}), 0).run()
     assert len(workers.opened) == workers.MAX_OPENED
 
 

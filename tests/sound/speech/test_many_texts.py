@@ -12,8 +12,9 @@ import lipsync_lang as ll
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules import Schedule
 from lipsync_lang.sound.speech import ENGINES, speak_many
+from lipsync_lang.sound.speech.results import BATCH_TEXTS
 from lipsync_lang.sound.speech.speaking.espeak import MAX_ESPEAK_CHARS, Espeak
-from lipsync_lang.sound.speech.speaking.speaker import BATCH_TEXTS, Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.phonology.espeak.espeak_stream import TEXTS_AHEAD
 from lipsync_lang.text.phonology.espeak.process import WORKER
 from lipsync_lang.text.phonology.g2p import SpokenWord

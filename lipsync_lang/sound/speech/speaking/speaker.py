@@ -37,9 +37,6 @@ if TYPE_CHECKING:
 NO_ENGINE = "none"
 """Engine name for estimated times without sound."""
 
-BATCH_TEXTS = 500
-"""Maximum number of texts that a G2P engine reads at once."""
-
 
 class KnownReadings(Protocol):
     """Words of texts that were read before: a dictionary, or a file."""
@@ -113,7 +110,7 @@ class Speaker:
 
     def transcribe_many(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
         """Yield for each text its transcript, or the error of its reading."""
-        for batch in batches(texts, BATCH_TEXTS):
+        for batch in batches(texts):
             yield from self.transcripts(batch)
 
     def transcripts(self, texts: Sequence[str]) -> list[Transcript | SpeechError]:
@@ -370,7 +367,7 @@ class Speaker:
 
     def _for_direct_voice(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
         """Yield transcripts of texts that the pack reads; of others, for the voice, no words."""
-        for batch in batches(texts, BATCH_TEXTS):
+        for batch in batches(texts):
             whole = self.manner.engine is None
             odd = [text for text in batch if not (whole or self._utterances.ordinary(text))]
             read = dict(zip(odd, self.transcripts(odd), strict=True))

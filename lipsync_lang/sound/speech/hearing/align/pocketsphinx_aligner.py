@@ -29,7 +29,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
 from lipsync_lang.sound.speech.results import batches, raised, tried
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 from lipsync_lang.sound.speech.speaking.joining import stress_read
-from lipsync_lang.sound.speech.speaking.speaker import BATCH_TEXTS
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.labels import Notation
 
@@ -69,7 +68,7 @@ class PocketsphinxAligner(BatchAligner):
         except SpeechError as error:
             yield from (error for _ in recordings)
             return
-        for batch in batches(recordings, BATCH_TEXTS):
+        for batch in batches(recordings):
             # All texts of a batch are read before the first sound: G2P engines start slowly.
             read = speaker.transcripts([text for _, text in batch])
             reader = WordReader(
