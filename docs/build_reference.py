@@ -729,12 +729,19 @@ def _summary(named: Any) -> str:
     return inspect.cleandoc(named.__doc__).partition("\n\n")[0]
 
 
+def _members(named: Any) -> dict[str, Any]:
+    """Return the members of a class of the package, those that it inherits from another first."""
+    classes = reversed(named.__mro__) if inspect.isclass(named) else ()
+    ours = [vars(one) for one in classes if one.__module__.startswith("lipsync_lang.")]
+    return {key: value for members in ours for key, value in members.items()}
+
+
 def _documented(name: str, named: Any) -> str:
     """Return a section about a name, with a table of its methods."""
     methods = [
         (f"`{key}`", _summary(value))
-        for key, value in vars(named).items()
-        if inspect.isclass(named) and not key.startswith("_")
+        for key, value in _members(named).items()
+        if not key.startswith("_")
         if isinstance(value, _MEMBERS) and value.__doc__
     ]
     parts = [f"<!-- api: {named.__module__}.{name} -->", f"### {name}", _summary(named)]

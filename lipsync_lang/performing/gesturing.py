@@ -19,8 +19,7 @@ from lipsync_lang.animations.explanation import PoseAt, StageAt
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.performing.label_sounds import LabelSounds
-from lipsync_lang.performing.performed_line import PerformedLine
-from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.played_pair import PlayedPair
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
 from lipsync_lang.pipeline import kernel
@@ -128,7 +127,7 @@ def _parsed(text: str) -> dict[str, float]:
 
 
 def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its settings
-    performer: Performer,
+    performer: PlayedPair,
     schedule: Schedule,
     times: Floats,
     fps: float,
@@ -170,7 +169,7 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
 
 def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
     weights: Floats,
-    performer: Performer,
+    performer: PlayedPair,
     schedule: Schedule,
     sounds: LabelSounds,
     times: Floats,
@@ -206,20 +205,21 @@ def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
     )  # fmt: skip
 
 
-def laid_gestures(said: PerformedLine, animation: Animation) -> tuple[Floats, list[LaidGesture]]:
+def laid_gestures(
+    performer: PlayedPair, settings: Mapping[str, Any], animation: Animation
+) -> tuple[Floats, list[LaidGesture]]:
     """Return the curves and the gestures of an animation, whose frames are all of its line."""
-    performer, line = said.performer, said.settings["line"]
-    scales = scales_of(performer.compiled, said.settings.get("gestures"), line)
+    scales = scales_of(performer.compiled, settings.get("gestures"), settings["line"])
     if scales is None:
         return np.zeros((len(animation), 0)), []
     line_at = performer, animation.schedule, animation.times, animation.fps
-    return gesture_curves(*line_at, scales, said.settings)
+    return gesture_curves(*line_at, scales, settings)
 
 
-def gesture_rates(said: PerformedLine, animation: Animation) -> str:
+def gesture_rates(performer: PlayedPair, settings: Mapping[str, Any], animation: Animation) -> str:
     """Describe how often an animation has each gesture, and how far its head turns."""
-    curves, laid = laid_gestures(said, animation)
-    own, minutes = said.performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
+    curves, laid = laid_gestures(performer, settings, animation)
+    own, minutes = performer.gesture_set, (animation.times[-1] - animation.times[0]) / 60
     counts = Counter(one.gesture.number for one in laid)
     told = []
     for number, shape in enumerate(own.shapes):
@@ -232,12 +232,14 @@ def gesture_rates(said: PerformedLine, animation: Animation) -> str:
     return f"gestures a minute: {', '.join(told)}{turned}"
 
 
-def explained(said: PerformedLine, animation: Animation, frame: int) -> tuple[PoseAt, ...]:
+def explained(
+    performer: PlayedPair, settings: Mapping[str, Any], animation: Animation, frame: int
+) -> tuple[PoseAt, ...]:
     """Explain the amounts of the poses of gestures in a frame."""
-    curves, laid = laid_gestures(said, animation)
+    curves, laid = laid_gestures(performer, settings, animation)
     if not curves.size:
         return ()
-    own, found = said.performer.gesture_set, []
+    own, found = performer.gesture_set, []
     for number, pose in enumerate(own.poses):
         amount = float(curves[frame, number])
         why = ", ".join(
@@ -270,7 +272,7 @@ def _seeds(schedule: Schedule) -> tuple[list[float], list[int]]:
 
 
 def line_facts(
-    performer: Performer,
+    performer: PlayedPair,
     schedule: Schedule,
     ends: tuple[float, float] | None = None,
     by_hand: Sequence[PlacedGesture] = (),
@@ -323,7 +325,7 @@ def seed_after(seed: int, text: str) -> int:
 
 
 def placed_by_hand(
-    performer: Performer,
+    performer: PlayedPair,
     schedule: Schedule,
     line: str | None,
     asked: Iterable[Mapping[str, Any]] | None = None,
@@ -372,7 +374,7 @@ def _by_hand(stated: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _vowel_facts(
-    performer: Performer, schedule: Schedule, sounds: LabelSounds
+    performer: PlayedPair, schedule: Schedule, sounds: LabelSounds
 ) -> dict[str, list[LineFact]]:
     """Return the vowels of a line that are stressed, and those that stand out."""
     labels = performer.labels

@@ -16,7 +16,7 @@ from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.text.phonology.g2p.tokens import plain
 
 if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.performing.played_pair import PlayedPair
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.schedules.schedule import Word
     from lipsync_lang.text.phonology.labels import Value
@@ -37,7 +37,7 @@ class Intake:
     emphasis : True if words with emphasis are expected
     """
 
-    def __init__(self, performer: "Performer", notation: str | None, *, emphasis: bool) -> None:
+    def __init__(self, performer: "PlayedPair", notation: str | None, *, emphasis: bool) -> None:
         self.performer, self.emphasis = performer, emphasis
         known = performer.labels.notations
         name = notation or performer.compiled.manner["notation"] or IPA

@@ -1,66 +1,45 @@
 """Performer: a resolved language-character pair that animates schedules."""
 
-from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from html import escape
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
-from lipsync_lang.base.arrays import Bools, Floats, Ints
-from lipsync_lang.base.errors import LipsyncError, refuse_other
+from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.performing.batch import LineDelivery, animate
+from lipsync_lang.performing.batch import animate
 from lipsync_lang.performing.delivery import delivery
-from lipsync_lang.performing.label_reader import LabelReader, Unknown
-from lipsync_lang.performing.style_drafts import styled_motion, with_drafts
+from lipsync_lang.performing.played_pair import PlayedPair
+from lipsync_lang.performing.style_drafts import with_drafts
 from lipsync_lang.pipeline.drive import drive
-from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
 from lipsync_lang.text.phonology.labels import Notation
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from lipsync_lang.animations.explanation import Explanation
-    from lipsync_lang.faces.rigs.channel import Channel
     from lipsync_lang.faces.rigs.driver import Driver
     from lipsync_lang.performing.delivery import DialLevels, Points
     from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.stream import Late, Stream
-    from lipsync_lang.pipeline.gestures.laying import GestureSet
-    from lipsync_lang.pipeline.levels import Blend
-    from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.pipeline.track import Track
-    from lipsync_lang.resolver.compiled import CompiledPair, Report
+    from lipsync_lang.resolver.compiled import Report
     from lipsync_lang.sound.listening.listener import Listener
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
     from lipsync_lang.text.phonology.nearest import Nearest
 
 
 @dataclass(frozen=True, eq=False)
-class Performer:
+class Performer(PlayedPair):
     """A resolved language-character pair, ready to perform schedules."""
-
-    compiled: "CompiledPair"
-    motion: Motion
-    unknown: Unknown = "nearest"
-    """Treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only, else an error)."""
-    paths: tuple[Path, ...] = ()
-    """Folders and files with priority in pack searches."""
-    shades: bool | None = None
-    """True if shades have their own curves; None means True, except with the paper's thresholds."""
-    cleaning: Cleaning = AS_WRITTEN
-    """Values of placeholders in texts, and the parts of texts that are not spoken."""
-
-    def __post_init__(self) -> None:
-        refuse_other("unknown", self.unknown, Unknown)
 
     def __repr__(self) -> str:
         """Summarise the performer in one line."""
@@ -70,60 +49,6 @@ class Performer:
     def _repr_html_(self) -> str:
         """Show the report in notebooks."""
         return f"<pre>{escape(str(self.report))}</pre>"
-
-    def __getstate__(self) -> dict[str, object]:
-        """Pickle only the fields; cached properties are computed again after loading."""
-        return {f.name: getattr(self, f.name) for f in fields(self)}
-
-    @property
-    def language(self) -> str:
-        """Name of the language pack."""
-        return self.compiled.language
-
-    @property
-    def character(self) -> str:
-        """Name of the character."""
-        return self.compiled.character
-
-    @property
-    def poses(self) -> tuple[str, ...]:
-        """Pose names, in column order of an animation."""
-        return self.compiled.poses
-
-    @cached_property
-    def model(self) -> Path | None:
-        """Model file of the character, or of its pose set."""
-        return Path(self.compiled.model) if self.compiled.model is not None else None
-
-    @cached_property
-    def channels(self) -> "tuple[Channel, ...]":
-        """Channel of each pose on a model; `rigged` provides the channels of a rig."""
-        from lipsync_lang.faces.rigs.driver import bare
-
-        return bare(self.poses, self.compiled.pose_names)
-
-    def shown_channels(self, tables: "Tables") -> "tuple[Channel, ...]":
-        """Channels of the poses of speech, and of postures if the tables have them."""
-        if len(tables.priority) == len(self.poses):
-            return self.channels
-        from lipsync_lang.faces.rigs.driver import bare
-
-        names = self.compiled.posture["names"]
-        return (*self.channels, *bare(tuple(names), names))
-
-    @cached_property
-    def gesture_set(self) -> "GestureSet":
-        """Gestures of the pose set, ready to be placed."""
-        from lipsync_lang.pipeline.gestures.laying import GestureSet
-
-        return GestureSet.from_plain(self.compiled.gestures)
-
-    @cached_property
-    def gesture_channels(self) -> "tuple[Channel, ...]":
-        """Channel of each pose of gestures."""
-        from lipsync_lang.faces.rigs.channel import Channel
-
-        return tuple(Channel(**fields, gesture=True) for fields in self.gesture_set.channels)
 
     @property
     def report(self) -> "Report":
@@ -235,7 +160,8 @@ class Performer:
             "styles": styles, "dials": dials, "intensity": intensity, "gestures": gestures,
             "placed": placed, "whole": whole, "bends": bends,
         }  # fmt: skip
-        return animate(self, tuple(schedules), fps, lines, asked)
+        source = partial(PerformedLine, self)
+        return animate(self, tuple(schedules), fps, lines, asked, source)
 
     def stream(  # noqa: PLR0913 as `perform`
         self,
@@ -416,24 +342,6 @@ class Performer:
         papers = self.motion.thresholds == "paper"
         return with_expression(animation, tables.papers if papers else tables, expression)
 
-    def performance(  # noqa: PLR0913 as `perform`
-        self,
-        schedule: Schedule,
-        fps: float,
-        *,
-        line: str | None = None,
-        styles: "DialLevels | None" = None,
-        dials: "DialLevels | None" = None,
-        intensity: float | None = None,
-        bends: "Mapping[str, Points] | None" = None,
-    ) -> Performance:
-        """Prepare a performance with access to each stage; see `perform`."""
-        fps = checked_rate(fps)
-        asked = {"styles": styles, "dials": dials, "intensity": intensity, "bends": bends}
-        (sounds,) = self.labels.read([schedule])
-        said = LineDelivery.of(self, schedule, sounds, line, asked)
-        return said.performance(self, sounds, fps)
-
     def track(
         self, schedule: Schedule, *, line: str | None = None, styles: "DialLevels | None" = None
     ) -> "Track":
@@ -441,25 +349,6 @@ class Performer:
         ids, times, source = self.labels.common_phonemes(schedule)
         blends, _ = delivery(self.compiled, schedule, line, styles, None)
         return lay_track(ids, times, source, self.tables(blends), self.motion, blends)
-
-    def tables(self, blends: "Sequence[Blend]") -> "Tables":
-        """Return the tables with the banks of the drafted styles in use.
-
-        They have more poses than speech if a style has a posture of its own.
-        """
-        if not blends:
-            return self.compiled.tables
-        names, drafts = self.compiled.style_names, self.compiled.style_drafts
-        heard = frozenset(names[one.style] for one in blends if names[one.style] in drafts)
-        if not heard:
-            return self.compiled.tables
-        if heard not in self._drafted:
-            self._drafted[heard] = with_drafts(self.compiled, heard)
-        return self._drafted[heard]
-
-    def styled_motion(self, blends: "Sequence[Blend]") -> "Motion":
-        """Return the motion of a line with the manner of moving of its styles."""
-        return styled_motion(self.compiled, self.motion, blends)
 
     def explain(self, animation: Animation, seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time in an animation of this performer."""
@@ -478,12 +367,6 @@ class Performer:
         return self.labels.notation(schedule)
 
     @cached_property
-    def labels(self) -> LabelReader:
-        """Label reader of the language."""
-        shades = self.motion.thresholds != "paper" if self.shades is None else self.shades
-        return LabelReader(self.compiled, self.unknown, self.paths, shades)
-
-    @cached_property
     def speaker(self) -> "Speaker":
         """Text-to-speech of the language, with the pronunciations of the character."""
         from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -497,27 +380,44 @@ class Performer:
         )
 
     @cached_property
-    def _drafted(self) -> "dict[frozenset[str], Tables]":
-        """Tables with drafted styles, by the styles in use."""
-        return {}
-
-    @cached_property
-    def contact_floors(self) -> dict[str, float]:
-        """Floor of each pose that has one in a contact."""
-        floors = zip(self.poses, self.compiled.tables.floors.tolist(), strict=True)
-        return {pose: floor for pose, floor in floors if floor > 0}
-
-    @cached_property
-    def opening_poses(self) -> Bools:
-        """(P,) True for the poses that stress, emphasis and loudness move."""
-        regions = self.compiled.intensity["regions"] if self.compiled.intensity else ()
-        poses = [pose for one in regions for pose in self.compiled.regions.get(one, [])]
-        return np.isin(np.arange(len(self.poses)), poses)
-
-    @cached_property
     def driver(self) -> "Driver | None":
         """Driver of the character's model; None without a rig."""
         from lipsync_lang.faces.rigs.driver import Driver
 
         data, floors = self.compiled.rig, self.compiled.tables.floors
         return None if data is None else Driver.from_plain(data, self.poses, floors)
+
+
+@dataclass(frozen=True)
+class PerformedLine:
+    """Source of an animation that a performer made: it can be repeated, and explained.
+
+    Parameters
+    ----------
+    performer : the performer that made the animation
+    settings : options of `Performer.perform`: line name, styles, dials, intensity and gestures
+    """
+
+    performer: Performer
+    settings: "Mapping[str, Any]"
+
+    @classmethod
+    def of(cls, animation: Animation) -> Self | None:
+        """Return the performed line of an animation; None for curves of another program."""
+        return animation.source if isinstance(animation.source, cls) else None
+
+    def performance(self, animation: Animation) -> Performance:
+        """Repeat the performance of an animation, with access to each stage."""
+        return self.performer.repeated(self.settings, animation.schedule, animation.fps)
+
+    def explain(self, animation: Animation, seconds: float) -> "Explanation":
+        """Explain the weight of each pose at a time."""
+        from lipsync_lang.performing.trace import explain
+
+        return explain(self.performer, self.settings, animation, seconds)
+
+
+def performer_of(animation: Animation) -> Performer | None:
+    """Return the performer that made an animation; None for curves of another program."""
+    line = PerformedLine.of(animation)
+    return line.performer if line else None

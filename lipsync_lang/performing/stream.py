@@ -25,7 +25,7 @@ from lipsync_lang.performing.delivery import DialLevels, delivery
 from lipsync_lang.performing.gesturing import GestureScales, scales_of
 from lipsync_lang.performing.heard import HeardLabels
 from lipsync_lang.performing.intake import Intake, refuse_jump, second
-from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.played_pair import PlayedPair
 from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.performing.stream_gestures import StreamGestures
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
@@ -59,7 +59,7 @@ class Stream:
 
     def __init__(  # noqa: PLR0913 as `Performer.perform`
         self,
-        performer: Performer,
+        performer: PlayedPair,
         fps: float,
         *,
         notation: str | None = None,

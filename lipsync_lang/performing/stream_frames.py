@@ -21,7 +21,7 @@ from lipsync_lang.pipeline.prepare import prepare
 from lipsync_lang.pipeline.track import lay_track
 
 if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.performing.played_pair import PlayedPair
 
 ENDLESS = {"smooth": ("smooth", "smooth=none"), "switch": ("hold", "hold=0")}
 """The setting of each stage with an unlimited look-ahead, and the value that limits it."""
@@ -38,7 +38,7 @@ class StreamFrames:
 
     def __init__(
         self,
-        performer: "Performer",
+        performer: "PlayedPair",
         fps: float,
         blends: tuple[Blend, ...],
         dials: tuple[Dial, ...],

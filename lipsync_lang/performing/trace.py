@@ -4,7 +4,7 @@ A performance records no trace. The explanation recomputes the stages for the fr
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,9 +16,10 @@ from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.warp import locate
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.performing.performed_line import PerformedLine
-    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.performing.played_pair import PlayedPair
     from lipsync_lang.schedules.schedule import Schedule
 
 VISIBLE = 5e-4
@@ -39,8 +40,10 @@ DONE = {
 """Effect of each stage on a changed value; the others have specific explanations."""
 
 
-def explain(line: "PerformedLine", animation: "Animation", seconds: float) -> Explanation:
-    """Explain the frame nearest to a time in seconds.
+def explain(
+    pair: "PlayedPair", settings: "Mapping[str, Any]", animation: "Animation", seconds: float
+) -> Explanation:
+    """Explain the frame nearest to a time in seconds, given the options of its `perform`.
 
     Raises
     ------
@@ -53,22 +56,22 @@ def explain(line: "PerformedLine", animation: "Animation", seconds: float) -> Ex
         raise LipsyncError(
             f"{seconds:g} s is outside the animation, which runs from {first:.3f} to {last:.3f} s"
         )
-    performance = line.performance(animation)
+    performance = pair.repeated(settings, animation.schedule, animation.fps)
     frame = int(np.abs(performance.frames.times() - seconds).argmin())
-    found = _TracedFrame(line.performer, performance, frame).explained(animation.schedule)
-    if not line.settings.get("gestures"):
+    found = _TracedFrame(pair, performance, frame).explained(animation.schedule)
+    if not settings.get("gestures"):
         return found
     from lipsync_lang.performing.gesturing import explained
 
     whole = replace(animation, times=performance.frames.times())  # a cut one has fewer frames
-    moved = explained(line, whole, frame)
+    moved = explained(pair, settings, whole, frame)
     return replace(found, poses=(*found.poses, *moved))
 
 
 class _TracedFrame:
     """A frame of a performance, with its place in the line, its bigrams and its styles."""
 
-    def __init__(self, performer: "Performer", performance: Performance, frame: int) -> None:
+    def __init__(self, performer: "PlayedPair", performance: Performance, frame: int) -> None:
         self.performer, self.performance, self.frame = performer, performance, frame
         self.compiled, self.track = performer.compiled, performance.track
         self.now = performance.frames.times(frame, frame + 1)
@@ -198,7 +201,7 @@ class _TracedFrame:
         return DONE.get(stage, "")
 
 
-def held_reason(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:
+def held_reason(performer: "PlayedPair", performance: Performance, pose: int, frame: int) -> str:
     """Describe the contacts that limit a pose at a frame: its own, and those that it outranks."""
     names = performer.compiled.contact_names
     reasons = []
@@ -216,7 +219,7 @@ def held_reason(performer: "Performer", performance: Performance, pose: int, fra
 
 
 def constraint_reason(
-    performer: "Performer", performance: Performance, pose: int, weights: Floats
+    performer: "PlayedPair", performance: Performance, pose: int, weights: Floats
 ) -> str:
     """Describe the tightest constraint of a pose among (P,) constrained weights."""
     rooms = [

@@ -8,7 +8,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.performing.performed_line import performer_of
+from lipsync_lang.performing.performer import performer_of
 from lipsync_lang.render.plot import INK, RULE, SILENT, draw, title_of
 from lipsync_lang.render.view import SHOWN, VISIBLE_WEIGHT, text_width
 

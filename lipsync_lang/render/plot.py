@@ -19,7 +19,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.performing.performed_line import PerformedLine
+from lipsync_lang.performing.performer import PerformedLine
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.perform import Stage
 from lipsync_lang.render import view as layout

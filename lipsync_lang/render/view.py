@@ -15,7 +15,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.performing.performed_line import PerformedLine
+from lipsync_lang.performing.performer import PerformedLine
 from lipsync_lang.pipeline.perform import Stage
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio
 

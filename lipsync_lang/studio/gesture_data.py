@@ -9,7 +9,7 @@ from lipsync_lang.performing.gesturing import (
     scales_of,
     told_gesture,
 )
-from lipsync_lang.performing.performed_line import PerformedLine
+from lipsync_lang.performing.performer import PerformedLine
 
 
 def gesture_data(animation: Animation) -> Json | None:
@@ -31,7 +31,7 @@ def gesture_data(animation: Animation) -> Json | None:
     hands = placed_by_hand(performer, whole, settings["line"], settings["placed"])
     places = {(one.number, one.fact): n for n, one in enumerate(hands)}
     rows = []
-    for one in laid_gestures(said, animation)[1]:
+    for one in laid_gestures(said.performer, said.settings, animation)[1]:
         placed = one.gesture
         by_hand = placed.trigger == BY_HAND
         rows.append(

@@ -17,8 +17,7 @@ from typing import Any
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.performing.performed_line import PerformedLine, performer_of
-from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.performer import PerformedLine, Performer, performer_of
 from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.reports.quality.figures import Quality
 from lipsync_lang.studio.array_pack import ArrayPack

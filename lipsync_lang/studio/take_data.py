@@ -14,8 +14,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.performing.performed_line import PerformedLine
-from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.performer import PerformedLine, Performer
 from lipsync_lang.performing.trace import DONE, VISIBLE, constraint_reason, held_reason
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate

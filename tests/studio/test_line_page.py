@@ -20,7 +20,7 @@ from small_models import glb
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.performing.performed_line import PerformedLine
+from lipsync_lang.performing.performer import PerformedLine
 from lipsync_lang.studio.array_pack import NUMBER_TYPES, ArrayPack
 from lipsync_lang.studio.line_page import line_page
 from lipsync_lang.studio.module_bundle import bundle

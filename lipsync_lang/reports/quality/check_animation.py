@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
-from lipsync_lang.performing.performed_line import PerformedLine, performer_of
+from lipsync_lang.performing.performer import PerformedLine, performer_of
 from lipsync_lang.reports.quality.figures import Figure, Quality
 from lipsync_lang.reports.quality.measured_scene import scene_of
 from lipsync_lang.reports.quality.measures import load_measures
@@ -67,7 +67,7 @@ def check(
     if said and animation.without_gestures() is not animation:
         from lipsync_lang.performing.gesturing import gesture_rates
 
-        remarks = (gesture_rates(said, animation), *remarks)
+        remarks = (gesture_rates(said.performer, said.settings, animation), *remarks)
     if animation.schedule is not None and animation.schedule.likely:
         remarks = (*remarks, HEARD_REMARK)
     return replace(quality, remarks=remarks)

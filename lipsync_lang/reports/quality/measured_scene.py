@@ -13,7 +13,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.performing.performed_line import PerformedLine
+from lipsync_lang.performing.performer import PerformedLine
 from lipsync_lang.reports.quality.face_columns import Face, face_of
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from lipsync_lang import Schedule, resolve
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.performing.performed_line import PerformedLine
+from lipsync_lang.performing.performer import PerformedLine
 from lipsync_lang.reports.quality import curve_statistics as statistics
 from lipsync_lang.reports.quality.baselines import BASELINES
 from lipsync_lang.reports.quality.check_animation import check

@@ -20,8 +20,7 @@ from strategies import any_lines  # noqa: F401 its profile is wanted
 from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.packs.models.check_models import Checks
-from lipsync_lang.performing.performed_line import PerformedLine
-from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.performer import PerformedLine, Performer
 from lipsync_lang.reports.quality.baselines import BASELINES, HOLD_SECONDS, compare, held
 from lipsync_lang.reports.quality.check_animation import check, check_all
 from lipsync_lang.reports.quality.face_columns import APERTURE

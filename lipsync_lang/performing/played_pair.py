@@ -1,0 +1,245 @@
+"""Played pairs: a compiled pair with its motion, and the parts of a performance made from both."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+import numpy as np
+
+from lipsync_lang.animations.rates import checked_rate
+from lipsync_lang.base.arrays import Bools
+from lipsync_lang.base.errors import refuse_other
+from lipsync_lang.performing.delivery import bends_of, delivery
+from lipsync_lang.performing.edits import overlays
+from lipsync_lang.performing.label_reader import LabelReader, Unknown
+from lipsync_lang.performing.loudness import loudness_dial
+from lipsync_lang.performing.stress import emphasis_dial, stress_dial
+from lipsync_lang.performing.style_drafts import styled_motion, with_drafts
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.perform import Performance, perform
+from lipsync_lang.pipeline.track import lay_track
+from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lipsync_lang.faces.rigs.channel import Channel
+    from lipsync_lang.performing.delivery import DialLevels, Points
+    from lipsync_lang.performing.label_sounds import LabelSounds
+    from lipsync_lang.pipeline.bend import Bend
+    from lipsync_lang.pipeline.gestures.laying import GestureSet
+    from lipsync_lang.pipeline.levels import Blend, Dial
+    from lipsync_lang.pipeline.overlay import Overlay
+    from lipsync_lang.pipeline.tables import Tables
+    from lipsync_lang.resolver.compiled import CompiledPair
+    from lipsync_lang.schedules.schedule import Schedule
+
+OwnSettings = Mapping[str, Any]
+"""Options of `Performer.perform` that are the same for all schedules, by name."""
+
+
+class LineDelivery(NamedTuple):
+    """Delivery of a schedule: its styles, dials, curve edits and keys."""
+
+    tables: "Tables"
+    blends: "tuple[Blend, ...]"
+    dials: "tuple[Dial, ...]"
+    overlays: "tuple[Overlay, ...]"
+    bends: "tuple[Bend, ...]"
+
+    @classmethod
+    def of(
+        cls,
+        pair: "PlayedPair",
+        schedule: "Schedule",
+        sounds: "LabelSounds",
+        line: str | None,
+        asked: OwnSettings,
+    ) -> Self:
+        """Find the delivery of a schedule; `asked` holds the options of `perform`."""
+        compiled = pair.compiled
+        blends, dials = delivery(compiled, schedule, line, asked["styles"], asked["dials"])
+        intensity = asked["intensity"]
+        if intensity is None and schedule.audio is not None:
+            intensity = compiled.line_deliveries.get(line or "", {}).get("intensity")
+        dials += _effort(pair, schedule, sounds, intensity)
+        own: tuple[Overlay, ...] = ()
+        if line is not None or compiled.word_edits:
+            silent = np.ones(len(schedule), bool)
+            # a label is silent only if none of its sounds is anything else
+            silent[sounds.source[sounds.ids != compiled.tables.silence]] = False
+            own = overlays(compiled, schedule, silent.tolist(), line)
+        bends = bends_of(compiled, schedule, line, asked["bends"])
+        return cls(pair.tables(blends), blends, dials, own, bends)
+
+    def performance(self, pair: "PlayedPair", sounds: "LabelSounds", fps: float) -> Performance:
+        """Lay the track, and prepare its performance."""
+        tables, blends, dials, laid, bends = self
+        motion = pair.styled_motion(blends)
+        ids, times, source, _ = sounds
+        track = lay_track(ids, times, source, tables, motion, blends)
+        return perform(
+            tables, track, motion, fps, overlays=laid, blends=blends, dials=dials, bends=bends
+        )
+
+
+def _effort(
+    pair: "PlayedPair", schedule: "Schedule", sounds: "LabelSounds", intensity: float | None
+) -> "tuple[Dial, ...]":
+    """Return the dials of stress, emphasis and loudness; empty without an effect."""
+    stated, motion, labels = pair.compiled.intensity, pair.motion, pair.labels
+    poses = pair.opening_poses
+    stresses = labels.stresses(sounds) if motion.stress and stated else sounds.marks[:0]
+    dials = [
+        stress_dial(stated, schedule, stresses, motion.stress, poses),
+        emphasis_dial(stated, schedule, poses),
+    ]
+    if schedule.audio is not None or intensity is not None:
+        classes = labels.classes(sounds, len(schedule))
+        compiled = pair.compiled
+        dials.append(loudness_dial(compiled, schedule, classes, intensity, motion, poses))
+    return tuple(dial for dial in dials if dial is not None)
+
+
+@dataclass(frozen=True, eq=False)
+class PlayedPair:
+    """A compiled pair with its motion; `Performer` adds the performance of whole lines."""
+
+    compiled: "CompiledPair"
+    motion: Motion
+    unknown: Unknown = "nearest"
+    """Treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only, else an error)."""
+    paths: tuple[Path, ...] = ()
+    """Folders and files with priority in pack searches."""
+    shades: bool | None = None
+    """True if shades have their own curves; None means True, except with the paper's thresholds."""
+    cleaning: Cleaning = AS_WRITTEN
+    """Values of placeholders in texts, and the parts of texts that are not spoken."""
+
+    def __post_init__(self) -> None:
+        refuse_other("unknown", self.unknown, Unknown)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Pickle only the fields; cached properties are computed again after loading."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    @property
+    def language(self) -> str:
+        """Name of the language pack."""
+        return self.compiled.language
+
+    @property
+    def character(self) -> str:
+        """Name of the character."""
+        return self.compiled.character
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """Pose names, in column order of an animation."""
+        return self.compiled.poses
+
+    @cached_property
+    def model(self) -> Path | None:
+        """Model file of the character, or of its pose set."""
+        return Path(self.compiled.model) if self.compiled.model is not None else None
+
+    @cached_property
+    def channels(self) -> "tuple[Channel, ...]":
+        """Channel of each pose on a model; `rigged` provides the channels of a rig."""
+        from lipsync_lang.faces.rigs.driver import bare
+
+        return bare(self.poses, self.compiled.pose_names)
+
+    def shown_channels(self, tables: "Tables") -> "tuple[Channel, ...]":
+        """Channels of the poses of speech, and of postures if the tables have them."""
+        if len(tables.priority) == len(self.poses):
+            return self.channels
+        from lipsync_lang.faces.rigs.driver import bare
+
+        names = self.compiled.posture["names"]
+        return (*self.channels, *bare(tuple(names), names))
+
+    @cached_property
+    def gesture_set(self) -> "GestureSet":
+        """Gestures of the pose set, ready to be placed."""
+        from lipsync_lang.pipeline.gestures.laying import GestureSet
+
+        return GestureSet.from_plain(self.compiled.gestures)
+
+    @cached_property
+    def gesture_channels(self) -> "tuple[Channel, ...]":
+        """Channel of each pose of gestures."""
+        from lipsync_lang.faces.rigs.channel import Channel
+
+        return tuple(Channel(**fields, gesture=True) for fields in self.gesture_set.channels)
+
+    def performance(  # noqa: PLR0913 as `perform`
+        self,
+        schedule: "Schedule",
+        fps: float,
+        *,
+        line: str | None = None,
+        styles: "DialLevels | None" = None,
+        dials: "DialLevels | None" = None,
+        intensity: float | None = None,
+        bends: "Mapping[str, Points] | None" = None,
+    ) -> Performance:
+        """Prepare a performance with access to each stage; see `perform`."""
+        fps = checked_rate(fps)
+        asked = {"styles": styles, "dials": dials, "intensity": intensity, "bends": bends}
+        (sounds,) = self.labels.read([schedule])
+        said = LineDelivery.of(self, schedule, sounds, line, asked)
+        return said.performance(self, sounds, fps)
+
+    def repeated(
+        self, settings: Mapping[str, Any], schedule: "Schedule", fps: float
+    ) -> Performance:
+        """Prepare the performance of a line again, with the options of its `perform`."""
+        beside = {"gestures", "placed", "whole"}
+        spoken = {name: value for name, value in settings.items() if name not in beside}
+        return self.performance(schedule, fps, **spoken)
+
+    def tables(self, blends: "Sequence[Blend]") -> "Tables":
+        """Return the tables with the banks of the drafted styles in use.
+
+        They have more poses than speech if a style has a posture of its own.
+        """
+        if not blends:
+            return self.compiled.tables
+        names, drafts = self.compiled.style_names, self.compiled.style_drafts
+        heard = frozenset(names[one.style] for one in blends if names[one.style] in drafts)
+        if not heard:
+            return self.compiled.tables
+        if heard not in self._drafted:
+            self._drafted[heard] = with_drafts(self.compiled, heard)
+        return self._drafted[heard]
+
+    def styled_motion(self, blends: "Sequence[Blend]") -> "Motion":
+        """Return the motion of a line with the manner of moving of its styles."""
+        return styled_motion(self.compiled, self.motion, blends)
+
+    @cached_property
+    def labels(self) -> LabelReader:
+        """Label reader of the language."""
+        shades = self.motion.thresholds != "paper" if self.shades is None else self.shades
+        return LabelReader(self.compiled, self.unknown, self.paths, shades)
+
+    @cached_property
+    def _drafted(self) -> "dict[frozenset[str], Tables]":
+        """Tables with drafted styles, by the styles in use."""
+        return {}
+
+    @cached_property
+    def contact_floors(self) -> dict[str, float]:
+        """Floor of each pose that has one in a contact."""
+        floors = zip(self.poses, self.compiled.tables.floors.tolist(), strict=True)
+        return {pose: floor for pose, floor in floors if floor > 0}
+
+    @cached_property
+    def opening_poses(self) -> Bools:
+        """(P,) True for the poses that stress, emphasis and loudness move."""
+        regions = self.compiled.intensity["regions"] if self.compiled.intensity else ()
+        poses = [pose for one in regions for pose in self.compiled.regions.get(one, [])]
+        return np.isin(np.arange(len(self.poses)), poses)
