@@ -316,13 +316,13 @@ class HeardLabels:
             return self.until - widened
         return self.starts[-1] - max(margin, widened)
 
-    def closing(self, silence_reach: float) -> float:
+    def closing(self, added_silence: float) -> float:
         """Return the seconds of silence at the end, as for a line that ends here."""
         if not self.silent:
             return 0.0
         # a line of silence alone has no last sound from which to count
         alone = len(self.starts) == 1 and self.opening is None
-        far = max(silence_reach, 1e-9)
+        far = max(added_silence, 1e-9)
         return max(self.until - self.starts[-1], far) if alone else self.until - self.starts[-1]
 
     def between(

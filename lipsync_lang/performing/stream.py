@@ -297,7 +297,7 @@ class Stream:
             abs(heard.until - self._end) > SNAP_SECONDS
             or self._frames.counted(heard) != self._frames.counted(heard, self._end)
         ):
-            least = self.performer.motion.silence_reach
+            least = self.performer.motion.added_silence
             raise LipsyncError(
                 f"the line ends at {heard.until:g} s, but was stated to end at {self._end:g} s "
                 f"after a silence of {least:g} s; add silence (`known_until`), or state its end"

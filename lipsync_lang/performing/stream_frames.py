@@ -23,7 +23,12 @@ from lipsync_lang.pipeline.track import lay_track
 if TYPE_CHECKING:
     from lipsync_lang.performing.played_pair import PlayedPair
 
-ENDLESS = {"smooth": ("smooth", "smooth=none"), "switch": ("hold", "hold=0")}
+ENDLESS = {
+    "smooth": ("smooth", "smooth=none"),
+    "switch": ("hold", "hold=0"),
+    "rest": ("ends", "ends=rest"),
+    "stitch": ("silence_reach", "silence_reach=0.25"),
+}
 """The setting of each stage with an unlimited look-ahead, and the value that limits it."""
 
 
@@ -95,7 +100,7 @@ class StreamFrames:
 
     def counted(self, heard: HeardLabels, end: float | None = None) -> int:
         """Count the frames of a stream that ends with the labels so far, or in silence at `end`."""
-        reach = self.motion.silence_reach
+        reach = self.motion.added_silence
         until, closing = (heard.until, heard.closing(reach)) if end is None else (end, reach)
         return (self.lead or 0) + self.ahead.stop(until - heard.start, closing)
 

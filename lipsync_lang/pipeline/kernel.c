@@ -43,7 +43,7 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 3         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 4         /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
@@ -90,7 +90,7 @@ typedef struct {
 
 enum { CROSSFADE, LINEAR, HOLD, BEFORE, CLIP_HELD, CLIP_SLOW, TOPPED, AGAIN, FLAGS };
 enum { POSES, PHONEMES, CONTACTS, EARLY, AHEAD, BINDING, PAIRS, RAMP, WIDE, SHARED, HALO, BLOCK, LEAD, SIZES };
-enum { FPS, STEP, SILENCE_REACH, SOUND_REACH, NUMBERS };
+enum { FPS, STEP, SILENCE_REACH, SOUND_REACH, ADDED_SILENCE, NUMBERS };
 
 typedef struct {
     Views views;
@@ -160,12 +160,13 @@ static void lay_track(const Bank *bank, const Plan *plan, const Size *given, con
 {
     const Size silence = bank->silence;
     const double far = most(plan->number[SILENCE_REACH], 1e-9);
+    const double added = most(plan->number[ADDED_SILENCE], 1e-9);
     Size n = 0;
     *head = given[0] != silence;
     *tail = given[count - 1] != silence;
     if (*head) {
         ids[n] = silence;
-        bounds[n++] = times[0] - far;
+        bounds[n++] = times[0] - added;
     }
     for (Size i = 0; i < count; i++) {
         if (i && given[i] == silence && given[i - 1] == silence)
@@ -176,12 +177,12 @@ static void lay_track(const Bank *bank, const Plan *plan, const Size *given, con
     bounds[n] = times[count];
     if (*tail) {
         ids[n++] = silence;
-        bounds[n] = times[count] + far;
+        bounds[n] = times[count] + added;
     }
     if (!*head)
-        bounds[0] = least(bounds[0], bounds[1] - far);
+        bounds[0] = least(bounds[0], bounds[1] - added);
     if (!*tail)
-        bounds[n] = most(bounds[n], bounds[n - 1] + far);
+        bounds[n] = most(bounds[n], bounds[n - 1] + added);
     memset(waived, 0, (size_t)n);
     for (Size i = 0; i < n; i++) {
         const int quiet = ids[i] == silence;
@@ -201,7 +202,7 @@ static void lay_track(const Bank *bank, const Plan *plan, const Size *given, con
 static double frames_until(const Plan *plan, double edge, double sound)
 {
     const double fps = plan->number[FPS];
-    const double reached = floor((sound + plan->number[SILENCE_REACH]) * fps + 1e-6);
+    const double reached = floor((sound + plan->number[ADDED_SILENCE]) * fps + 1e-6);
     const double held = floor((sound + most(SHORTEST, 1 / fps) / 2) * fps + 1e-6);
     const double until = most(ceil(edge * fps - 1e-6), reached);
     return plan->size[LEAD] ? most(until, held + (double)plan->size[LEAD]) : until;

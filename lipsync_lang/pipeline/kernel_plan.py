@@ -35,9 +35,10 @@ UNBOUNDED = 1e300
 def serves(motion: Motion) -> bool:
     """Return True if there is a compiled kernel, and it knows the settings.
 
-    It neither fills valleys nor shows single poses.
+    It neither fills valleys nor shows single poses, and always puts silence around the phonemes.
     """
-    return kernel.compiled is not None and motion.smooth == "none" and not motion.hold
+    plain = motion.smooth == "none" and motion.ends == "rest" and not motion.hold
+    return kernel.compiled is not None and plain
 
 
 class KernelCopy(NamedTuple):
@@ -117,7 +118,15 @@ def _plan(tables: Tables, motion: Motion, prepared: StageValues, fps: float) -> 
         np.empty,
         _bools(list(_flags(motion, prepared, bool(contacts)).values())),
         _ints(list(_sizes(tables, prepared, len(contacts), wide, shared).values())),
-        _bounded([fps, prepared.step, motion.silence_reach, motion.sound_reach]),
+        _bounded(
+            [
+                fps,
+                prepared.step,
+                motion.silence_reach,
+                motion.sound_reach,
+                motion.added_silence,
+            ]
+        ),
         _floats(prepared.ramps),
         _ints(prepared.early),
         _floats(prepared.left),

@@ -61,7 +61,7 @@ class LookAhead:
         stages = {name: ahead[name] / fps for name in (*_WANTED, *_PROMISED) if ahead.get(name)}
         if motion.contacts == "hold":
             stages["hold"] = max(max(MARGIN, widened(fps)) - wanted / fps, 0.0)
-        resting = (ramp + 1) / fps - motion.silence_reach
+        resting = (ramp + 1) / fps - motion.added_silence
         stages["rest"] = max(resting - max(wanted / fps, stages.get("hold", 0.0)), 0.0)
         shown = {name: seconds for name, seconds in stages.items() if seconds > 0}
         return cls(motion, fps, wanted, promised, back, ramp, prepared.lead, shown)
@@ -78,7 +78,7 @@ class LookAhead:
 
     def lead_in(self, opening: float) -> int:
         """Return the frames before the start of a line with some seconds of initial silence."""
-        return frames_until(0, -opening, self.motion.silence_reach, self.lead, self.fps)
+        return frames_until(0, -opening, self.motion.added_silence, self.lead, self.fps)
 
     def stop(self, length: float, closing: float) -> int:
         """Return the frames from the start to past the end of a line.
@@ -88,7 +88,7 @@ class LookAhead:
         length : seconds of the line
         closing : seconds of silence at its end
         """
-        reach = self.motion.silence_reach
+        reach = self.motion.added_silence
         return frames_until(length, length - closing, reach, self.lead, self.fps) + 1
 
     def settled(self, clear: float, held: float, least: int) -> int:

@@ -7,6 +7,9 @@ from typing import Literal
 LEAST_SPEED = 4.0
 """Weight per second; a slower mouth would start to move over 0.3 s before the first sound."""
 
+ADDED_SILENCE_SECONDS = 0.25
+"""Most silence that is added to either end: a reach of 10 s is of pauses that are there."""
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -32,6 +35,10 @@ class Motion:
 
     silence_reach: float = 0.25
     """Seconds of silence that a bigram may use on its silent side."""
+
+    ends: Literal["rest", "cut"] = "rest"
+    """Rest in silence put before the first sound and after the last, or the phonemes as they are:
+    the paper's curves begin and end with them."""
 
     sound_reach: float = 0.3
     """Seconds of a sound in which its bigrams move; the middle of a longer sound is held."""
@@ -66,11 +73,18 @@ class Motion:
     hold: float = 0.0
     """Seconds; poses are shown one at a time, each at least as long. At 0 they blend."""
 
+    @property
+    def added_silence(self) -> float:
+        """Seconds of silence at least at both ends, for the mouth to begin and end at rest."""
+        return min(self.silence_reach, ADDED_SILENCE_SECONDS) if self.ends == "rest" else 0.0
+
 
 PRESETS = {
     "default": Motion(),
     "paper": Motion(
         warp="linear",
+        silence_reach=inf,
+        ends="cut",
         sound_reach=inf,
         smooth="chord",
         window=0.18,

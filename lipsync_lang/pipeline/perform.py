@@ -7,7 +7,7 @@ are stitch, smooth, constrain and limit.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -31,6 +31,12 @@ from lipsync_lang.pipeline.switch import FREE, NONE, REST, switch
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.pipeline.track import Track
 from lipsync_lang.pipeline.warp import FramePlace, locate, positions, warp
+
+CURVE_RATE = 600.0
+"""Frames per second of curves that do not depend on the output's rate.
+
+24, 25, 30, 50, 60, 100 and 120 divide it, so that their frames are read and not interpolated.
+"""
 
 BLOCK = 8192
 """Number of frames of a block, whose arrays fit into the processor's cache."""
@@ -82,6 +88,21 @@ class Performance:
     blends: tuple[Blend, ...] = ()
     dials: tuple[Dial, ...] = ()
     bends: tuple[Bend, ...] = ()
+
+    @cached_property
+    def curves(self) -> "Performance | None":
+        """The same line at `CURVE_RATE`, if the motion is the paper's, which knows no frames.
+
+        A maximum between two frames is none of either, and a chord (paper 3.2.1) joins maxima.
+        None where frames count: at rest, in held contacts, and for single poses.
+        """
+        motion = self.motion
+        framed = motion.ends == "rest" or motion.contacts == "hold" or motion.hold
+        if framed or motion.smooth != "chord" or self.frames.fps == CURVE_RATE:
+            return None
+        prepared = prepare(self.tables, motion, CURVE_RATE)
+        frames = lay_frames(self.track, motion, CURVE_RATE, prepared.lead)
+        return replace(self, frames=frames, prepared=prepared)
 
     @cached_property
     def held(self) -> tuple[tuple[Bools, Bools], ...]:
@@ -192,14 +213,24 @@ class Performance:
         return times, out
 
     def _run(self, begin: int, stop: int) -> Iterator[Stage]:
+        """Run the stages on the frames, or on the line's own curves and read these."""
+        if not self.curves:
+            yield from self._framed(begin, stop)
+            return
+        known, times = self.curves.frames.times(), self.frames.times(begin, stop)
+        for name, curves in self.curves._framed(0, len(known)):  # noqa: SLF001 of this class
+            yield Stage(name, np.array([np.interp(times, known, curve) for curve in curves]))
+
+    def _framed(self, begin: int, stop: int) -> Iterator[Stage]:
         """Run the stages; those before a speed limit may leave the bounds to lengthen contacts."""
         prepared = self.prepared
         for stage in self._shaped(begin, stop):
             yield stage
             curves = stage.curves
-        head, tail = begin == 0, stop == self.frames.count
-        curves = rest_at_ends(curves, prepared.ramps, head=head, tail=tail)
-        yield Stage("rest", curves)
+        if self.motion.ends == "rest":
+            head, tail = begin == 0, stop == self.frames.count
+            curves = rest_at_ends(curves, prepared.ramps, head=head, tail=tail)
+            yield Stage("rest", curves)
         if prepared.topped:
             curves = np.minimum(curves, prepared.tops[:, None])
         if self.motion.contacts == "hold":
@@ -212,19 +243,19 @@ class Performance:
         # slowed first, the constraints come out exact; the paper constrains first
         order = ("limit", "constrain") if self.motion.limit == "before" else ("constrain", "limit")
         for name in order:
-            if name == "constrain":
-                curves = self._constrain(curves)
-            elif self.motion.contacts == "free" or self.motion.limit == "after":
-                # an upper envelope would break constraints
-                curves = lower_envelope(curves, prepared.step)
-            else:
-                slow = envelope(curves, prepared.step, upper=self.tables.held)
-                tops = prepared.tops[:, None]
-                curves = np.clip(slow, 0, tops, out=slow) if prepared.longer else slow
+            curves = self._constrain(curves) if name == "constrain" else self._slowed(curves)
             yield Stage(name, curves)
         if prepared.shared:
             curves = soften(curves, prepared.shared)
             yield Stage("soften", curves if prepared.convex else self._constrain(curves))
+
+    def _slowed(self, curves: Floats) -> Floats:
+        prepared = self.prepared
+        if self.motion.contacts == "free" or self.motion.limit == "after":
+            # an upper envelope would break constraints
+            return lower_envelope(curves, prepared.step)
+        slow = envelope(curves, prepared.step, upper=self.tables.held)
+        return np.clip(slow, 0, prepared.tops[:, None], out=slow) if prepared.longer else slow
 
     def _shaped(self, begin: int, stop: int) -> Iterator[Stage]:
         """Run the stages before the guarantees: the desired curves."""
@@ -291,21 +322,25 @@ class Performance:
 def lay_frames(track: Track, motion: Motion, fps: float, lead: int) -> Frames:
     """Choose the frames of an animation: the schedule's, a lead-in and a tail.
 
-    The mouth may move up to `motion.silence_reach` before the first sound and after the last, and
-    earlier only where a contact needs it; silence in the schedule is used first.
+    The mouth may move up to `motion.added_silence` before the first sound and after the last, and
+    earlier only where a contact needs it; silence in the schedule is used first. If `motion.ends`
+    is "cut", the frames are the schedule's.
 
     Parameters
     ----------
     lead : frames from rest to the first held frame of a contact
     """
+    if motion.ends == "cut":
+        count = math.ceil((track.end - track.start) * fps - 1e-6) + 1
+        return Frames(track.start, 0, count, fps)
     opening, closing_ = 0.0, 0.0
     if track.source[0] >= 0:
         opening = float(track.bounds[1]) - track.start
     if track.source[-1] >= 0:
         closing_ = track.end - float(track.bounds[-2])
     length = track.end - track.start
-    first = -frames_until(0, -opening, motion.silence_reach, lead, fps)
-    last = frames_until(length, length - closing_, motion.silence_reach, lead, fps)
+    first = -frames_until(0, -opening, motion.added_silence, lead, fps)
+    last = frames_until(length, length - closing_, motion.added_silence, lead, fps)
     return Frames(track.start, first, last - first + 1, fps)
 
 

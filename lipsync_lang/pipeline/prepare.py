@@ -266,12 +266,15 @@ def _reaches(
     wide, shared = (reach_of(float(h.max(initial=0)), fps) for h in half)
     filled = {"none": 0.0, "closing": max(0, round(motion.window * fps) - 1), "chord": inf}
     smooth = filled[motion.smooth]
+    # a bigram stretches over a whole pause, whose end is not known before the next sound
+    paused = inf if motion.silence_reach == inf else 0
     looks = {
+        "stitch": Reach(paused, paused),
         "smooth": Reach(smooth, smooth),
         "switch": Reach(inf, inf) if motion.hold else Reach(0, 0),
         "anticipate": Reach(0, ahead),
         "ease": Reach(wide, wide),
-        "rest": Reach(slope + shared, slope + shared),
+        "rest": Reach(inf, inf) if motion.ends == "cut" else Reach(slope + shared, slope + shared),
         "limit": Reach(slope, slope),
         "soften": Reach(shared, shared),
     }

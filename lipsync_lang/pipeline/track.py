@@ -3,7 +3,7 @@
 Conventions: times are seconds; (n,) is phonemes, (n - 1,) the bigrams between neighbours. A bigram
 uses at most `Motion.silence_reach` of a silence, so that a mouth rests through a long pause, and
 moves for at most `Motion.sound_reach` of a sound, so that a long vowel is reached and held. The
-paper stretches bigrams over all of a sound, however long.
+paper stretches bigrams over all of a sound or a silence, however long, and adds none.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,6 +15,9 @@ from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.levels import Blend
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Bank, Tables
+
+MOMENT_SECONDS = 1e-9
+"""Least silence around the phonemes: a frame's share of it is divided by its length."""
 
 NO_TRIGRAMS: Ints = np.zeros(0, np.intp)
 NO_TRIGRAMS.setflags(write=False)
@@ -95,7 +98,8 @@ def lay_track(  # noqa: PLR0913, PLR0917 timed phonemes, and the tables of a pai
     """Surround common phonemes with silence and pair neighbours.
 
     Bigram (p_i, p_i+1) covers (t_i, t_i+2). Silence lends a bigram at most
-    `motion.silence_reach`, at the side of the sound. Where three phonemes have a trigram, its
+    `motion.silence_reach`, at the side of the sound. If `motion.ends` is "cut", the silence around
+    is a moment, and has no bigrams. Where three phonemes have a trigram, its
     halves take the places of two bigrams; of two trigrams that share a bigram the first plays.
 
     Parameters
@@ -108,10 +112,11 @@ def lay_track(  # noqa: PLR0913, PLR0917 timed phonemes, and the tables of a pai
         silence put before them
     """
     start, end = float(times[0]), float(times[-1])
-    # never 0, by which the share of a frame would be divided
-    far = max(motion.silence_reach, 1e-9)
+    cut = motion.ends == "cut"
+    far = max(motion.silence_reach, MOMENT_SECONDS)
     first = 0 if opening or ids[0] == tables.silence else 1
-    ids, bounds, source = _surrounded(ids, times, source, tables.silence, far)
+    added = max(motion.added_silence, MOMENT_SECONDS)
+    ids, bounds, source = _surrounded(ids, times, source, tables.silence, added)
     length = bounds[1:] - bounds[:-1]
     quiet = ids == tables.silence
     moving = np.minimum(length, np.where(quiet, far, motion.sound_reach))
@@ -121,6 +126,8 @@ def lay_track(  # noqa: PLR0913, PLR0917 timed phonemes, and the tables of a pai
         begun = trigrams_in(ids, tables, first)
         at = tables.trigrams.searchsorted(_codes(ids, tables)[begun])
         rows[begun], rows[begun + 1] = tables.trigram_rows[at].T
+    if cut:
+        rows[(source[:-1] < 0) | (source[1:] < 0)] = 0  # rest
     even = None if motion.warp == "anchored" else moving[:-1] / (moving[:-1] + moving[1:])
     free = tables.free[rows]
     if blends:

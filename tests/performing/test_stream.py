@@ -170,7 +170,8 @@ def test_frames_are_those_of_the_whole_with_any_tables_and_motion(line, motion, 
 
 @pytest.mark.parametrize("first", [0.0, 0.1, 0.4])
 def test_evenly_stretched_bigrams_wait_for_the_length_of_the_next_sound(first):
-    performer = resolved("english", "facefx").with_motion("paper").with_motion({"smooth": "none"})
+    performer = resolved("english", "facefx").with_motion("paper")
+    performer = performer.with_motion({"smooth": "none", "ends": "rest", "silence_reach": 0.25})
     labels, times = ("_", "AA", "M", "_", "IY"), np.array([0, 0, 0.25, 0.6, 0.7, 1.1])
     times[1:] += first
     schedule = Schedule(labels[not first :], times[not first :], notation="arpabet")
@@ -406,7 +407,9 @@ def test_known_silence_and_mute_labels_leave_nothing_behind(performer):
     assert max(sizes[150:]) <= max(sizes[:50])
 
 
-@pytest.mark.parametrize("motion", [{"hold": 0.1}, {"smooth": "chord"}], ids=["hold", "chord"])
+@pytest.mark.parametrize(
+    "motion", [{"hold": 0.1}, {"smooth": "chord"}, {"ends": "cut"}, "paper"], ids=str
+)
 def test_settings_that_look_at_a_whole_line_are_refused(performer, motion):
     with pytest.raises(LipsyncError, match="needs the whole line"):
         performer.with_motion(motion).stream()

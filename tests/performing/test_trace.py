@@ -13,6 +13,7 @@ from strategies import RATES, real
 from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.pipeline.motion import PRESETS
+from lipsync_lang.pipeline.perform import CURVE_RATE
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.schedules.schedule import Word
 
@@ -88,7 +89,9 @@ def test_the_last_stage_is_what_the_animation_shows(preset, take, fps):
         assert pose.stages[-1].weight == pose.weight
         stitched = pose.stages[0]
         assert stitched.stage == "stitch"
-        assert stitched.weight == pytest.approx(max(pose.bigrams, default=0), abs=1e-9)
+        # the paper's curves are read between their own samples
+        read = 1e-9 if preset == "default" or CURVE_RATE % fps == 0 else 2e-3
+        assert stitched.weight == pytest.approx(max(pose.bigrams, default=0), abs=read)
         for before, after in zip(pose.stages, pose.stages[1:], strict=False):
             changed = abs(after.weight - before.weight) > 1e-3
             assert bool(after.why) or not changed, "what changed a value says why"

@@ -149,6 +149,30 @@ def test_curves_start_and_end_at_rest(line, motion, fps):
     assert nearest <= EXACT, "a frame lies at the schedule's start"
 
 
+@given(any_lines(), RATES, RATES)
+def test_the_papers_curves_do_not_depend_on_the_frame_rate(line, fps, other):
+    shown = [line.perform(PRESETS["paper"], rate) for rate in (fps, other)]
+    weights = [one.weights() for one in shown]
+    times = [one.frames.times() for one in shown]
+    gap = np.abs(times[0][:, None] - times[1])
+    here, there = (gap <= EXACT).nonzero()
+    assert len(here), "both begin at the schedule's start"
+    assert np.abs(weights[0][here] - weights[1][there]).max() <= 1e-3
+
+
+@given(any_lines(), RATES)
+def test_the_papers_curves_begin_and_end_with_the_phonemes(line, fps):
+    times = line.perform(PRESETS["paper"], fps).frames.times()
+    assert times[0] == line.times[0]
+    assert line.times[-1] - EXACT <= times[-1] < line.times[-1] + 1 / fps
+
+
+@given(any_lines(), st.floats(0.25, 100), RATES)
+def test_a_long_reach_adds_no_silence(line, reach, fps):
+    shown = [line.perform(Motion(silence_reach=one), fps).frames for one in (0.25, reach)]
+    assert shown[0] == shown[1]
+
+
 @pytest.mark.parametrize("preset", PRESETS)
 @given(line=any_lines(), fps=RATES)
 def test_a_lead_in_and_a_tail_last_a_quarter_of_a_second_at_most(preset, line, fps):

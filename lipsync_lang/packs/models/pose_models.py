@@ -163,6 +163,8 @@ class MotionFields(Strict):
     """Highest speed of a pose, in weight per second."""
     silence_reach: NotNegative | None = None
     """Seconds at either end of a pause in which the mouth still moves."""
+    ends: Literal["rest", "cut"] | None = None
+    """`rest` puts silence before the first sound and after the last; `cut` does not."""
     sound_reach: Annotated[float, Field(ge=0.05)] | None = None
     """Seconds of a sound in which the mouth moves; the middle of a longer one is held."""
     contacts: Literal["hold", "free"] | None = None

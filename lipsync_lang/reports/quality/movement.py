@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from itertools import pairwise
+from math import isinf
 
 import numpy as np
 
@@ -207,7 +208,8 @@ def silence(scene: MeasuredScene) -> Iterable[list[Figure]]:
     parts = first.searchsorted(scene.frames).tolist()
     for start, past in pairwise(parts):
         if start == past:
-            yield unjudged(f"no pause is longer than {2 * room:.2f} s")
+            shown = f"no pause is longer than {2 * room:.2f} s"
+            yield unjudged("the mouth may move in whole pauses" if isinf(room) else shown)
             continue
         moved = spread[:, 2 * start : 2 * past : 2]
         pose, pause = divmod(int(moved.argmax()), past - start)
