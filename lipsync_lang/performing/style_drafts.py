@@ -15,7 +15,7 @@ import numpy as np
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.levels import Blend
-from lipsync_lang.pipeline.motion import LEAST_SPEED, Motion
+from lipsync_lang.pipeline.motion import SLOW_SPEED, Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
 from lipsync_lang.resolver.compiled import CompiledPair
 
@@ -72,7 +72,7 @@ def styled_motion(compiled: CompiledPair, motion: Motion, blends: Sequence[Blend
     limit = motion.speed_limit * scales["speed"]
     return replace(
         motion,
-        speed_limit=min(max(limit, LEAST_SPEED), motion.speed_limit),
+        speed_limit=min(max(limit, SLOW_SPEED), motion.speed_limit),
         softness=motion.softness * scales["softness"],
     )
 

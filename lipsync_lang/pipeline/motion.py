@@ -4,8 +4,11 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal
 
-LEAST_SPEED = 4.0
-"""Weight per second; a slower mouth would start to move over 0.3 s before the first sound."""
+LEAST_SPEED = 1.0
+"""Weight per second; a slower mouth would start more than 1 s before the first sound."""
+
+SLOW_SPEED = 4.0
+"""Slowest weight per second of drafts and fits: a mouth starts 0.3 s before the first sound."""
 
 ADDED_SILENCE_SECONDS = 0.25
 """Most silence that is added to either end: a reach of 10 s is of pauses that are there."""

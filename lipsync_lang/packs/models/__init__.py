@@ -7,6 +7,7 @@ from lipsync_lang.packs.models.fields import PackModel
 from lipsync_lang.packs.models.gesture_models import Gesture, GesturePose, GestureWords
 from lipsync_lang.packs.models.ipa_models import Decision, Ipa
 from lipsync_lang.packs.models.language_models import Language, Phonemes, Shade, SoundFields, Sounds
+from lipsync_lang.packs.models.motion_models import MotionFields
 from lipsync_lang.packs.models.pose_models import (
     AtMost,
     BankPack,
@@ -16,7 +17,6 @@ from lipsync_lang.packs.models.pose_models import (
     ContactRule,
     Delivery,
     LineEdits,
-    MotionFields,
     PhonemeTarget,
     Pose,
     PoseSet,

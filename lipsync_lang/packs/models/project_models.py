@@ -19,7 +19,7 @@ from lipsync_lang.packs.models.fields import (
     Strict,
     Text,
 )
-from lipsync_lang.packs.models.pose_models import MotionFields
+from lipsync_lang.packs.models.motion_models import MotionFields
 from lipsync_lang.packs.yaml.source import Data
 
 _RATE_PATTERN = r"^\d+(\.\d+)?(/\d+)?$"

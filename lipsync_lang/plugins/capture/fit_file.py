@@ -44,7 +44,7 @@ from lipsync_lang.packs.models.validation import validated_as
 from lipsync_lang.packs.splicing import plain
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, Data, read_yaml
-from lipsync_lang.pipeline.motion import LEAST_SPEED
+from lipsync_lang.pipeline.motion import SLOW_SPEED
 
 FIT_FORMAT = 1
 """The newest readable format of proposals, which is also the written one."""
@@ -75,7 +75,7 @@ FITTED: dict[str, tuple[Data, Data]] = {
     "anticipate": (PoseName, AnticipateSeconds),
     "motion": (
         Literal["speed_limit"],
-        Annotated[float, Field(ge=LEAST_SPEED, le=MAX_FITTED_SPEED)],
+        Annotated[float, Field(ge=SLOW_SPEED, le=MAX_FITTED_SPEED)],
     ),
     "bigrams": (BigramKey, FittedCurves),
 }

@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.packs.banks.draft import TIMES
-from lipsync_lang.pipeline.motion import LEAST_SPEED
+from lipsync_lang.pipeline.motion import SLOW_SPEED
 from lipsync_lang.plugins.capture.fit_lines import FitLine
 from lipsync_lang.plugins.capture.fit_slopes import control_slopes, draft_slopes, robust_cost, solve
 from lipsync_lang.plugins.capture.fit_values import MOST_DOMINANCE, PASSIVE_LOG, FitFace, FitValues
@@ -168,7 +168,7 @@ def fit_motion(
     changes = [
         *(("softness", poses, 0.0, MOST_SOFTNESS) for poses in soft if seen[poses].any()),
         *(("anticipate", poses, 0.0, MOST_ANTICIPATION) for poses in ahead if seen[poses].any()),
-        ("speed", np.arange(0), LEAST_SPEED, MOST_SPEED),
+        ("speed", np.arange(0), SLOW_SPEED, MOST_SPEED),
     ]
     now, cost = base, robust_cost(face.errors(base, lines))
     for name, poses, *bounds in changes:
