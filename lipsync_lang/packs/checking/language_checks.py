@@ -6,15 +6,16 @@ These checks need the pack alone. `authoring.trial` runs the tests with their en
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from lipsync_lang.base.errors import did_you_mean
+from lipsync_lang.base.errors import SpeechError, did_you_mean
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import test_fault
-from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.finding import IPA, beside
 from lipsync_lang.packs.library import Pack
-from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.text.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.text.phonology.g2p.number_words import named_rules
+from lipsync_lang.text.phonology.g2p.orthography_profile import BY_PROFILE, profile_rows
 from lipsync_lang.text.phonology.g2p.own_words import ipa_labels, stands_alone
 from lipsync_lang.text.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow
 from lipsync_lang.text.phonology.labels import Notation, normalise
@@ -31,12 +32,39 @@ def check_labels(language: Pack[models.Language]) -> Iterator[Fault]:
             if notation.find(label) is None:
                 what = f"'{label}' is not in the notation '{model.g2p_notation}'"
                 yield language.fault(loc, "P218", what, notation.suggest(label))
+    yield from _profile(language, notation)
     yield from _written_forms(language)
     for word, reading in model.words.items():
         if reading.ipa and not stands_alone(word):
             what = f"'{word}' has IPA, which serves single words with spaces around them"
             hint = "write another spelling: `say`"
             yield language.fault(("words", word), "P115", what, hint, key=True)
+
+
+def _profile(language: Pack[models.Language], notation: Notation) -> Iterator[Fault]:
+    """Check each line of an orthography profile."""
+    g2p, at = language.model.g2p, ("g2p", "file")
+    if g2p is None or g2p.reading_backend != BY_PROFILE:
+        return
+    if g2p.file is None:
+        what, hint = "the pack names no orthography profile", "state it as `file: profile.tsv`"
+        yield language.fault(("g2p", "engine"), "P237", what, hint)
+        return
+    path = beside(language.where(at).file, g2p.file)
+    if path is None:
+        return  # the check of files tells it
+    try:
+        rows = list(profile_rows(path, g2p.column))
+    except SpeechError as error:
+        yield language.fault(at, "P237", str(error))
+        return
+    for row in rows:
+        if row.wrong:
+            yield Fault(shown(path), row.line, 1, "P237", row.wrong, row.mend)
+        for sound in row.sounds if not language.model.automatic else ():
+            if notation.find(sound) is None:
+                what = f"'{sound}' is not in the notation '{language.model.g2p_notation}'"
+                yield Fault(shown(path), row.line, 1, "P218", what, notation.suggest(sound))
 
 
 def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:

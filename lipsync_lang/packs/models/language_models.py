@@ -213,7 +213,9 @@ class LabelCorrection(Strict):
         return self
 
 
-G2PEngineName = Literal["espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon"]
+G2PEngineName = Literal[
+    "espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon", "phonemizer"
+]
 """The engines that convert text to labels."""
 
 
@@ -229,7 +231,11 @@ class G2P(Strict):
     code: Text | None = None
     """The engine's code of the language, if it has codes."""
     file: Text | None = None
-    """A lexicon beside the pack."""
+    """A lexicon or an orthography profile beside the pack."""
+    backend: Literal["segments", "festival", "espeak"] = "segments"
+    """The backend of `phonemizer`: `segments` reads by an orthography profile."""
+    column: Text = "IPA"
+    """The column of an orthography profile with the sounds of each `Grapheme`."""
     notation: Text | None = None
     """The notation of the engine's labels; the first of the pack unless stated."""
     respell: Text | None = None
@@ -250,6 +256,11 @@ class G2P(Strict):
     corrections: tuple[LabelCorrection, ...] = ()
     """Corrections of the engine's labels, tried in order at each label; the first that fits
     wins."""
+
+    @property
+    def reading_backend(self) -> str:
+        """The backend of phonemizer; empty for other engines."""
+        return self.backend if self.engine == "phonemizer" else ""
 
     @model_validator(mode="after")
     def _native_is_usable(self) -> Self:

@@ -60,6 +60,7 @@ def estimate(transcript: Transcript, manner: Manner, notation: Notation) -> Sche
         source=f"text {quoted(transcript.text)}",
         unread=transcript.unread,
         stress=stress,
+        remarks=transcript.advice,
     )
 
 
@@ -68,7 +69,7 @@ def _refuse_nothing(labels: Sequence[str], transcript: Transcript) -> None:
         unread = f"; it cannot read {' '.join(transcript.unread)}" if transcript.unread else ""
         raise SpeechError(
             f"{transcript.language} says nothing for {quoted(transcript.text)}{unread}; "
-            "check that the text is in its script"
+            + "; ".join(transcript.advice or ("check that the text is in its script",))
         )
 
 
@@ -180,6 +181,7 @@ def _scheduled(
         notation=transcript.notation,
         language=transcript.language,
         unread=transcript.unread,
+        remarks=(*spoken.remarks, *transcript.advice),
     )
 
 

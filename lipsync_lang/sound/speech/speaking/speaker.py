@@ -26,6 +26,7 @@ from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.text.phonology.emphasis import emphasised
 from lipsync_lang.text.phonology.g2p import SpokenWord, engine
 from lipsync_lang.text.phonology.g2p.g2p_engines import G2PEngine
+from lipsync_lang.text.phonology.g2p.orthography_profile import lacking
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.g2p.utterances import Utterances
 from lipsync_lang.text.phonology.labels import Notation
@@ -223,6 +224,7 @@ class Speaker:
                 phonemes += [name for name, _ in value or ()]
                 unmapped += [label] if value is None else []
             gaps += range(start, len(phonemes) + 1) if word.unread else ()
+        unread = tuple(dict.fromkeys(c for word in words for c in word.unread))
         return Transcript(
             written.text,
             self.manner.language,
@@ -230,10 +232,11 @@ class Speaker:
             tuple(words),
             tuple(phonemes),
             tuple(dict.fromkeys(unmapped)),
-            tuple(dict.fromkeys(c for word in words for c in word.unread)),
+            unread,
             tuple(sorted(set(gaps))),
             written.dropped,
             written.remarks,
+            tuple(lacking(self.manner.settings, unread)),
         )
 
     def to_json(self, transcript: Transcript) -> Json:

@@ -21,6 +21,7 @@ class Transcript:
     gaps : indices in `phonemes` before which an unmapped or unread item is missing
     dropped : markup of the input that is not spoken, in order
     remarks : doubts about the markup
+    advice : how to have read what was unread, if the pack says it in a file
     """
 
     text: str
@@ -33,6 +34,7 @@ class Transcript:
     gaps: tuple[int, ...] = ()
     dropped: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    advice: tuple[str, ...] = ()
 
     @property
     def labels(self) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ themselves, or as pairs that the voice joins, they are these; else the clause is
 a whole.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from types import MappingProxyType
@@ -35,46 +35,64 @@ def engine(settings: Settings) -> G2PEngine:
     """Read text with a voice of eSpeak NG."""
     respell = respeller(settings.respell) if settings.respell else None
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
+    def transcribe(texts: Sequence[str]) -> Iterable[Sequence[LabelledWords]]:
         from lipsync_lang.text.phonology.espeak.process import EspeakProcess
 
+        reader = EspeakProcess(patience=ESPEAK_TIMEOUT_SECONDS)
+        return reader.transcribe(texts, settings.voice or "")
+
+    read_plain, apart = by_clauses(transcribe), label_splitter(settings.labels)
+
+    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         spelled = [(respell(text) if respell else [(text, text)]) for text in texts]
         plain = ["".join(spelling for _, spelling in parts) for parts in spelled]
-        voice, reader = settings.voice or "", EspeakProcess(patience=ESPEAK_TIMEOUT_SECONDS)
-        odd = {
-            p.text for text in plain for p in pieces(text) if p.kind != "pause" and not _surely(p)
-        }
-
-        def count(spoken: set[str]) -> None:
-            unmet = sorted(spoken - lengths.keys())
-            for one, found in zip(unmet, reader.transcribe(unmet, voice), strict=True):
-                lengths[one] = sum(map(len, found))
-
-        count(odd)
-        clauses = list(reader.transcribe(plain, voice))
-        for text, found in zip(plain, clauses, strict=True):
-            count({pair for said in paired(text, found, lengths) for pair in _pairs(said.text)})
-        for text, parts, found in zip(plain, spelled, clauses, strict=True):
-            words = paired(text, found, lengths)
+        for parts, words in zip(spelled, read_plain(plain), strict=True):
             yield tuple(map(apart, as_written(words, parts) if respell else words))
 
+    return read
+
+
+def by_clauses(
+    transcribe: Callable[[Sequence[str]], Iterable[Sequence[LabelledWords]]],
+) -> Callable[[Sequence[str]], Iterator[Iterator[SpokenWord]]]:
+    """Return a function from texts to their words; `transcribe` gives the clauses of each text."""
     lengths: dict[str, int] = {}
-    known = frozenset(map(normalise, settings.labels))
+
+    def count(spoken: set[str]) -> None:
+        unmet = sorted(spoken - lengths.keys())
+        for one, found in zip(unmet, transcribe(unmet), strict=True):
+            lengths[one] = sum(map(len, found))
+
+    def read(texts: Sequence[str]) -> Iterator[Iterator[SpokenWord]]:
+        count(
+            {p.text for text in texts for p in pieces(text) if p.kind != "pause" and not _surely(p)}
+        )
+        clauses = list(transcribe(texts))
+        for text, found in zip(texts, clauses, strict=True):
+            count({pair for said in paired(text, found, lengths) for pair in _pairs(said.text)})
+        for text, found in zip(texts, clauses, strict=True):
+            yield paired(text, found, lengths)
+
+    return read
+
+
+def label_splitter(labels: Iterable[str]) -> Callable[[SpokenWord], SpokenWord]:
+    """Return a function that takes the stress off labels, and splits those that were joined."""
+    known = frozenset(map(normalise, labels))
 
     @lru_cache(CACHED_WORDS)
     def apart(said: SpokenWord) -> SpokenWord:
-        """Remove the marks of stress from labels; split labels that eSpeak joined."""
-        labels: list[str] = []
+        split: list[str] = []
         stress: list[int | None] = []
         for one in said.labels:
             label = label_of(one)
-            split = (label,) if not known or known_as(label, known) else parts(label, known)
-            labels += split
-            stress += [stress_of(one), *(None,) * (len(split) - 1)]
+            found = (label,) if not known or known_as(label, known) else parts(label, known)
+            split += found
+            stress += [stress_of(one), *(None,) * (len(found) - 1)]
         marks = tuple(stress) if any(stress) else ()
-        return said._replace(labels=tuple(labels), stress=marks)
+        return said._replace(labels=tuple(split), stress=marks)
 
-    return read
+    return apart
 
 
 def as_written(

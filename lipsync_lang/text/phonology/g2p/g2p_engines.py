@@ -74,12 +74,15 @@ class Settings:
     `respell` names one of `RESPELLERS`, and `otherwise` the engine that reads where the library of
     the first is not installed. `foreign_voice` says words in Latin letters that the engine does not
     read, and `foreign` turns its sounds into labels. Words like the expression `native` are read.
+    `backend` is phonemizer's, and `column` that of a profile with the sounds.
     """
 
     language: str
     voice: str | None = None
     code: str | None = None
     file: Path | None = None
+    backend: str = ""
+    column: str = ""
     rules: tuple[Rule, ...] = ()
     corrections: tuple[Correction, ...] = ()
     readings: tuple[Rule, ...] = ()
@@ -109,6 +112,7 @@ G2P_ENGINES: Extensions[Make] = Extensions(
         "pypinyin": f"{_HERE}.pinyin",
         "epitran": f"{_HERE}.epitran",
         "lexicon": f"{_HERE}.lexicon",
+        "phonemizer": f"{_HERE}.phonemizer_g2p",
         "rules": f"{_HERE}.rules",
         "thaiphon": f"{_HERE}.thaiphon_g2p",
     },
