@@ -207,8 +207,8 @@ class HeardLabels:
         if stress is not None and label.end is not None and self.levels is not None:
             self.vowels.append(Vowel(number, (label.start + label.end) / 2, stress, marked))
 
-    def returned(self, seconds: float) -> None:
-        """Keep the levels of vowels on which frames depend that look ahead until a time."""
+    def freeze_levels(self, seconds: float) -> None:
+        """Keep the levels of vowels until a time, since returned frames depend on them."""
         if self.stress[1]:
             self.marked = True
         else:

@@ -1,7 +1,7 @@
 """Performer: a resolved language-character pair that animates schedules."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any, Self
 
@@ -12,12 +12,14 @@ from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.performing.batch import animate
 from lipsync_lang.performing.delivery import delivery
-from lipsync_lang.performing.played_pair import PlayedPair
+from lipsync_lang.performing.edits import corrected
+from lipsync_lang.performing.played_pair import LineDelivery, OwnSettings, PlayedPair
 from lipsync_lang.performing.style_drafts import with_drafts
 from lipsync_lang.pipeline.drive import drive
+from lipsync_lang.pipeline.kernel_plan import keep, serves
 from lipsync_lang.pipeline.perform import Performance
+from lipsync_lang.pipeline.prepare import prepare
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.text.phonology.labels import Notation
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.delivery import DialLevels, Points
     from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.stream import Late, Stream
+    from lipsync_lang.pipeline.kernel_plan import KernelCopy
     from lipsync_lang.pipeline.track import Track
     from lipsync_lang.resolver.compiled import Report
     from lipsync_lang.sound.listening.listener import Listener
@@ -160,8 +163,7 @@ class Performer(PlayedPair):
             "styles": styles, "dials": dials, "intensity": intensity, "gestures": gestures,
             "placed": placed, "whole": whole, "bends": bends,
         }  # fmt: skip
-        source = partial(PerformedLine, self)
-        return animate(self, tuple(schedules), fps, lines, asked, source)
+        return _animate(self, tuple(schedules), fps, lines, asked)
 
     def stream(  # noqa: PLR0913 as `perform`
         self,
@@ -421,3 +423,72 @@ def performer_of(animation: Animation) -> Performer | None:
     """Return the performer that made an animation; None for curves of another program."""
     line = PerformedLine.of(animation)
     return line.performer if line else None
+
+
+def _animate(
+    performer: "Performer",
+    schedules: "Sequence[Schedule]",
+    fps: float,
+    lines: "Sequence[str | None] | None",
+    asked: OwnSettings,
+) -> list[Animation]:
+    """Animate schedules; see `Performer.perform_many`."""
+    fps = checked_rate(fps)
+    names = [None] * len(schedules) if lines is None else lines
+    if len(names) != len(schedules):
+        raise LipsyncError(
+            f"{len(names)} lines for {len(schedules)} schedules; give one line per schedule"
+        )
+    compiled, lined = performer.compiled, zip(schedules, names, strict=True)
+    schedules = [
+        corrected(compiled.line_deliveries.get(line or "", {}), compiled, schedule, line)
+        for schedule, line in lined
+    ]
+    read = performer.labels.read(schedules) if schedules else []
+    kept = _neutral_copy(performer, fps)
+    moving = asked.get("gestures")
+    if moving:
+        from lipsync_lang.performing import gesturing
+    out = []
+    for schedule, sounds, line in zip(schedules, read, names, strict=True):
+        settings = {"line": line, **asked}
+        said = LineDelivery.of(performer, schedule, sounds, line, asked)
+        if kept is not None and not (said.blends or said.overlays or said.bends):
+            times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
+        else:
+            made = said.performance(performer, sounds, fps)
+            times, weights = made.frames.times(), made.weights()
+        channels = performer.shown_channels(said.tables)
+        poses = tuple(channel.name for channel in channels)
+        scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
+        if scales is not None:
+            facts = performer, schedule, sounds, times, fps, scales, settings
+            weights = gesturing.with_gestures(weights, *facts)
+            poses += performer.gesture_set.poses
+            channels += performer.gesture_channels
+        animation = Animation(
+            times,
+            poses,
+            weights,
+            fps,
+            schedule,
+            PerformedLine(performer, settings),
+            channels=channels,
+            model=performer.model,
+            neutral=performer.compiled.neutral,
+            contacts=dict(performer.contact_floors),
+        )
+        out.append(animation)
+    return out
+
+
+def _neutral_copy(performer: "Performer", fps: float) -> "KernelCopy | None":
+    """Return the neutral bank as the compiled kernel keeps it; None if the kernel cannot play it.
+
+    `lay_track` lays the tracks of a bank with trigrams.
+    """
+    tables, motion = performer.compiled.tables, performer.motion
+    if not serves(motion) or len(tables.trigrams):
+        return None
+    shown = tables.papers if motion.thresholds == "paper" else tables
+    return keep(shown, motion, prepare(shown, motion, fps), fps)

@@ -233,7 +233,7 @@ class PlayedPair:
 
     @cached_property
     def contact_floors(self) -> dict[str, float]:
-        """Floor of each pose that has one in a contact."""
+        """Minimum weight by pose, for the poses that a contact raises."""
         floors = zip(self.poses, self.compiled.tables.floors.tolist(), strict=True)
         return {pose: floor for pose, floor in floors if floor > 0}
 

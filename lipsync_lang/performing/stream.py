@@ -330,7 +330,7 @@ class Stream:
                 count = frames.counted(heard, self._end)
             moved = self._gestures.curves(heard, first, begin, stop, count, ended=self.finished)
         if stop > begin:
-            heard.returned(frames.seconds(heard, stop + frames.ahead.ahead))
+            heard.freeze_levels(frames.seconds(heard, stop + frames.ahead.ahead))
             self._given, self._made = stop, made[stop - begin :]
             frames.forget(heard, stop)
         times, weights = frames.laid(heard, begin, stop).times(), made[: stop - begin]

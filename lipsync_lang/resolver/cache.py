@@ -85,6 +85,7 @@ def compiler(folders: tuple[str, ...] = COMPILERS) -> str:
     package = Path(__file__).parents[1]
     whole = sha256(__version__.encode())
     for folder in folders:
+        # sorted, since the order of `rglob` is that of the file system
         for path in sorted((package / folder).rglob("*.py")):
             whole.update(path.read_bytes())
     return whole.hexdigest()
@@ -118,6 +119,7 @@ def load(language: str, character: str, paths: Sequence[Path]) -> "CompiledPair 
             stop = 8 + int.from_bytes(rest[:8], "little")
             head = json.loads(bytes(rest[8:stop]))
             if (head["key"], head["compiler"]) == (key, compiler()) and _fresh(head, paths):
+                # the arrays begin at the next aligned place, as `_encode` lays them
                 compiled = _compiled(head, rest[stop + (-stop % ALIGNMENT) :])
     _log.info("%s on %s: %s", language, character, "cached" if compiled else "to be compiled")
     return compiled
@@ -150,6 +152,7 @@ def delete_oldest(where: Path, pattern: str, most: int) -> None:
         newest = sorted(((s.st_mtime, s.st_size, one) for s, one in found), reverse=True)
         total = accumulate(size for _, size, _ in newest)
         for (_, _, one), taken in zip(newest, total, strict=True):
+            # the newest is in use, even if it alone is beyond the limit
             if taken > most and one != newest[0][2]:
                 one.unlink(missing_ok=True)
 

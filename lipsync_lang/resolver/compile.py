@@ -176,6 +176,7 @@ def _tables(shelf: PairPacks, rows: PairRows, earlier: Sampled | None) -> Tables
     """Return rows, rows of styles, and the rules of the pose set as read-only arrays."""
     poseset = shelf.face
     index = shelf.numbers
+    # a pair that no row plays has row 0, which is rest
     pairs = np.zeros((len(index), len(index)), np.intp)
     for (a, b), number in rows.numbers.items():
         pairs[index[a], index[b]] = number

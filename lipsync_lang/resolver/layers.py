@@ -432,7 +432,7 @@ class PairPacks:
         bound = thresholds(model) < FREE
         found = {}
         for phoneme in self.numbered:
-            name = self.targeted(phoneme)
+            name = self.target_phoneme(phoneme)
             if name in model.targets:
                 pack = own if name in own.model.targets else self.poseset
                 place = str(pack.where(("targets", name)))
@@ -443,8 +443,8 @@ class PairPacks:
             found[silence] = (Target(still, np.ones(len(self.poses))), "")
         return found
 
-    def targeted(self, phoneme: str) -> str:
-        """Return the phoneme with the target of a phoneme: itself, its parent or its substitute."""
+    def target_phoneme(self, phoneme: str) -> str:
+        """Return the phoneme whose target a phoneme uses: itself, its parent or its substitute."""
         targets = self.face.targets
         coarse = phoneme if phoneme in targets else self.parents.get(phoneme, phoneme)
         return coarse if coarse in targets else self.likes.get(coarse, coarse)
@@ -516,7 +516,7 @@ class PairPacks:
         targets = self.face.targets
         out = np.zeros((len(self.numbered), len(self.poses)), bool)
         for number, phoneme in enumerate(self.numbered[1:], start=1):
-            steps = targets.get(self.targeted(phoneme), ())
+            steps = targets.get(self.target_phoneme(phoneme), ())
             # the last step is what the next sound follows; a diphthong may name a pose and leave it
             last = steps[-1].weights if steps else {}
             out[number] = [last.get(pose) == 0 for pose in self.poses]

@@ -97,7 +97,7 @@ def _target_items(
         dominance = np.abs(values.dominance[number] - start.dominance[number]).max()
         if weight < LEAST_WEIGHT and dominance < LEAST_DOMINANCE:
             continue
-        meant = {n for n, p in enumerate(shelf.numbered) if shelf.targeted(p) == name}
+        meant = {n for n, p in enumerate(shelf.numbered) if shelf.target_phoneme(p) == name}
         chosen, count = _frames(evidence.task, [meant])
         was = []
         for step in shelf.face.targets[name]:

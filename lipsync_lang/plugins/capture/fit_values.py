@@ -104,7 +104,7 @@ class FitFace:
         played = sorted({int(row) for line in lines for row in line.made.track.rows} - {0})
         drafted = [row for row in played if row <= len(every) and every[row - 1].drafted]
         ends = [every[row - 1].origin.pair for row in drafted]
-        named = {p: shelf.targeted(p) for p in sorted({p for pair in ends for p in pair})}
+        named = {p: shelf.target_phoneme(p) for p in sorted({p for pair in ends for p in pair})}
         known = {name: shelf.targets[phoneme][0] for phoneme, name in named.items()}
         order = {name: number for number, name in enumerate(known)}
         numbers = np.array([[order[named[p]] for p in pair] for pair in ends], np.intp)
