@@ -20,6 +20,10 @@ needs_espeak = pytest.mark.skipif(
     find_spec("espeakng_loader") is None, reason="needs espeakng_loader"
 )
 
+needs_plug_ins = pytest.mark.skipif(
+    find_spec("lipsync_lang.plugins") is None, reason="the wing of plug-ins was removed"
+)
+
 settings.register_profile(
     "quick",
     settings.get_profile("default"),

@@ -8,7 +8,7 @@ import sys
 import warnings
 
 import pytest
-from lanes import full
+from lanes import full, needs_plug_ins
 
 import lipsync_lang as ll
 from lipsync_lang.base.extensions import PluginWarning
@@ -147,8 +147,8 @@ COMPLETED = [
     ("transc", "transcribe"),
     ("bank dra", "draft"),
     ("run --key", "--keys"),
-    ("study rep", "report"),
-    ("study report . /de", "/dev"),
+    pytest.param("study rep", "report", marks=needs_plug_ins),
+    pytest.param("study report . /de", "/dev", marks=needs_plug_ins),
 ]
 
 

@@ -324,7 +324,7 @@ def test_a_package_of_others_is_installed_by_the_same_installer(
 def test_no_message_names_an_installer_of_its_own(root):
     text = {p: p.read_text("utf-8") for p in sorted((root / "lipsync_lang").rglob("*.py"))}
     told = {path.name for path, one in text.items() if re.search(r"pip install \W*\w", one)}
-    assert told == {"dask_cluster.py"}, "extras.install_line knows the installer"
+    assert told <= {"dask_cluster.py"}, "extras.install_line knows the installer"
 
 
 def test_extras_that_are_there_are_kept_by_an_installer_that_starts_anew(tmp_path, monkeypatch):

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from lanes import full
+from lanes import full, needs_plug_ins
 from test_house import modules, texts, wing
 
 import lipsync_lang as ll
@@ -44,6 +44,7 @@ def test_arguments_become_options(message, told):
     assert as_options(message) == (told or message)
 
 
+@needs_plug_ins
 def test_every_option_that_stands_for_an_argument_is_there():
     (commands,) = (a.choices for a in parser()._actions if a.choices)  # noqa: SLF001
     known = {o for c in commands.values() for a in every_action(c) for o in a.option_strings}

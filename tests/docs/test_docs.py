@@ -4,10 +4,11 @@ import ast
 import importlib
 import re
 from difflib import unified_diff
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from lanes import swept
+from lanes import needs_plug_ins, swept
 from pages import (
     DOING,
     EXTRAS,
@@ -43,6 +44,8 @@ MADE = generator()
 
 @pytest.mark.parametrize("name", sorted(MADE.PAGES))
 def test_generated_pages_are_up_to_date(name):
+    if name == "commands.md" and find_spec("lipsync_lang.plugins") is None:
+        pytest.skip("the wing of plug-ins was removed")
     there = (ROOT / "docs/reference" / name).read_text(encoding="utf-8")
     wanted = MADE.page(name)
     differs = "\n".join(unified_diff(there.split("\n"), wanted.split("\n"), name, "code", n=0))
@@ -55,6 +58,7 @@ def test_the_readme_counts_the_languages_and_pose_sets_there_are():
     assert MADE.readme(text) == text, "run python docs/build_reference.py"
 
 
+@needs_plug_ins
 def test_the_page_for_developers_maps_every_folder():
     text = (ROOT / "docs/contributing/development.md").read_text(encoding="utf-8")
     assert MADE.MAP.search(text)
@@ -122,6 +126,7 @@ def test_every_page_can_be_reached_from_the_readme():
 # Messages that no console block can show
 
 
+@needs_plug_ins
 def test_the_messages_of_troubleshooting_are_in_the_code():
     page = ROOT / "docs/how-to/troubleshooting.md"
     shown = [text for language, told, text in blocks(page) if language == "text" and not told]

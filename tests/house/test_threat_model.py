@@ -9,7 +9,7 @@ import tracemalloc
 from pathlib import Path
 
 import pytest
-from lanes import full, swept
+from lanes import full, needs_plug_ins, swept
 from places import TESTS
 
 import lipsync_lang as ll
@@ -37,6 +37,7 @@ def project(tmp_path, monkeypatch):
     return folder
 
 
+@needs_plug_ins
 def test_every_row_of_the_table_names_a_test_that_exists():
     rows = ROW.findall(PAGE.read_text(encoding="utf-8"))
     body = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
