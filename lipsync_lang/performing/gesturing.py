@@ -22,7 +22,6 @@ from lipsync_lang.performing.label_sounds import LabelSounds
 from lipsync_lang.performing.played_pair import PlayedPair
 from lipsync_lang.performing.sound_memory import kept_with
 from lipsync_lang.performing.stress import PRIMARY, VOWEL
-from lipsync_lang.pipeline import kernel
 from lipsync_lang.pipeline.gestures.laying import GestureSet, LaidGesture
 from lipsync_lang.pipeline.gestures.pitch import pitches
 from lipsync_lang.pipeline.gestures.placing import (
@@ -70,9 +69,6 @@ BY_HAND = "by hand"
 
 MARKS = ".,;:!?\"'()[]«»“”„’…¡¿。、！？"
 """Marks around a word of a transcript."""
-
-NO_WORDS = np.zeros(0, np.intp)
-"""Numbers for a line without words, whose labels stand for them."""
 
 MARKED_PROMINENCE = 1000.0
 """Prominence of a word with emphasis in the text, above any pitch and length."""
@@ -165,44 +161,6 @@ def gesture_curves(  # noqa: PLR0913, PLR0917 the line, its frames and its setti
         every = kept_with(whole, "gestures", given, found_in_whole)
         placed = [one for one in every if first <= one.fact < last]
     return own.lay(placed, float(times[0]), len(times), fps)
-
-
-def with_gestures(  # noqa: PLR0913, PLR0917 as `gesture_curves`
-    weights: Floats,
-    performer: PlayedPair,
-    schedule: Schedule,
-    sounds: LabelSounds,
-    times: Floats,
-    fps: float,
-    scales: list[float],
-    settings: Mapping[str, Any],
-) -> Floats:
-    """Return (T, P) weights of speech and the curves of gestures beside them, (T, P + G)."""
-    own, labels, line = performer.gesture_set, performer.labels, settings["line"]
-    by_hand = settings["placed"]
-    if by_hand is None and line is not None:
-        by_hand = performer.compiled.line_deliveries.get(line, {}).get("placed")
-    heard = own.by_voice and schedule.audio is not None
-    if kernel.compiled is None or by_hand or heard or settings["whole"] is not None:
-        curves, _ = gesture_curves(performer, schedule, times, fps, scales, settings)
-        return np.concatenate((weights, curves), axis=1)
-    texts, firsts, raised, said = schedule.labels, NO_WORDS, NO_WORDS, NO_WORDS
-    if schedule.words:
-        words = schedule.words
-        texts = tuple([word.text for word in words])
-        firsts = np.array([word.first for word in words], np.intp)
-        raised = np.array([(one.first, one.stop) for one in words if one.emphasis], np.intp)
-        if own.words:
-            number = own.facts.index
-            facts = [(number(f), w.first) for w in words for f in word_facts(own, w.text)]
-            said = np.array(facts, np.intp)
-    silence = performer.compiled.tables.silence
-    kept = own.kept(kernel.compiled, labels.manners, silence, fps)
-    return kernel.compiled.gesture(
-        kept, weights, np.array(scales, float), times[0], times[-1], sounds.ids,
-        sounds.times, sounds.source, labels.stresses(sounds), schedule.times, texts, firsts,
-        raised, said,
-    )  # fmt: skip
 
 
 def laid_gestures(

@@ -462,8 +462,9 @@ def _animate(
         poses = tuple(channel.name for channel in channels)
         scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:
-            facts = performer, schedule, sounds, times, fps, scales, settings
-            weights = gesturing.with_gestures(weights, *facts)
+            line_at = performer, schedule, times, fps
+            curves, _ = gesturing.gesture_curves(*line_at, scales, settings)
+            weights = np.concatenate((weights, curves), axis=1)
             poses += performer.gesture_set.poses
             channels += performer.gesture_channels
         animation = Animation(

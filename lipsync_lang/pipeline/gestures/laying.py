@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.pipeline.gestures.placing import GestureShape, PlacedGesture
 
 SHIFT_SECONDS = 0.25
@@ -26,13 +26,6 @@ SHIFT_SECONDS = 0.25
 
 ROUNDED_AMOUNT = 1e-9
 """Difference of two amounts that is rounding."""
-
-
-LINE_FACTS = ("pause", "phrase_end", "stress", "emphasis")
-"""Facts of any line; words and the voice may be others."""
-
-RISE = "rise"
-"""Fact of a voice that asks."""
 
 
 class LaidCurve(NamedTuple):
@@ -71,7 +64,6 @@ class GestureSet:
     words: dict[str, tuple[str, ...]]
     """Facts that each word of the language, in lower case, is."""
     _laid: dict[tuple[int, float], LaidCurve] = field(default_factory=dict)
-    _kept: dict[float, Any] = field(default_factory=dict)
 
     @classmethod
     def from_plain(cls, data: dict[str, Any]) -> Self:
@@ -118,45 +110,6 @@ class GestureSet:
     def by_pitch(self) -> bool:
         """True if the voice scales any gesture."""
         return any(one.by_pitch for one in self.shapes)
-
-    @cached_property
-    def by_voice(self) -> bool:
-        """True if the sound of a voice places or scales any gesture."""
-        return self.by_pitch or RISE in self.triggers
-
-    @cached_property
-    def facts(self) -> tuple[str, ...]:
-        """Names of facts, in the order of the compiled kernel; those of words come last."""
-        return *LINE_FACTS, *sorted({one for facts in self.words.values() for one in facts})
-
-    def kept(self, kernel: Any, manners: Ints, silence: int, fps: float) -> Any:
-        """Return the compiled kernel's copy of the gestures at a frame rate.
-
-        Parameters
-        ----------
-        manners, silence : sound class of each common phoneme, and the number of silence
-        """
-        if fps in self._kept:
-            return self._kept[fps]
-        shapes, spans, numbers, moved, amounts = self.shapes, [], [], [], []
-        for number, one in enumerate(shapes):
-            peak, before, block = self.laid(number, fps)
-            poses = [pose for pose, _ in one.poses]
-            spans.append((before, len(block), len(poses)))
-            numbers.append((one.share, one.lead, *one.per_second, one.room, one.spread, peak))
-            moved += poses
-            amounts.append(block[:, poses].ravel())
-        flat = np.concatenate(amounts)
-        kept = self._kept[fps] = kernel.gestures(
-            np.empty, len(shapes), len(self.poses), len(self.facts), len(manners), silence,
-            len(moved), len(flat), fps, manners,
-            np.concatenate((self.low, self.high, self.speed / fps)), np.array(spans, np.intp),
-            np.array(numbers, float),
-            np.array([[fact in one.on for fact in self.facts] for one in shapes]),
-            np.array([[fact in one.at for fact in self.facts] for one in shapes]),
-            np.array(moved, np.intp), flat,
-        )  # fmt: skip
-        return kept
 
     def laid(self, number: int, fps: float) -> LaidCurve:
         """Return the curve of a gesture at a frame rate, with a frame on its peak."""
