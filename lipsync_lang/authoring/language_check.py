@@ -16,7 +16,6 @@ from lipsync_lang.authoring.trial import doubts, try_out
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.packs.checking.validate import validate
-from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
@@ -120,7 +119,7 @@ def check_language(library: Library, path: Path, character: str | None = None) -
     faults = validate(library, [path])
     if any(fault.severity == "fault" and fault.code != FAILED_TEST for fault in faults):
         return LanguageCheck(tuple(faults), None)
-    pack = extended(library, path)
+    pack = library.extended(path)
     trial = try_out(library, pack)
     tried = trial.faults(library.common().model.silence)
     found = tuple(sorted({*faults, *tried, *doubts(library, pack)}))

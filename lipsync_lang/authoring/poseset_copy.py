@@ -12,8 +12,8 @@ from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.finding import FOLDERS, POSESET, beside, yaml_files
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import spliced
+from lipsync_lang.packs.yaml.building import read_yaml
 from lipsync_lang.packs.yaml.faults import shown
-from lipsync_lang.packs.yaml.source import read_yaml
 
 MAX_COPY_BYTES = 256 * 2**20
 """Maximum size of a copy in bytes; a larger folder has other files than a pose set."""

@@ -14,7 +14,8 @@ from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import (
     among,

@@ -10,9 +10,10 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.packs import models
-from lipsync_lang.packs.extending import extended, test_fault
+from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import among, fights
@@ -116,4 +117,4 @@ def languages_in(library: Library, paths: Sequence[Path] = ()) -> Iterator[Pack[
         files += [file for file in in_place if file.stem not in SHARED]
     for file in files:
         with suppress(PackError):
-            yield extended(library, file)
+            yield library.extended(file)

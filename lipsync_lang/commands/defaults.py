@@ -13,8 +13,8 @@ from lipsync_lang.packs.project import FILE, NARRATOR, find_project, load_projec
 from lipsync_lang.packs.speaker_faces import OTHERS, stated_faces
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Project
+    from lipsync_lang.packs.pack import Pack
 
 USUAL_FPS = 60.0
 """Default frame rate in frames per second."""

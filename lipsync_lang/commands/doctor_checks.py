@@ -18,8 +18,8 @@ from lipsync_lang.base.version import __version__
 
 if TYPE_CHECKING:
     from lipsync_lang.base.extensions import EntryPoint
-    from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Language
+    from lipsync_lang.packs.pack import Pack
 
 PartState = Literal["ok", "missing", "broken"]
 """States. A missing part is optional; a broken one fails the check."""

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.text.phonology.language_names import folded_language
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library, Pack
-    from lipsync_lang.packs.models import Language
+    from collections.abc import Callable
+
+    from lipsync_lang.packs.models import Language, Phonemes
 
 
 class IpaEngine(NamedTuple):
@@ -58,9 +60,11 @@ def unpacked(name: str) -> str | None:
     return f"espeak:{found[0]}" if found else None
 
 
-def automatic(library: "Library", name: str) -> "Pack[Language] | None":
-    """Make the language for a name ENGINE:CODE; None for any other name."""
-    from lipsync_lang.packs.library import Pack
+def automatic(name: str, phonemes: "Callable[[], Pack[Phonemes]]") -> "Pack[Language] | None":
+    """Make the language for a name ENGINE:CODE; None for any other name.
+
+    `phonemes` loads the common ones, and is called for such a name alone.
+    """
     from lipsync_lang.packs.models import Language
 
     engine, _, code = name.partition(":")
@@ -68,7 +72,7 @@ def automatic(library: "Library", name: str) -> "Pack[Language] | None":
     if engine not in IPA_ENGINES or coded is None:
         return None
     reader = IPA_ENGINES[engine]
-    common = library.common().model
+    common = phonemes().model
     beyond = (p for p in common.phonemes if p not in {*common.base, common.silence})
     data: dict[str, Any] = {
         "kind": "language",

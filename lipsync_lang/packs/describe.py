@@ -5,9 +5,10 @@ from typing import Any, NamedTuple
 
 from lipsync_lang.packs import models
 from lipsync_lang.packs.finding import Kind, beside
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import AtMost
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import shown
 
 

@@ -1,60 +1,19 @@
 """Merge a language with the language it extends, which may extend another."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 from unicodedata import normalize
 
-from lipsync_lang.base.errors import PackError
-from lipsync_lang.packs.automatic import automatic
-from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Language
+    from lipsync_lang.packs.pack import Pack
 
 REPLACED_FIELDS = ("g2p", "tts", "audio", "automatic", "gesture_words")
 """Fields that a child replaces as a whole, or inherits."""
 
 MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")
 """Mappings that are merged; a child's entry replaces its parent's."""
-
-
-def extended(library: Library, path: Path) -> "Pack[Language]":
-    """Load a language with all that it inherits; raise `PackFaults` for an unsound parent."""
-    line: list[Pack[Language]] = []
-    while True:
-        pack = cast("Pack[Language]", library.load(path, "language", path.stem))
-        line.append(pack)
-        parent = pack.model.extends
-        if parent is None:
-            break
-        try:
-            path = library.find("language", parent)
-        except PackError:
-            made = automatic(library, parent)
-            if made is not None:
-                line.append(made)
-                break
-            known = {found.name for found in library.names("language")}
-            fault = pack.unknown(("extends",), "P210", "language", parent, known)
-            raise library.failing(fault) from None
-        if path.stem == pack.path.stem:
-            # A language that extends its own name extends the pack that it shadows.
-            beneath = library.beneath(pack.path)
-            if beneath is None:
-                what = f"there is no other language '{parent}' to extend"
-                hint = "name another language, or leave `extends` out"
-                raise library.failing(pack.fault(("extends",), "P210", what, hint))
-            path = beneath
-        if path in {member.path for member in line}:
-            names = " -> ".join([*(member.model.name for member in line), path.stem])
-            what = f"languages extend each other in a circle: {names}"
-            hint = "one of them must not extend another"
-            raise library.failing(pack.fault(("extends",), "P211", what, hint))
-    model = line[-1].model
-    for child in reversed(line[:-1]):
-        model = merge(model, child.model)
-    return Pack(model, tuple(pack.source for pack in line))
 
 
 def merge(parent: "Language", child: "Language") -> "Language":

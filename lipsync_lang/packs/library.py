@@ -5,13 +5,13 @@ as long as both are unchanged.
 """
 
 import logging
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
-from lipsync_lang.base.errors import PackError, did_you_mean
+from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.finding import (
     BENEATH,
     COMMON,
@@ -24,8 +24,10 @@ from lipsync_lang.packs.finding import (
     beside,
     is_model,
 )
+from lipsync_lang.packs.pack import Pack
+from lipsync_lang.packs.yaml.building import read_yaml, scan
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
-from lipsync_lang.packs.yaml.source import Loc, YamlSource, read_bytes, read_yaml, scan
+from lipsync_lang.packs.yaml.source import YamlSource, read_bytes
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -34,68 +36,6 @@ _log = logging.getLogger(__name__)
 
 FileRequest = tuple[Path, str | None, str | None]
 """A file with the kind and the name that it must have; None for any."""
-
-M = TypeVar("M", bound="models.PackModel")
-
-
-class FilePlace(NamedTuple):
-    """A place in a file; `str` gives ``file:line:column``."""
-
-    file: Path
-    line: int
-    column: int
-
-    def __str__(self) -> str:
-        return f"{shown(self.file)}:{self.line}:{self.column}"
-
-
-@dataclass(frozen=True, eq=False)
-class Pack(Generic[M]):
-    """A validated pack, with the files that state it.
-
-    `sources` has one file, or several for a language that extends another, the child first.
-    """
-
-    model: M
-    sources: tuple[YamlSource, ...]
-
-    @property
-    def path(self) -> Path:
-        """The pack's own file."""
-        return self.sources[0].path
-
-    @property
-    def source(self) -> YamlSource:
-        """The pack's own file as data."""
-        return self.sources[0]
-
-    @property
-    def lineage(self) -> tuple[str, ...]:
-        """The pack's own name and, for a language, those it extends."""
-        return tuple(source.data["name"] for source in self.sources)
-
-    def where(self, loc: Loc, *, key: bool = False) -> FilePlace:
-        """Return the place of the value at `loc`, or of its key, in the file that states it."""
-        source = max(self.sources, key=lambda s: s.known(loc))
-        return FilePlace(source.path, *source.where(loc, key=key))
-
-    def fault(self, loc: Loc, code: str, what: str, hint: str = "", *, key: bool = False) -> Fault:
-        """Return a fault at the place of the value at `loc`."""
-        place = self.where(loc, key=key)
-        return Fault(shown(place.file), place.line, place.column, code, what, hint)
-
-    def warning(
-        self, loc: Loc, code: str, what: str, hint: str = "", *, key: bool = False
-    ) -> Fault:
-        """Return a warning at the place of the value at `loc`."""
-        return replace(self.fault(loc, code, what, hint, key=key), severity="warning")
-
-    def unknown(  # noqa: PLR0913 the name, its place and what is known
-        self, loc: Loc, code: str, noun: str, name: str, known: Iterable[str], *, key: bool = False
-    ) -> Fault:
-        """Return the fault of a name that is not known, with the nearest known one as a hint."""
-        hint = did_you_mean(name, known)
-        return self.fault(loc, code, f"unknown {noun} '{name}'", hint, key=key)
 
 
 class Library(Finder):
@@ -145,17 +85,56 @@ class Library(Finder):
     def language(self, name: str) -> "Pack[models.Language]":
         """Load a language merged with its parents; a name ENGINE:CODE needs no pack."""
         from lipsync_lang.packs.automatic import HOW, automatic, unpacked
-        from lipsync_lang.packs.extending import extended
 
         found = self.lookup("language", name)
         if found:
-            return extended(self, Path(found[0]))
-        made = automatic(self, name)
+            return self.extended(Path(found[0]))
+        made = automatic(name, self.common)
         if made is None:
             if (code := unpacked(name)) is not None:
                 raise PackError(f"no pack has the language '{name}'; '{code}' works without one")
             raise PackError(f"{self.unknown(name, 'language')}; {HOW}")
         return made
+
+    def extended(self, path: Path) -> "Pack[models.Language]":
+        """Load a language with all that it inherits; raise `PackFaults` for an unsound parent."""
+        from lipsync_lang.packs.automatic import automatic
+        from lipsync_lang.packs.extending import merge
+
+        line: list[Pack[models.Language]] = []
+        while True:
+            pack = cast("Pack[models.Language]", self.load(path, "language", path.stem))
+            line.append(pack)
+            parent = pack.model.extends
+            if parent is None:
+                break
+            try:
+                path = self.find("language", parent)
+            except PackError:
+                made = automatic(parent, self.common)
+                if made is not None:
+                    line.append(made)
+                    break
+                known = {found.name for found in self.names("language")}
+                fault = pack.unknown(("extends",), "P210", "language", parent, known)
+                raise self.failing(fault) from None
+            if path.stem == pack.path.stem:
+                # A language that extends its own name extends the pack that it shadows.
+                beneath = self.beneath(pack.path)
+                if beneath is None:
+                    what = f"there is no other language '{parent}' to extend"
+                    hint = "name another language, or leave `extends` out"
+                    raise self.failing(pack.fault(("extends",), "P210", what, hint))
+                path = beneath
+            if path in {member.path for member in line}:
+                names = " -> ".join([*(member.model.name for member in line), path.stem])
+                what = f"languages extend each other in a circle: {names}"
+                hint = "one of them must not extend another"
+                raise self.failing(pack.fault(("extends",), "P211", what, hint))
+        model = line[-1].model
+        for child in reversed(line[:-1]):
+            model = merge(model, child.model)
+        return Pack(model, tuple(pack.source for pack in line))
 
     def beneath(self, path: Path) -> Path | None:
         """Return the file of the language that the file `path` shadows, or None."""

@@ -14,8 +14,8 @@ from lipsync_lang.packs.yaml.faults import PackFaults
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Project
+    from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.faults import Fault
 
 FILE = "lipsync.yaml"

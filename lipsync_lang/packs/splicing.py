@@ -18,6 +18,7 @@ from lipsync_lang.base.errors import PackError
 from lipsync_lang.base.files import atomic
 from lipsync_lang.packs.finding import POSESET
 from lipsync_lang.packs.models.validation import validated
+from lipsync_lang.packs.yaml.building import read_yaml, scan
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.packs.yaml.rewriting import RewriteError, rewritten, same
 from lipsync_lang.packs.yaml.source import (
@@ -29,8 +30,6 @@ from lipsync_lang.packs.yaml.source import (
     SourceMark,
     YamlSource,
     read_bytes,
-    read_yaml,
-    scan,
 )
 
 

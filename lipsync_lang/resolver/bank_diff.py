@@ -16,8 +16,9 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Character
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple

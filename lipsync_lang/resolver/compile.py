@@ -13,8 +13,9 @@ import numpy as np
 from lipsync_lang.base.arrays import Bools, Floats, Singles
 from lipsync_lang.packs import models
 from lipsync_lang.packs.banks.draft import shape
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_channels import expanded, pose_names
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.curve import bspline, polyline

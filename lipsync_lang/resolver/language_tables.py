@@ -17,7 +17,8 @@ from lipsync_lang.text.phonology.manner import Hearing, Manner
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.pack import Pack
 
 
 def manner_of(

@@ -10,15 +10,16 @@ from weakref import WeakKeyDictionary
 from lipsync_lang.base.errors import PackError, SpeechError, did_you_mean, shortlist
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.finding import IPA, Paths
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.yaml.building import read_yaml
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import read_yaml
 from lipsync_lang.text.phonology.ipa import Features, by_ear, key
 from lipsync_lang.text.phonology.labels import Value
 from lipsync_lang.text.phonology.nearest import NearestPhonemes
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
+    from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.source import YamlSource
 
 

@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import Any, Self
 
 from lipsync_lang.packs.checking.pack_checks import check_bigrams
-from lipsync_lang.packs.library import FilePlace, Library, Pack
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.validation import validated
+from lipsync_lang.packs.pack import FilePlace, Pack
 from lipsync_lang.packs.splicing import INDEPENDENT, SplicedText, pack_name
+from lipsync_lang.packs.yaml.building import scan
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import Data, scan
+from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.resolver.compile import PairRows, bigram_fields, compile_packs
 from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.layers import DrawnBigrams, PairPacks

@@ -15,7 +15,8 @@ from lipsync_lang.packs.models.rig_channels import plain_channels
 if TYPE_CHECKING:
     from lipsync_lang.faces.rigs.recognise import Match
     from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.pack import Pack
     from lipsync_lang.resolver.compiled import CompiledPair
 
 

@@ -15,7 +15,7 @@ import uvicorn
 from studio_calls import TOKEN
 from test_studio_language import PACK
 
-from lipsync_lang.packs.yaml.source import read_yaml
+from lipsync_lang.packs.yaml.building import read_yaml
 from lipsync_lang.studio.server import app
 from lipsync_lang.studio.workshop import Workshop
 

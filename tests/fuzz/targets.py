@@ -26,8 +26,9 @@ from lipsync_lang.faces.players.takes import Archive, Player, TakesError
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS, Project
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.production.builds import takes
 from lipsync_lang.production.builds.script import read_script

@@ -86,6 +86,7 @@ HAVE_TARGETS = {
     "text/lines/timings.py",
     "text/lines/xlsx.py",
     "packs/library.py",
+    "packs/yaml/building.py",
     "packs/yaml/source.py",
     "text/phonology/g2p/lexicon.py",
     "faces/rigs/container.py",

@@ -17,10 +17,10 @@ from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.finding import built_in
-from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models.validation import validated
+from lipsync_lang.packs.pack import Pack
+from lipsync_lang.packs.yaml.building import scan
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.packs.yaml.source import scan
 
 EDITS = 2_400
 RESOLVED = 300

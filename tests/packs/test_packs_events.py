@@ -9,7 +9,8 @@ import yaml
 from lanes import full, swept
 from test_mutation import FILES, SLIPS, edited
 
-from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, scan
+from lipsync_lang.packs.yaml.building import scan
+from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES
 
 HERE = Path("here.yaml")
 EDITS = 300

@@ -16,8 +16,8 @@ from lipsync_lang.packs.finding import Finder, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS
 from lipsync_lang.packs.models.schema import kinds, schema
+from lipsync_lang.packs.yaml.building import scan
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import scan
 from lipsync_lang.resolver.compile import compile_pair
 
 

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipsync_lang.base.errors import PackError
+from lipsync_lang.packs.yaml.building import read_yaml, scan
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import read_yaml, scan
 
 HERE = Path("here.yaml")
 

@@ -11,8 +11,8 @@ from packs_tree import POSESET, TREE
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, get, plain, put, spliced
+from lipsync_lang.packs.yaml.building import read_yaml, scan
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import read_yaml, scan
 from lipsync_lang.packs.yaml.value_text import PLAIN_SCALAR, as_scalar
 
 FILES = sorted([*built_in().glob("languages/*.yaml"), *built_in().glob("posesets/*/**/*.yaml")])

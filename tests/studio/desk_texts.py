@@ -2,7 +2,7 @@
 
 from packs_tree import BANK
 
-from lipsync_lang.packs.yaml.source import read_yaml
+from lipsync_lang.packs.yaml.building import read_yaml
 
 STATUS = ("bigrams", "p-yu", "status")
 BOUNDARY = ("bigrams", "f-a", "boundary")

@@ -10,8 +10,8 @@ from packs_tree import BANK
 
 from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
+from lipsync_lang.packs.yaml.building import read_yaml
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import read_yaml
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.merging import EditConflict, SaveConflict, differences
 

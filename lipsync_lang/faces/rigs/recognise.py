@@ -25,8 +25,9 @@ from lipsync_lang.faces.rigs.read_outs import apertures, still_shapes
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.rig_checks import check_rig
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_channels import channels_of, plain_channels, pose_names
+from lipsync_lang.packs.pack import Pack
 
 ALIKE = 0.97
 """Minimum cosine between the channels of two poses for the same look."""

@@ -3,9 +3,9 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
 
-from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import AtMost, BankPack, Character, PoseSet, Threshold
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
 

@@ -8,9 +8,9 @@ from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models.ipa_models import Ipa
     from lipsync_lang.packs.models.language_models import Phonemes
+    from lipsync_lang.packs.pack import Pack
 
 CARRIER = "\u25cc"
 """The dotted circle, which carries a combining mark in text."""

@@ -10,7 +10,7 @@ from lipsync_lang.base.errors import SpeechError, did_you_mean
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA, beside
-from lipsync_lang.packs.library import Pack
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.text.phonology.g2p.g2p_engines import Rule

@@ -13,7 +13,6 @@ from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.checking.conflicts import conflicts, unprepared
 from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
 from lipsync_lang.packs.finding import NONE_UNSAVED, beside
-from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import (
     BankPack,
     BigramCurves,
@@ -31,6 +30,7 @@ from lipsync_lang.packs.models import (
     TrigramCurves,
 )
 from lipsync_lang.packs.models.rig_channels import expanded
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
 

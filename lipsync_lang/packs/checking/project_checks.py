@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.faults import Fault
     from lipsync_lang.packs.yaml.source import Loc
 

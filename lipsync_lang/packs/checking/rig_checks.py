@@ -18,7 +18,7 @@ from lipsync_lang.packs.models.rig_channels import (
 from lipsync_lang.packs.yaml.faults import Fault
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.source import Loc
 
 

@@ -16,7 +16,6 @@ from lipsync_lang.packs.checking.language_checks import check_claims
 from lipsync_lang.packs.checking.project_checks import check_characters, check_languages
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.checking.voices import check_voices
-from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import (
     COMMON,
     FOLDERS,
@@ -30,8 +29,9 @@ from lipsync_lang.packs.finding import (
     yaml_files,
 )
 from lipsync_lang.packs.known import KnownPhonemes, added_by
-from lipsync_lang.packs.library import FileRequest, Library, Pack
+from lipsync_lang.packs.library import FileRequest, Library
 from lipsync_lang.packs.models import MODELS, Language, PackModel
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE as PROJECT_FILE
 from lipsync_lang.packs.project import PROJECT, check_paths, find_project
 from lipsync_lang.packs.splicing import ABSENT, put
@@ -166,7 +166,7 @@ class _Validation:
             self.faults.update(check_paths(pack))
 
     def _language(self, pack: Pack[models.Language]) -> None:
-        whole = self._try(lambda: extended(self.library, pack.path))
+        whole = self._try(lambda: self.library.extended(pack.path))
         if whole is not None and self.common is not None:
             self.faults.update(checks.check_language(whole, self.common.model))
             self.faults.update(check_claims(whole, self.common.model))

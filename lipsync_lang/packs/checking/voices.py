@@ -10,7 +10,7 @@ from lipsync_lang.packs.yaml.faults import Fault
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.source import Loc
 
 ESPEAK = "espeak"

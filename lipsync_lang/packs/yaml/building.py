@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 
 from lipsync_lang.packs.yaml.diagnosis import cause
 from lipsync_lang.packs.yaml.events import Event, YamlError, events
-from lipsync_lang.packs.yaml.faults import Fault, shown
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import (
     FILE_START,
     MAX_PACK_BYTES,
@@ -21,6 +21,7 @@ from lipsync_lang.packs.yaml.source import (
     Position,
     SourceMark,
     YamlSource,
+    read_bytes,
 )
 
 MAX_NESTING_LEVELS = 40
@@ -51,8 +52,21 @@ _NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\
 """Control characters, among them the line breaks that only YAML 1.1 knows."""
 
 
-def build(path: Path, content: bytes) -> YamlSource:
-    """Read YAML as far as possible; see `source.scan`."""
+def read_yaml(path: Path, content: bytes | None = None) -> YamlSource:
+    """Read a YAML file, or `content` in its place; raise `PackFaults` if it is not sound YAML."""
+    if content is None:
+        content = read_bytes(path)
+    source = scan(path, content)
+    if source.faults:
+        raise PackFaults(source.faults)
+    return source
+
+
+def scan(path: Path, content: bytes) -> YamlSource:
+    """Read YAML as far as possible, and collect mistakes in ``YamlSource.faults``.
+
+    `YamlSource.data` is None after a fault that stops the reader.
+    """
     try:
         text = _text(path, content)
         builder = _Builder(path)

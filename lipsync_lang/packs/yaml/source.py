@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from lipsync_lang.base.errors import PackError
-from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
+from lipsync_lang.packs.yaml.faults import Fault, shown
 
 MAX_PACK_BYTES = 2**20
 """Largest pack file, in bytes."""
@@ -108,16 +108,6 @@ class YamlSource:
         return Fault(shown(self.path), *self.where(loc, key=key), code, what, hint)
 
 
-def read_yaml(path: Path, content: bytes | None = None) -> YamlSource:
-    """Read a YAML file, or `content` in its place; raise `PackFaults` if it is not sound YAML."""
-    if content is None:
-        content = read_bytes(path)
-    source = scan(path, content)
-    if source.faults:
-        raise PackFaults(source.faults)
-    return source
-
-
 def read_bytes(path: Path) -> bytes:
     """Return the bytes of a pack file, cut off just above the size limit; raise `PackError`.
 
@@ -128,16 +118,6 @@ def read_bytes(path: Path) -> bytes:
             return stream.read(MAX_PACK_BYTES + 1)
     except OSError as error:
         raise PackError(f"{shown(path)}: cannot be read: {error.strerror or error}") from None
-
-
-def scan(path: Path, content: bytes) -> YamlSource:
-    """Read YAML as far as possible, and collect mistakes in ``YamlSource.faults``.
-
-    `YamlSource.data` is None after a fault that stops the reader.
-    """
-    from lipsync_lang.packs.yaml.building import build
-
-    return build(path, content)
 
 
 def _step(

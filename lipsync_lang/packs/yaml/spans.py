@@ -1,6 +1,6 @@
 """Find the characters of every value in a YAML text.
 
-`source.scan` keeps where a value starts; a change in place needs to know where it ends as well.
+`building.scan` keeps where a value starts; a change in place needs to know where it ends as well.
 Offsets count characters from 0; an end is exclusive.
 """
 

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Character
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.splicing import ABSENT, Change, get, plain, put, rewrite
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.plugins.capture.fit_file import FitItem, FitProposal, rounded, split_item

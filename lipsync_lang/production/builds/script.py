@@ -27,7 +27,7 @@ from lipsync_lang.text.lines.line_readers import line_files
 from lipsync_lang.text.lines.markup import Cleaning
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.source import Loc
 
 REPORT_SUFFIXES = (".html", ".xml", ".json")

@@ -8,8 +8,8 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.yaml.faults import Fault
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Project
+    from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.source import Loc
 
 SHOWN_FAULTS = 12

@@ -22,7 +22,7 @@ from lipsync_lang.studio.script_count import script_needs
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.pack import Pack
 
 CURVE_DIGITS = 4
 """Decimal places of times and values."""

@@ -13,7 +13,7 @@ from lanes import costly, full
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.yaml.source import read_yaml
+from lipsync_lang.packs.yaml.building import read_yaml
 from lipsync_lang.plugins.smartbody.bank_files import (
     MAX_SCRIPT_BYTES,
     ImportRemarks,

@@ -7,7 +7,7 @@ import pytest
 from places import ROOT
 from spellings import spelling_conflicts
 
-from lipsync_lang.packs.yaml.source import read_yaml
+from lipsync_lang.packs.yaml.building import read_yaml
 from lipsync_lang.text.phonology.labels import Notation, recognise
 
 FOLDER = ROOT / "languages"

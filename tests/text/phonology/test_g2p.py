@@ -12,9 +12,9 @@ from voices import speak
 
 from lipsync_lang import SpeechError
 from lipsync_lang.packs.checking.language_checks import check_labels
-from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.models import Language
 from lipsync_lang.packs.models.text_models import LanguageText
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.phonology.espeak.phoneme_labels import words_of

@@ -61,7 +61,7 @@ def test_a_code_is_a_language(name, tag, engine, field, voice):
     ["espeak:", "espeak", ":sw", "rules:x", "espeak:../x", "espeak:a b", "espeak:a:b", "x:y"],
 )
 def test_what_is_no_code_is_no_language(name):
-    assert automatic(LIBRARY, name) is None
+    assert automatic(name, LIBRARY.common) is None
     with pytest.raises(ll.PackError, match="unknown language"):
         Library(project=None).language(name)
 
