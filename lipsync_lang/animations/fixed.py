@@ -16,9 +16,9 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.channel import Channel
-from lipsync_lang.faces.rigs.head_turn import HEAD_ANGLES, HeadTurn, head_angles
 from lipsync_lang.faces.rigs.model import some
 from lipsync_lang.faces.rigs.shape_matching import placed
+from lipsync_lang.faces.rigs.transforms import HEAD_ANGLES, HeadTurn, head_angles
 
 
 class FormatNames(NamedTuple):

@@ -211,7 +211,7 @@ INLINE double seconds(const Plan *plan, const Frames *frames, Size frame)
     return frames->start + (double)(frames->first + frame) / plan->number[FPS];
 }
 
-/* ---------------------------------------------------------------- warp.py, stitch.py */
+/* ---------------------------------------------------------------- warp.py */
 
 /* `warp`: the row of the curves before a position in a bigram, and the share of the way to the next. */
 INLINE Size row_at(Size row, double position, double *part)

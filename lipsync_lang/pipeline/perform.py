@@ -26,11 +26,10 @@ from lipsync_lang.pipeline.overlay import Overlay, lay_over
 from lipsync_lang.pipeline.prepare import StageValues, prepare
 from lipsync_lang.pipeline.smooth import chord, closing, closing_within
 from lipsync_lang.pipeline.soften import soften
-from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.switch import FREE, NONE, REST, switch
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.pipeline.track import Track
-from lipsync_lang.pipeline.warp import FramePlace, locate, positions, warp
+from lipsync_lang.pipeline.warp import FramePlace, locate, positions, stitch, warp
 
 CURVE_RATE = 600.0
 """Frames per second of curves that do not depend on the output's rate.

@@ -1,8 +1,8 @@
-"""Warp: the position of each frame in its bigrams, and the values of their curves (paper 3.2.1).
+"""Warp bigrams to the frames, and stitch those that overlap into one curve per pose (paper 3.2.1).
 
 Conventions: times are seconds, places in a bigram normalised to [0, 1]; (T, P) is frames by poses.
 The paper stretches a bigram evenly; by default, its own phoneme boundary is pinned to the spoken
-one here.
+one here. The paper stitches by ``max`` only (figure 7); ``crossfade`` is an addition.
 """
 
 from dataclasses import dataclass
@@ -96,3 +96,25 @@ def positions(bank: Bank, track: Track, place: FramePlace) -> tuple[Ints, Floats
     position[0] += (1 - position[0]) * place.coming
     position[1] *= place.going
     return row, position
+
+
+def stitch(ending: Floats, beginning: Floats, place: FramePlace, how: str) -> Floats:
+    """Join the two bigrams that cover each frame.
+
+    ``max`` keeps the larger, so that peaks survive: c(t) = max(c_i(t), c_i+1(t)).
+    ``crossfade`` passes from the ending to the beginning one over the phoneme they share.
+
+    Parameters
+    ----------
+    ending, beginning : (T, P) as from `warp`
+
+    Returns
+    -------
+    (P, T), as all later stages have it
+    """
+    if how == "max":
+        joined = np.maximum(ending, beginning)
+    else:
+        share = place.going.clip(0, 1)[:, None]
+        joined = ending * (1 - share) + beginning * share
+    return np.ascontiguousarray(joined.T, dtype=np.float64)

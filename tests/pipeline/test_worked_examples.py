@@ -14,10 +14,9 @@ from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import perform
 from lipsync_lang.pipeline.prepare import prepare
 from lipsync_lang.pipeline.smooth import chord, closing, closing_within
-from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.tables import RESOLUTION, Contact, Tables
 from lipsync_lang.pipeline.track import Track, lay_track
-from lipsync_lang.pipeline.warp import locate, warp
+from lipsync_lang.pipeline.warp import locate, stitch, warp
 
 SILENCE, A, P = 0, 1, 2
 AT = np.linspace(0, 1, RESOLUTION + 1)

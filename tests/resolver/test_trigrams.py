@@ -15,10 +15,9 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import SplicedText
 from lipsync_lang.pipeline import kernel
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.pipeline.track import lay_track, trigrams_in
-from lipsync_lang.pipeline.warp import locate, warp
+from lipsync_lang.pipeline.warp import locate, stitch, warp
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.retouch import OpenPair

@@ -23,8 +23,8 @@ from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
-from lipsync_lang.faces.rigs.head_turn import HeadTurn
 from lipsync_lang.faces.rigs.shape_matching import placed
+from lipsync_lang.faces.rigs.transforms import HeadTurn
 
 VRM_ANIMATION = "VRMC_vrm_animation"
 FLOAT_TYPE = 5126

@@ -10,8 +10,8 @@ from time import localtime
 from typing import TYPE_CHECKING, Any, TextIO
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
-from lipsync_lang.faces.rigs.head_turn import HeadTurn
 from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.faces.rigs.transforms import HeadTurn
 from lipsync_lang.production.live.addresses import STANDARD_OUTPUT, LiveAddress
 from lipsync_lang.production.live.live_frame import LiveFrame, Outlet, as_row
 

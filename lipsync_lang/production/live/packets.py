@@ -25,7 +25,7 @@ from lipsync_lang.animations.fixed import FixedColumns, names
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.faces.rigs.channel import Channel
-from lipsync_lang.faces.rigs.head_turn import HeadTurn
+from lipsync_lang.faces.rigs.transforms import HeadTurn
 from lipsync_lang.production.live.live_frame import LiveFrame
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
-from lipsync_lang.faces.rigs.head_turn import HeadTurn, head_angles
+from lipsync_lang.faces.rigs.transforms import HeadTurn, head_angles
 from lipsync_lang.production.live.addresses import LiveAddress
 from lipsync_lang.production.live.live_frame import LiveFrame
 from lipsync_lang.production.live.live_gestures import LiveGestures
