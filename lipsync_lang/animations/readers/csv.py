@@ -42,6 +42,7 @@ def table_of(
     """Read times (T,) in seconds, C names, and values (T, C); with `gaps`, blank cells are NaN."""
     text = utf8_text(path, content, AnimationError)
     first = text.partition("\n")[0]
+    # The header alone is counted, because numbers in the rows may have decimal commas.
     separator = max(SEPARATORS, key=first.count)
     try:
         rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]

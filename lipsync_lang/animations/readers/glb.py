@@ -55,6 +55,7 @@ def _curves(model: Model, take: Json) -> dict[str, tuple[Floats, Floats]]:
             what = f"has {given} weights at each key of '{mesh.name}', which has {count} shapes"
             fail(model.path, what, "export it again")
         for name, column in zip(mesh.shapes, drive.values.T, strict=True):
+            # Some exporters give every mesh a track, even one at rest; the first that moves counts.
             if name not in curves or not curves[name][1].any():
                 curves[name] = (drive.times, column)
     return curves

@@ -59,6 +59,7 @@ def read_live_link(path: Path, content: bytes) -> Recording:
     remarks = [f"{path}: {rate} frames a second, judging by its timecodes"]
     if lost:
         remarks.append(f"{path}: {lost} frames repeat a timecode and are left out")
+    # The app writes `JawOpen` for the shape that ARKit calls `jawOpen`.
     names = tuple(name[:1].lower() + name[1:] for name in head[LEADING_COLUMNS:])
     return Recording(str(path), times[kept] - times[0], names, values[kept], remarks=tuple(remarks))
 

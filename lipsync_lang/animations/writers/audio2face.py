@@ -25,6 +25,7 @@ def write_audio2face(animation: Animation, out: TextIO) -> None:
         "numFrames": len(rows),
         "facsNames": [animation.poses[n] for n in shapes],
     }
+    # The matrix is added as text: `indent` would give each of its numbers a line.
     text = json.dumps(head, ensure_ascii=False, indent=1)
     out.write(f'{text[: text.rindex("}")].rstrip()},\n "weightMat": [\n  ')
     out.write(",\n  ".join(rows) + "\n ]\n}\n")

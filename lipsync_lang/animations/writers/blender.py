@@ -48,6 +48,7 @@ def write_blender(animation: Animation, out: TextIO) -> None:
     take = {
         "name": animation.title,
         "fps": rate,
+        # Rates of Blender are whole numbers, divided by a base: 24 by 1.001 for 23.976.
         "fps_base": rate / animation.fps,
         "end": ceil(_frames(animation, animation.times)[-1]),
         "channels": channels,

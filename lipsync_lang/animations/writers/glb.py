@@ -106,6 +106,7 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     """The character's 3D model with the animation added, all else in it kept."""
     channels, model = animation.columns, animated_model(animation)
     times = animation.timeline.astype("<f4")
+    # glTF wants rising times; close frames may be the same number in single precision.
     frames = np.flatnonzero(np.append(True, np.diff(times) > 0))
     error = animation.export.key_error
     if animation.export.key_lines and error is not None:
@@ -123,6 +124,7 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
             "(`lipsync-lang characters new` drafts one)"
         )
     take.finish(animation.title, {"audio_start": round(animation.begins, 6)})
+    # Half of a surrogate pair has no UTF-8. Its escape is the same name in JSON.
     text = take.text().encode("utf-8", "backslashreplace")
     own = (JSON_CHUNK, [text]), (BINARY_CHUNK, [take.binary, *take.data])
     others = model.chunks[has_binary(model.chunks) :]
@@ -189,11 +191,13 @@ class _NewAnimation:
 
     def finish(self, name: str, extras: Json) -> None:
         """Append the collected rows to the lists of the model."""
+        # Floats begin at multiples of 4 bytes (glTF 2.0, 3.6.2.4), even if the data before do not.
         self.data.insert(0, b"\0" * (-len(self.binary) % 4))
         start = len(self.binary) + len(self.data[0])
         length = sum(map(len, self.data[1:]))
         view = {"buffer": 0, "byteOffset": start, "byteLength": length}
         first, *others = self.model.document.get("buffers") or [{}]
+        # The first buffer of a GLB is its own binary data only if it has no `uri`.
         own = {key: value for key, value in first.items() if key != "uri"}
         if self.face:  # a GLB has its own data in the first buffer, so the others move up
             others = [own | {"uri": self.face}, *others]
@@ -250,6 +254,7 @@ def _move_shapes(
         columns, key = driven[mesh.number], (mesh.number, rest)
         if columns and key not in samplers:
             levels = np.zeros(len(rest))
+            # A sampler has the weights of all targets of a mesh; those without a pose stay at rest.
             weights = np.tile(np.array(rest), (len(values), 1))
             for target, sources in columns.items():
                 levels[target] = max(floors[source] for source in sources)
@@ -281,6 +286,7 @@ def _move_node(take: _NewAnimation, number: int, moves: list[tuple[Channel, Floa
         length = float(np.linalg.norm(rest))
         if length < TINY_CHANGE:
             fail(path, f"rotation of {what}: is 0 throughout")
+        # Some exporters round quaternions so far that their length is not 1.
         values = reduce(product, rotations, np.array([rest]) / length)
         take.drive(number, "rotation", take.sample("VEC4", values, _range(values)))
     shifts = [np.outer(v, c.translation) for c, v in moves if c.translation is not None]

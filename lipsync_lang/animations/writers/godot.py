@@ -68,6 +68,7 @@ def _keys(curve: KeyedCurve) -> str:
     thirds = np.diff(curve.times) / 3
     before, after = np.append(0, thirds), np.append(thirds, 0)
     handles = (-before, -before * curve.arriving, after, after * curve.leaving)
+    # Adding 0.0 turns a negative zero into zero, which is one character shorter.
     points = np.column_stack((curve.values, *handles)).ravel() + 0.0
     return (
         f'"handle_modes": {_pool("Int", "0" * len(curve.times))},\n'

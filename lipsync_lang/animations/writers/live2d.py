@@ -86,4 +86,5 @@ def _segments(curve: KeyedCurve, frame: float) -> tuple[list[float], int, int]:
     if not segments:  # a curve needs a segment
         row += [LINEAR_SEGMENT, curve.times[0] + frame, curve.values[0]]
         segments, points = 1, 2
+    # Adding 0.0 turns the negative zeros of rounding into zeros.
     return [round(float(value), 6) + 0.0 for value in row], segments, points

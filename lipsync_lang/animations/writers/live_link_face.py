@@ -32,5 +32,6 @@ def write_live_link_face(animation: Animation, out: TextIO) -> None:
     out.write(",".join(["Timecode", "BlendShapeCount", *columns]) + "\n")
     row = ",".join(["%s", str(len(columns)), *["%.6f"] * len(columns)]) + "\n"
     for time, weights in zip(animation.timeline.tolist(), table.tolist(), strict=True):
+        # Rounded as a whole: the thousandths alone could be rounded up to 1000.
         frame, part = divmod(round(time * animation.fps * THOUSAND), THOUSAND)
         out.write(row % (f"{timecode(frame, animation.fps)}.{part:03d}", *weights))

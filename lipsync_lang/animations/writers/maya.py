@@ -93,6 +93,7 @@ def _keys(curve: KeyedCurve, times: list[float], fps: float) -> Iterator[str]:
     slopes = np.column_stack((curve.arriving, curve.leaving)) / fps
     angles = np.degrees(np.arctan(slopes)).round(7).tolist()
     for time, value, (before, after) in zip(times, values, angles, strict=True):
+        # An animator turns locked tangents as one, so those that make a corner are not locked.
         locked = int(before == after)
         yield (
             f"    {_number(time)} {_number(value)} fixed fixed {locked} 1 0 "

@@ -18,6 +18,7 @@ def write_moho(animation: Animation, out: TextIO) -> None:
     """Switch data for Moho and OpenToonz: the frame at which each drawing is shown."""
     shapes = held(animation)
     drawings = {1 + round(shape.start * animation.fps): shape.name for shape in shapes}
+    # The last drawing stays for one frame at least, even if the sound ends with it.
     last = max(1 + round(shapes[-1].end * animation.fps), max(drawings) + 1)
     drawings[last] = animation.neutral or NEUTRAL_DRAWING
     out.write("MohoSwitch1\n")

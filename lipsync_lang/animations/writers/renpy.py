@@ -29,6 +29,7 @@ def write_renpy(animation: Animation, out: TextIO) -> None:
     pictures = [*shapes, shapes[-1]._replace(name=animation.neutral or NEUTRAL_DRAWING)]
     files = [re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", shape.name) for shape in pictures]
     rows = [f'    "images/mouth/{file}.png"\n' for file in files]
+    # Ends are rounded, and not waits, so that errors do not add up over a line.
     ends = [0, *(round(1000 * shape.end) for shape in shapes)]
     waits = [f"    {(end - start) / 1000:.3f}\n" for start, end in pairwise(ends)]
     out.write(f"image mouth {name}:\n")

@@ -74,6 +74,7 @@ def write_xml(animation: Animation, out: TextIO) -> None:
 def write_json(animation: Animation, out: TextIO) -> None:
     """Rhubarb's mouth shapes as JSON: the start and end of each."""
     shapes = _shapes(animation)
+    # Rhubarb writes two decimals, also in JSON, where `json.dumps` would write 0.1 for 0.10.
     cues = ",\n".join(
         f'    {{ "start": {shape.start:.2f}, "end": {shape.end:.2f}, "value": "{shape.name}" }}'
         for shape in shapes

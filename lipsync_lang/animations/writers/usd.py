@@ -65,6 +65,7 @@ def write_usd(animation: Animation, out: TextIO) -> None:
         "    float[] blendShapeWeights.timeSamples = {\n"
     )
     row = "        %s: [" + ", ".join(["%.6g"] * len(moves)) + "],\n"
+    # Adding 0.0 turns the negative zeros of rounding into zeros.
     table = np.column_stack([*moves.values()]).round(6) + 0.0
     samples = zip(codes, table.tolist(), strict=True)
     out.writelines(row % (code, *weights) for code, weights in samples)

@@ -77,6 +77,7 @@ def write_vrma(animation: Animation, out: BinaryIO) -> None:
         "extensionsUsed": [VRM_ANIMATION],
         "extensions": {VRM_ANIMATION: extension},
         "scene": 0,
+        # The first bone is the parent of all others; expressions have no parent.
         "scenes": [{"nodes": [*range(bool(bones)), *(one["node"] for one in nodes.values())]}],
         "nodes": [*bones, *({"name": name} for name in nodes)],
         "animations": [line],
@@ -120,6 +121,7 @@ def _head(animation: Animation) -> tuple[Floats, Floats] | None:
 def _rows(view: int, times: Floats, values: Floats) -> tuple[list[Json], list[bytes]]:
     """Return the accessors of times and values, in two buffer views, and their bytes."""
     seconds = times.astype("<f4")
+    # glTF wants rising times; close keys may be the same number in single precision.
     kept = np.append(True, np.diff(seconds) > 0)
     seconds, rows = seconds[kept], values[kept].astype("<f4")
     plain: Json = {"componentType": FLOAT_TYPE, "count": len(seconds)}

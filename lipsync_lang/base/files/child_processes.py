@@ -56,6 +56,7 @@ def deaf_to_interrupts() -> Iterator[None]:
     Otherwise a process that is importing modules would print a traceback.
     """
     mask = getattr(signal, "pthread_sigmask", None)
+    # Windows has no masks of signals.
     if mask is None:
         yield
         return

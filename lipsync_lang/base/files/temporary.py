@@ -63,6 +63,7 @@ def sweep(folder: Path, *, again: bool = False, ended: str = "") -> None:
     folder do not each list all others; `again` looks at once.
     """
     now = time.monotonic()
+    # The monotonic clock may begin at 0: a folder never looked into must still count as old.
     if not again and now < _swept.get(folder, -SWEEP_SECONDS) + SWEEP_SECONDS:
         return
     if len(_swept) >= MAX_SWEPT:
@@ -70,6 +71,7 @@ def sweep(folder: Path, *, again: bool = False, ended: str = "") -> None:
     _swept[folder] = now
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
+            # The ending comes first, because most files of a large folder fail it quickly.
             found = entry.name.endswith(SUFFIX) and _TEMPORARY.fullmatch(entry.name)
             if found:
                 with suppress(OSError):
@@ -95,6 +97,7 @@ def _is_dead(process: int) -> bool:
         import ctypes
 
         system = ctypes.WinDLL("kernel32", use_last_error=True)
+        # ctypes takes a result for 32 bits, and would cut off half of a handle.
         system.OpenProcess.restype = ctypes.c_void_p
         handle = ctypes.c_void_p(system.OpenProcess(MAY_WAIT, 0, process & 0xFFFFFFFF))
         if not handle:
@@ -103,6 +106,7 @@ def _is_dead(process: int) -> bool:
         system.CloseHandle(handle)
         return ended
     try:
+        # Signal 0 only asks. Other errors mean that the process runs as another user.
         os.kill(process, 0)
     except (ProcessLookupError, OverflowError):
         return True

@@ -153,6 +153,7 @@ class _Waiting:
         sweep(self.target.parent)
         there = self.target.stat() if self.target.exists() else None
         mode = 0o666 if there is None else stat.S_IMODE(there.st_mode) & 0o666
+        # Without O_BINARY, Windows writes two characters for each line break.
         flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
         self.stream = os.fdopen(os.open(self.temporary, flags, mode), "w+b")
         if there is not None:
@@ -191,8 +192,10 @@ def _feed(path: Path, source: IO[bytes]) -> None:
     if number is not None:
         if sys.stdout is not None:
             sys.stdout.flush()
+        # A copy: closing the stream must not close the descriptor of the caller.
         handle = os.dup(number)
     else:
+        # A terminal that is opened would become the one of this process, and send it Ctrl-C.
         handle = os.open(path, os.O_WRONLY | getattr(os, "O_NOCTTY", 0))
     with os.fdopen(handle, "wb") as out:
         _copy(source, out)
@@ -220,6 +223,7 @@ def _feed_standard(source: IO[bytes]) -> None:
         text = "\0"
     if "\0" in text:
         raise OutputError("-: a terminal cannot show these bytes; name a file, or pipe them on")
+    # On Windows, a text stream makes \r\n of each \n by itself.
     out.write(text.replace("\r\n", "\n"))
     out.flush()
 
