@@ -66,6 +66,7 @@ def _likeness(word: str, name: str) -> float:
 def did_you_mean(word: str, known: "Iterable[str]") -> str:
     """Return a hint with the nearest known word, or with all known words if none is near."""
     names = sorted(known)
+    # `get_close_matches` finds nothing alike in `ABC` and `abc`.
     near = get_close_matches(word, names, n=1) or [n for n in names if n.lower() == word.lower()]
     # of names equally near, typists keep the first letter more often than any other
     alike = get_close_matches(word, [n for n in names if n[:1] == word[:1]], n=1) if near else ()

@@ -169,6 +169,7 @@ class Extensions(Mapping[str, T]):
 
     def __iter__(self) -> Iterator[str]:
         self.built_in()
+        # A copy, because an import within the loop may register more.
         return iter(list(self._plug_in()))
 
     def __len__(self) -> int:
@@ -178,6 +179,7 @@ class Extensions(Mapping[str, T]):
         """Import the plug-ins of this kind, once."""
         with _lock:
             if not self._plugged:
+                # Set first: a plug-in may ask for all names while it is imported.
                 self._plugged = True
                 for entry_point in installed(self.group):
                     _load(entry_point)

@@ -100,6 +100,7 @@ def _settings(home: Path) -> str:
 
 def _there(module: str) -> bool:
     try:
+        # A module that was put into `sys.modules` by hand has no spec, a ValueError.
         return find_spec(module) is not None
     except (ImportError, ValueError):
         return False

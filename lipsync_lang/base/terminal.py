@@ -69,6 +69,7 @@ def progress(text: str) -> None:
     """Show a line of progress on a terminal only; the next line replaces it."""
     stream = sys.stderr
     if stream is not None and stream.isatty():
+        # The safe stream would escape our own sequence, too.
         stream = getattr(stream, "raw", stream)
         stream.write(f"{WIPE}{spelled_out(text)}\r")
         stream.flush()

@@ -71,6 +71,7 @@ def _track(name: str, values: Floats) -> tuple[float, float, int, bytes]:
         low, high = 0.0, 1.0
     span = (high - low) or 1.0
     shares = (values - low) / span
+    # Rounding to steps and to single precision takes a part of the error each.
     keys = keyframes(
         np.arange(len(values)) / 1.0, shares, TAKE_ERROR - 0.5 / TAKE_STEPS - SINGLE_MARGIN
     )

@@ -57,6 +57,7 @@ class PageEnvironment(Environment):
             styles += self._source(self._files, style)
         if script:
             scripts = self._source(self._files, script)
+        # The policy of the page allows the script of this digest, and no other.
         digest = b64encode(sha256(scripts.encode()).digest()).decode()
         page = self.get_template(template).render(
             values,

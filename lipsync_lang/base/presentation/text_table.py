@@ -20,6 +20,7 @@ def columns(rows: Iterable[Sequence[str]], gap: int = 2, widest: int = 48) -> It
 def width(text: str) -> int:
     """Return the width of a text in terminal columns."""
     return sum(
+        # Accents and joiners take no column; wide characters of East Asia take two.
         0 if combining(c) or c in "\u200b\u200c\u200d" else 2 if east_asian_width(c) in "WF" else 1
         for c in text
     )

@@ -42,6 +42,7 @@ def listed(names: Sequence[str], shown: int = MAX_LISTED_NAMES) -> str:
 
 def folder(paths: Sequence[str]) -> str:
     """Return the common folder of all paths, with its separator; empty without one."""
+    # The longest common text may end within the name of a folder.
     start = commonprefix(list(paths))  # noqa: RUF071 it is cut at a separator
     return start[: max(start.rfind("/"), start.rfind("\\")) + 1]
 

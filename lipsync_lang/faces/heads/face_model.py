@@ -86,6 +86,7 @@ class FaceModel:
             what = f"has no {self.recipe['identities']}, so its face cannot change"
             raise ModelError(f"{self.home}: {what}; get the model: {self.recipe['clone']}")
         if seed is not None:
+            # Also for stated identities, so that a statement changes none of the others.
             drawn = np.random.default_rng(seed).standard_normal(len(paths)) * LIKELY
             weights |= dict(enumerate(drawn.tolist()))
         unknown = [number for number in stated if number not in weights]

@@ -93,6 +93,7 @@ def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
     surface = np.concatenate([surface[seen], irises])
     colors = painted(neutral.points, on, recipe)
     body = Part("head", points, triangles, WHITE, targets=shapes, colors=colors)
+    # Thinning watches an open mouth as well, where other points matter than at rest.
     poses = np.stack([points, points + sum(shapes[name] for name in recipe["watched"])])
     web = Web(poses, triangles, surface, colors, _worth(model, on))
     rows, strips = recipe["lash_rows"], recipe["lash_strips"]
@@ -206,6 +207,7 @@ def _worn(path: Path, face: Floats, shift: Floats, recipe: Json) -> Part:
         raise ModelError(
             f"{path}: has {len(used):,} points, more than {MAX_HAIR_POINTS:,}; thin it"
         )
+    # In blocks: all distances at once would take gigabytes.
     near = np.concatenate(
         [
             np.argmin(((block[:, None] - face[None, ::SPARSE]) ** 2).sum(axis=2), axis=1)
@@ -226,6 +228,7 @@ def _fitted(body: Part, web: Web, extra: list[Part], model: FaceModel, limit: fl
         made = _written(parts, model)
         if len(made.content) <= limit * MEGABYTE:
             return made
+        # At least 3 % fewer each time, so that the loop ends.
         left, goal = goal, int(web.count * min(0.97, limit * MEGABYTE / len(made.content)))
         if goal < LEAST_POINTS or web.count > left:
             raise OutputError(

@@ -18,6 +18,8 @@ def obj_points(path: Path, count: int | None = None) -> Floats:
     """Read the points of a file, (V, 3); with `count`, it must have as many."""
     rows = _rows(path, b"v ")
     try:
+        # All numbers at once, because a row at a time takes far longer. Some programs write a
+        # colour after each point.
         found = np.array(b" ".join(rows).split(), float).reshape(len(rows), -1)[:, :3]
     except ValueError:
         found = np.zeros((0, 0))
@@ -55,6 +57,7 @@ def obj_mesh(path: Path, count: int | None = None) -> ObjMesh:
             corners = [[int(n or 0) for n in corner.split(b"/")] for corner in row.split()]
         except ValueError:
             corners = []
+        # Points are counted from 1, and negative ones back from the last.
         ring = [one[0] - 1 if one[0] > 0 else len(points) + one[0] for one in corners]
         if len(ring) < 3 or not all(0 <= corner < len(points) for corner in ring):  # noqa: PLR2004 of a triangle
             shown = row[:40].decode("latin-1").strip()
@@ -63,6 +66,7 @@ def obj_mesh(path: Path, count: int | None = None) -> ObjMesh:
         for corner, one in zip(ring, corners, strict=True):
             if len(one) > 1 and 0 < one[1] <= len(uv):
                 places[corner] = uv[one[1] - 1]
+        # A fan around the first corner, which is right for convex faces alone.
         triangles += [(ring[0], *pair) for pair in pairwise(ring[1:])]
         faces += [face] * (len(ring) - 2)
     if not triangles:

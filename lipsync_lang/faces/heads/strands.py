@@ -77,6 +77,7 @@ def brows(points: Floats, normals: Floats, recipe: Json, megabytes: float) -> St
     far, along = brow_way(points, recipe)
     near = np.flatnonzero((far < BROW_REACH) & (normals[:, 2] > 0))
     count = min(int(megabytes * BROW_HAIRS_PER_MEGABYTE), MAX_BROW_HAIRS)
+    # A fixed seed, so that the same head has the same brows.
     draw = np.random.default_rng(0)
     thick = 1 - far[near] / BROW_REACH
     chosen = draw.choice(near, count, p=thick / thick.sum())

@@ -72,6 +72,7 @@ def _merges(web: Web, barred: Bools, most: int) -> tuple[Ints, Ints, Ints]:
     source, end = np.concatenate([edges, edges[:, ::-1]]).T
     cost = _costs(web, source, end)
     cost[(pinned | barred)[source]] = np.inf
+    # The last key of `lexsort` counts first: the edges of a source, the cheapest first.
     order = np.lexsort((cost, source))
     source, end, cost = source[order], end[order], cost[order]
     first = np.flatnonzero(np.diff(source, prepend=-1))
@@ -123,6 +124,7 @@ def _costs(web: Web, source: Ints, end: Ints) -> Floats:
         a, b, c = (points[corners[:, i]] for i in range(3))
         normal = np.cross(b - a, c - a)
         area = np.linalg.norm(normal, axis=1)
+        # The 3 x 3 forms of planes add up, so a point keeps one for all planes around it.
         plane = np.einsum("fi,fj->fij", normal, normal).reshape(-1, 9)
         plane /= np.maximum(area, 1e-12)[:, None]
         flat, around = corners.ravel(), np.repeat(plane, 3, axis=0)

@@ -71,8 +71,10 @@ class Archive:
         whole = (
             TAKES_HEADER.size <= index <= takes <= end and takes - index == slots * INDEX_SLOT.size
         )
+        # The slots are a power of two, so that a mask finds the slot of a hash.
         if not whole or not slots or slots & (slots - 1):
             raise TakesError("its parts overlap")
+        # The checksum leaves out its own four bytes.
         if crc32(data[HEAD_CRC_AT + 4 : takes], crc32(data[:HEAD_CRC_AT])) != head:
             raise TakesError("the checksum of its index is wrong")
         self.slots, self.index = slots, index
@@ -107,6 +109,7 @@ class Archive:
     def find(self, name: str) -> tuple[int, int]:
         """Return the bytes of a take such as `english/intro_001`: first and end; 0, 0: none."""
         text, value = name.encode(), 0x811C9DC5
+        # FNV-1a, as the archive was written; a name whose slot is taken is in the next free one.
         for byte in text:
             value = (value ^ byte) * 0x01000193 & 0xFFFFFFFF
         for probe in range(self.slots):
@@ -252,6 +255,7 @@ class Player:
         data, at = self.archive.data, one.at
         word = TEXT_LENGTH.unpack_from(data, at)[0] if at + 2 <= self._stop else 0
         step = word >> 10
+        # 6 bits hold no longer step than 63: a step of 0 is in the next word.
         if not step:
             at += 2
             if at + 2 > self._stop:
@@ -271,6 +275,7 @@ class Player:
         frame = min(max((self.time - self.start) * self.rate, 0.0), max(self.frames - 1.0, 0.0))
         for number in range(self._tracks):
             one = self._cursors[number]
+            # Keys lead forwards only, so a way back starts at the first.
             if frame < one.first:
                 self._rewind(one)
             while frame > one.last and one.left:

@@ -66,6 +66,7 @@ def draft(first: list[Target], second: list[Target], *, exact: bool = False) -> 
     early, late = _dominance(each, at, 0.25), _dominance(each, at, 0.75)
     coming = early * np.stack([_profile(t, at) for t in each])
     going = late * np.stack([_profile(t, at - 0.5) for t in each])
+    # In place, because thousands of bigrams make large arrays.
     wanted = coming[one]
     wanted += going[other]
     weight = early[one]
@@ -76,6 +77,7 @@ def draft(first: list[Target], second: list[Target], *, exact: bool = False) -> 
     # v + (f - v C) S, with the products of C and S taken first: v is shorter than f
     fitted = wanted.swapaxes(1, 2) @ solve
     values = np.zeros_like(fitted)
+    # Bounds move some values, and each round fits the others again.
     for _ in range(4):
         values = (values + fitted - values @ (curves @ solve)).clip(0, 1)
         values[..., [0, -1]] = 0

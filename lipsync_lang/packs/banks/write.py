@@ -85,6 +85,7 @@ def add_bigrams(library: "Library", path: Path, made: BankBigrams) -> list[str]:
     content = read_bytes(path) if create is None else create.encode()
     source = library.scanned(path, content)
     _refuse_other(path, source.data, made)
+    # `bigrams:` without a value is None.
     there = source.data.get("bigrams") or {}
     stated = {"status": made.status}
     if made.interpolation not in {None, source.data.get("interpolation", "bspline")}:
