@@ -125,6 +125,7 @@ class Animation:
     @property
     def timeline(self) -> npt.NDArray[np.float64]:
         """(T,) seconds from the start of a file without negative time."""
+        # Rounding may leave the first frame a little below 0.
         return np.maximum(self.times + self.begins, 0.0)
 
     def keyframes(self, suits: float, *, lines: bool = False) -> "list[KeyedCurve]":

@@ -102,6 +102,7 @@ def reader(
 def read_animation(path: str | Path) -> Recording:
     """Read the curves of an animation file; its suffix selects the format."""
     path = Path(path)
+    # Formats that know their files by content come before the fallback.
     chosen = sorted(ANIMATION_READERS.ending(path), key=lambda one: one.fits is None)
     if not chosen:
         what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix"

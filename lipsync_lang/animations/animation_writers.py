@@ -51,6 +51,7 @@ def writer(  # noqa: PLR0913 the settings of a format
         text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
         write(animation, text)
         text.flush()
+        # The wrapper would close the stream of the caller when it is collected.
         text.detach()
 
     settings = remarks, reasons, shows, refuse

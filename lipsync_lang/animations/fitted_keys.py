@@ -70,6 +70,7 @@ class _CurveSpans:
         """
         good, bad = first + 1, last + 1
         best = self.slopes(first, good)
+        # Each try costs as much as its span, so doubling keeps their sum linear.
         reach = 2
         while good < last:
             end = min(first + reach, last)

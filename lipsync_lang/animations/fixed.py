@@ -60,6 +60,7 @@ class FixedColumns:
         """Arrange (T, P) weights: (T, N)."""
         first, turns = len(self._held.shapes), len(self._held.turns)
         table = np.zeros((first + turns, len(weights)))
+        # Indexing would keep one of two columns for a shape; `at` goes through both.
         np.maximum.at(table, self._targets, weights.T[self._sources])
         table = table.clip(0.0, 1.0)
         if self._head.columns:

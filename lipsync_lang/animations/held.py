@@ -76,7 +76,9 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
     best = score.argmax(axis=1)
     for low, high in pairwise([0, *_changes(best), count]):
         if best[low] in contacts:
+            # More than all poses that a hold around this frame could displace.
             score[(low + high) // 2, best[low]] += 4.0 * least
+    # The sum over any run is the difference of two sums from the start.
     total = np.vstack([np.zeros(poses + 1), np.cumsum(score, axis=0)])
     # (t, p): best total of the first t frames with a last run of p, and the start of that run
     worth = np.full((count + 1, poses + 1), -np.inf)
@@ -90,6 +92,7 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
             others[:] = worth[start, first]
             others[first] = worth[start, second]
         gain = others - total[start]
+        # Of equal gains, the earlier start stays.
         since[gain > lead] = start
         np.maximum(lead, gain, out=lead)
         worth[stop], began[stop] = lead + total[stop], since
@@ -117,6 +120,7 @@ def _frames(animation: Animation, end: float) -> tuple[float, Floats]:
     fps = animation.fps
     room = 2 * _least(animation)
     times = animation.times + animation.offset
+    # A frame is shown until the next one, so the last one before 0 counts, too.
     inside = (times > (FRAME_TOLERANCE - 1) / fps) & (times < end - FRAME_TOLERANCE / fps)
     shapes = np.isin(np.arange(len(animation.poses)), shape_columns(animation))
     weights = animation.weights[inside] * shapes

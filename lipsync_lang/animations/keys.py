@@ -82,6 +82,7 @@ def _chain(times: Floats, values: Floats, error: float) -> Ints:
             run = at[frame] - at[key]
             slope = (level[frame] - level[key]) / run
         reached = frame
+        # The slopes that pass all frames since the key within the error.
         low, high = max(low, slope - error / run), min(high, slope + error / run)
     return np.array([*keys, last])
 
@@ -157,6 +158,7 @@ def needed(times: Floats, weights: Floats, error: float) -> Ints:
         far = np.flatnonzero(strays > max(error, 1e-9 * np.abs(weights).max(initial=1.0)))
         if not far.size:
             return keys
+        # Of all strays between two keys, the worst alone: it mends most of the others.
         worst = far[np.argsort(-strays[far])]
         _, first = np.unique(np.searchsorted(keys, worst), return_index=True)
         keys = np.union1d(keys, worst[first])

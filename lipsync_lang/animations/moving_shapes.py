@@ -101,6 +101,7 @@ def node_paths(animation: Animation) -> dict[str, list[str]]:
     for mesh in model.meshes:
         for at in (n for n, node in enumerate(nodes) if node.get("mesh") == mesh.number):
             chain = [at]
+            # A damaged model may have nodes below themselves.
             while above.get(chain[0], at) not in chain:
                 chain.insert(0, above[chain[0]])
             path = "/".join(nodes[n].get("name") or mesh.name for n in chain)

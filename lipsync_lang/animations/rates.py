@@ -30,6 +30,7 @@ def exact(fps: float) -> float:
     """Return the exact rate: a fraction for 23.976, 29.97 or 59.94."""
     if not isfinite(fps) or fps == int(fps):
         return float(fps)
+    # The nearest whole rate by 1000/1001: 23.976 and 23.98 both mean 24000/1001.
     meant = float(round(fps / NTSC) * NTSC)
     odd = abs(fps - round(fps)) > RATE_TOLERANCE
     return meant if odd and abs(fps - meant) <= RATE_TOLERANCE else float(fps)
@@ -45,6 +46,7 @@ def checked_rate(fps: float) -> float:
 def parse_rate(text: str) -> float:
     """Parse ``60``, ``23.976`` or ``24000/1001``."""
     try:
+        # `Fraction` would turn a decimal with a large exponent into a huge number.
         return exact(float(Fraction(text) if "/" in text else text))
     except (ValueError, ZeroDivisionError, OverflowError):
         what = "write a number of frames per second, or a fraction such as 24000/1001"

@@ -178,7 +178,10 @@ def test_some_rooms_know_nearly_nothing(name):
 RINGS = {
     "animations", "text/lines", "text/phonology",
 }  # fmt: skip
-"""Rooms with modules that import one another in a ring, if only for their types."""
+"""Rooms with modules that import one another in a ring, if only for their types.
+
+An animation saves and shows itself, so its module and its writers know each other.
+"""
 
 
 def test_modules_of_a_room_import_one_way():

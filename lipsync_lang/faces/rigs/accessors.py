@@ -70,6 +70,7 @@ class Accessors:
         if "bufferView" in row:
             self._span(what, row["bufferView"])  # what is decoded counts as stored
         kind, width = row.get("componentType"), ACCESSOR_WIDTHS.get(str(row.get("type")))
+        # A list from a damaged file is no key of a dictionary, so it must be a number first.
         if not is_index(kind, max(COMPONENT_TYPES) + 1) or kind not in COMPONENT_TYPES or not width:
             self._fail(what, "has numbers of an unknown type")
         # A stored value takes a byte or more; sparse-only accessors hold offsets of stored points.
@@ -90,6 +91,7 @@ class Accessors:
         if "sparse" in row:
             values = self._changed(what, row["sparse"], values)
         if row.get("normalized") and dtype.kind in "iu":
+            # -128 / 127 is below -1, where glTF ends.
             return np.maximum(values / np.iinfo(dtype).max, -1.0)
         return values
 
@@ -156,6 +158,7 @@ class Accessors:
         step = size if stride is None else stride
         if not is_index(step, LARGEST_STRIDE + 1) or step < size:
             self._fail(what, f"has values {_shown(step)} bytes apart, but each takes {size} bytes")
+        # Nothing need follow the last value, even if values lie apart.
         reach = (shape[0] - 1) * step + size
         if not is_index(offset, len(data)) or offset + reach > len(data):
             self._fail(what, "lies past the end of its data")
@@ -204,6 +207,7 @@ class Accessors:
         if not is_index(kind, max(INDICES) + 1) or kind not in INDICES:
             self._fail(what, "has sparse values with indices of an unknown type")
         where = self._values(what, places, (few, 1), np.dtype(COMPONENT_TYPES[kind]))[:, 0]
+        # Indices are unsigned: the largest alone can be out of range.
         if int(where.max()) >= len(values):
             self._fail(what, f"replaces value {where.max()}, but has only {len(values)}")
         changed = values.copy()

@@ -69,6 +69,7 @@ def draco_mesh(
     """
     library = import_module("DracoPy")
     signature, size = DRACO_START
+    # The highest bit announces metadata, which would stand before the counts.
     if len(data) < size or not data.startswith(signature) or data[10] & 0x80:
         raise ValueError("is not a Draco mesh of bitstream 2.2 without metadata")
     if data[8] == EDGEBREAKER:

@@ -70,9 +70,11 @@ def srgb(code: str) -> tuple[float, float, float, float]:
 def smooth_normals(positions: Floats, triangles: Ints) -> Floats:
     """Compute a unit normal per point, (V, 3): the mean of its triangles' by their area."""
     a, b, c = (positions[triangles[:, i]] for i in range(3))
+    # The length of a cross product is twice the area, so large triangles count more.
     face = np.cross(b - a, c - a)
     corners, count = triangles.T.ravel(), len(positions)
     tripled = np.concatenate([face] * 3)
+    # `bincount` adds all corners of a point; `+=` with indices would keep the last.
     normals = np.stack([np.bincount(corners, tripled[:, i], count) for i in range(3)], 1)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.where(length > 0, normals / np.where(length > 0, length, 1), [0.0, 0.0, 1.0])
@@ -96,6 +98,7 @@ def with_normals(part: Part) -> Part:
 def take(part: Part, faces: Bools, name: str, **changes: Any) -> Part:
     """Return the marked triangles as a part of their own, shaded as if still joined to the rest."""
     part = with_normals(part)
+    # The inverse is one row in numpy 1, and has other shapes in numpy 2.
     used, triangles = np.unique(part.triangles[faces], return_inverse=True)
     return replace(
         part,
@@ -160,6 +163,7 @@ class _Buffer:
         data = self.views[view]
         start = len(data)
         data += values.tobytes()
+        # Accessors begin at multiples of 4 bytes.
         data += bytes(-len(data) % 4)
         return {"bufferView": view, "byteOffset": start}
 
@@ -189,6 +193,7 @@ class _Buffer:
         if not len(rows):
             return self.nothing(len(shifts))
         values = shifts[rows].astype("<f4")
+        # The bounds of an accessor count its zeros, too.
         still = np.zeros((int(len(rows) < len(shifts)), 3), "<f4")
         kind = _vec3(np.concatenate([values, still]), len(shifts), bounds=bounds)
         sparse = {
@@ -263,6 +268,7 @@ def moved_rows(part: Part, name: str) -> tuple[Floats, Floats, Ints, Ints]:
     shift = part.targets.get(name, np.zeros_like(part.positions))
     turn = _normals(part, name) - _normals(part)
     moved = np.flatnonzero(np.linalg.norm(shift, axis=1) > STILL)
+    # Without movement, normals differ by rounding alone.
     turned = np.flatnonzero((np.linalg.norm(turn, axis=1) > SAME_NORMAL) & bool(len(moved)))
     return shift, turn, moved, turned
 

@@ -35,10 +35,12 @@ def parts(matrix: Floats) -> dict[str, Floats] | None:
     """Decompose a matrix into `translation`, `rotation` and `scale`; None for shear or scale 0."""
     axes = matrix[:3, :3]
     scale = np.linalg.norm(axes, axis=1)
+    # A mirror is no rotation, so one scale becomes negative.
     scale[0] *= np.sign(np.linalg.det(axes))
     if not scale.all():
         return None
     axes = axes / scale[:, None]
+    # Axes that are not at right angles are sheared.
     if not np.allclose(axes @ axes.T, np.eye(3), atol=1e-4):
         return None
     return {"translation": matrix[3, :3], "rotation": quaternion(axes), "scale": scale}
@@ -57,6 +59,7 @@ def quaternion(axes: Floats) -> Floats:
         [x[2] + z[0], y[2] + z[1], z[2] - x[0] - y[1], x[1] - y[0]],
         [y[2] - z[1], z[0] - x[2], x[1] - y[0], x[0] + y[1] + z[2]],
     ]
+    # `eigh` sorts eigenvalues upwards.
     return np.linalg.eigh(np.array(table)).eigenvectors[:, -1]
 
 

@@ -122,6 +122,7 @@ class GestureSet:
         times, values = np.array(shape.curve, float).T
         tops = times[values == values[np.abs(values).argmax()]]
         peak = float(tops[0] + tops[-1]) / 2
+        # A frame on either end would be 0 in any case.
         before = ceil(peak * fps - 1e-9) - 1
         after = ceil((shape.seconds - peak) * fps - 1e-9) - 1
         at = peak + np.arange(-before, after + 1) / fps

@@ -226,6 +226,7 @@ def _gap(seed: int, salt: int, spread: float, shift: float) -> float:
 
 def _uniform(seed: int, salt: int) -> float:
     """Draw a number between 0 and 1, from all bits of a seed (the finaliser of MurmurHash3)."""
+    # Python has no numbers of 32 bits: each product is cut to them.
     bits = (seed + 0x9E3779B1 * (salt + 1)) & _MASK
     bits = ((bits ^ bits >> 16) * 0x85EBCA6B) & _MASK
     bits = ((bits ^ bits >> 13) * 0xC2B2AE35) & _MASK
