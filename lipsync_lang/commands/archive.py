@@ -5,10 +5,9 @@ from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.base.errors import count
-from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND, as_json, tell_written
 from lipsync_lang.commands.registry import Add, command, family
-from lipsync_lang.commands.shared_options import add_json
+from lipsync_lang.commands.shared_options import add_json, option
 
 family(
     "archive", "show archives of takes, put them together, or make patches of them",

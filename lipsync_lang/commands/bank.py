@@ -5,11 +5,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, atomic
-from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import plot_kind
 from lipsync_lang.commands.registry import Add, command, family
-from lipsync_lang.commands.shared_options import add_json, add_pair
+from lipsync_lang.commands.shared_options import add_json, add_pair, flag, option
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""

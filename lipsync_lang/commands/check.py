@@ -9,11 +9,17 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import write_all
-from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.performing import LINE_PAGE, perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json_form, add_line, add_output
+from lipsync_lang.commands.shared_options import (
+    add_json_form,
+    add_line,
+    add_output,
+    flag,
+    option,
+    repeated,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,8 +62,8 @@ def _add_check(add: Add) -> None:
 def check(options: Namespace) -> int:
     """Print the figures of an animation; a figure past its limit is a fault."""
     from lipsync_lang.reports.quality.baselines import BASELINES
+    from lipsync_lang.reports.quality.check_animation import FORMATS
     from lipsync_lang.reports.quality.check_animation import check as judge
-    from lipsync_lang.reports.quality.quality_report import FORMATS
 
     performer = performer_for(options)
     animation, remarks = _animation(options, performer)

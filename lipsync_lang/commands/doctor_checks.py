@@ -210,7 +210,7 @@ def _project_extras() -> dict[str, list[str]]:
     """Return the extras that the project needs, each with its users; none without a project."""
     from lipsync_lang.packs.library import Library
     from lipsync_lang.packs.project import find_project, load_project
-    from lipsync_lang.production.builds.project_extras import extras_of_project
+    from lipsync_lang.production.builds.project_build import extras_of_project
     from lipsync_lang.sound.speech.needed_extras import providers
 
     try:

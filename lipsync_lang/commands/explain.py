@@ -2,11 +2,10 @@
 
 from argparse import Namespace
 
-from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import perform
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_line
+from lipsync_lang.commands.shared_options import add_json, add_line, option
 
 
 @command("explain")

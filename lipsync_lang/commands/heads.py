@@ -7,9 +7,9 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import argument_path, write_all
-from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import SOUND, tell_written, working
 from lipsync_lang.commands.registry import Add, command, family
+from lipsync_lang.commands.shared_options import option, repeated
 
 EXAMPLE = "heads ict ICT-FaceKit -o head.glb"
 

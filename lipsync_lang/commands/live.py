@@ -10,10 +10,16 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.commands.local_server import add_serving, serve
-from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_manner, add_pair, add_values
+from lipsync_lang.commands.shared_options import (
+    add_manner,
+    add_pair,
+    add_values,
+    flag,
+    option,
+    repeated,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.commands.options import Options, option
+from lipsync_lang.commands.shared_options import Options, option
 
 if TYPE_CHECKING:
     import socket

@@ -5,10 +5,9 @@ from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.base.errors import count
-from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, listening, tell_written
 from lipsync_lang.commands.registry import Add, command, family
-from lipsync_lang.commands.shared_options import add_language, add_path
+from lipsync_lang.commands.shared_options import add_language, add_path, option
 
 ADAPT_EXAMPLE = "models adapt vo/anna -l english -o models/anna"
 

@@ -6,11 +6,10 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.files import write_all
-from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
+from lipsync_lang.commands.parser import lacking
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_path
-from lipsync_lang.commands.starting import lacking
+from lipsync_lang.commands.shared_options import add_path, option, repeated
 from lipsync_lang.packs.project import FILE, load_project
 
 

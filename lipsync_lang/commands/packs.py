@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.files import argument_path, write_all
-from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, tell_written, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path
+from lipsync_lang.commands.shared_options import add_json, add_path, flag, option
 
 if TYPE_CHECKING:
     from lipsync_lang.authoring.new_pack import PackDraft

@@ -1,11 +1,17 @@
-"""Argument parser: every command with its arguments and an example."""
+"""Argument parser of every command, and the screen of `lipsync-lang` without a command."""
 
 import argparse
+import os
+from argparse import Namespace
+from pathlib import Path
 
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.extras import extras, install_line
 from lipsync_lang.base.version import __version__
+from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import COMMANDS, add_command, leaves
 from lipsync_lang.commands.shared_options import add_words
-from lipsync_lang.commands.starting import welcome
+from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.pipeline import kernel
 
 
@@ -36,3 +42,58 @@ def parser(first: str | None = None) -> argparse.ArgumentParser:
     for _, made in leaves(top):
         add_words(made)
     return top
+
+
+TITLE = f"lipsync-lang {__version__} turns speech into mouth animation, for any language and face."
+
+MORE = "All commands: lipsync-lang --help. One of them: lipsync-lang run --help."
+
+SHOWN_IN_NEXT_STEPS = ("speech", "audio", "studio")
+"""Extras of the first steps, most important first."""
+
+
+def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes options
+    """Print the purpose of the program, and commands for the next steps."""
+    from lipsync_lang.base.presentation.text_table import columns
+    from lipsync_lang.production.builds.project_folder import starter
+
+    path, first = find_project(), starter()
+    if path is None:
+        head, pair = "Next steps:", f"-l {first.language} -c {first.character}"
+        alone, heard = f'"{first.text}" {pair}', f'"ITS TEXT" --audio FILE {pair}'
+        steps = [
+            ("a sentence, to hear and see", f"lipsync-lang run {alone} -o line.html"),
+            ("with your recording", f"lipsync-lang run {heard} -o line.html"),
+            ("make a project", "lipsync-lang new my-game"),
+            ("shape a character in your browser", f"lipsync-lang studio {pair}"),
+            ("check this installation", "lipsync-lang doctor"),
+        ]
+    else:
+        head = f"Next steps in the project {os.path.relpath(path)}:"
+        steps = _project_steps(path, first.text)
+    shown, missing = columns([(f"  {what}", how) for what, how in steps]), lacking()
+    print("\n".join([TITLE, "", head, *shown, *([""] if missing else []), *missing, "", MORE]))
+    return SOUND
+
+
+def _project_steps(path: Path, text: str) -> list[tuple[str, str]]:
+    try:
+        project = load_project(path).model
+    except (LipsyncError, OSError):
+        return [("find the faults of the project", "lipsync-lang validate")]
+    steps = [("check all packs", "lipsync-lang validate")]
+    if project.lines:
+        steps += [("make the lines that changed", "lipsync-lang build")]
+    paired = project.language and project.character
+    if paired:
+        steps += [("make one line", f'lipsync-lang run "{text}"')]
+    if paired or project.lines:
+        steps += [("hear and change lines in your browser", "lipsync-lang studio")]
+    return [*steps, ("check this installation", "lipsync-lang doctor")]
+
+
+def lacking(names: tuple[str, ...] = SHOWN_IN_NEXT_STEPS) -> list[str]:
+    """Return a line for each missing extra, with its installation command."""
+    known = {one.name: one for one in extras()}
+    missing = [known[name] for name in names if known[name].missing()]
+    return [f"not installed: {one.purpose}: {install_line(one.name)}" for one in missing]

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.animations.rates import parse_offset
 from lipsync_lang.base.errors import LipsyncError, OutputError, count
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
-from lipsync_lang.commands.options import flag, option, repeated
 from lipsync_lang.commands.output import SOUND, as_options, listed
 from lipsync_lang.commands.performing import (
     LINE_PAGE,
@@ -21,7 +20,7 @@ from lipsync_lang.commands.performing import (
     schedule_for,
 )
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_line
+from lipsync_lang.commands.shared_options import add_line, flag, option, repeated
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation

@@ -7,11 +7,10 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import argument_path, write_all
-from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import SOUND, tell_written
 from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_line
+from lipsync_lang.commands.shared_options import add_line, flag, option
 
 
 @command("stills")

@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.local_server import add_serving, serve
-from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_motion, add_pair, add_values, cleaning
+from lipsync_lang.commands.shared_options import add_motion, add_pair, add_values, cleaning, option
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -4,7 +4,6 @@ import sys
 from argparse import Namespace
 
 from lipsync_lang.base.files import argument_path
-from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, listed
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (
@@ -13,6 +12,7 @@ from lipsync_lang.commands.shared_options import (
     add_path,
     add_values,
     cleaning,
+    option,
 )
 
 

@@ -5,10 +5,9 @@ from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.base.errors import count
-from lipsync_lang.commands.options import flag
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path
+from lipsync_lang.commands.shared_options import add_json, add_path, flag
 from lipsync_lang.packs.project import FILE, find_project
 
 

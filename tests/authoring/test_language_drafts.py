@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 from lanes import full
 
-from lipsync_lang.authoring.inventories import read_inventory
-from lipsync_lang.authoring.language_draft import LanguageWish, _entry, draft
+from lipsync_lang.authoring.language_draft import LanguageWish, _entry, draft, read_inventory
 from lipsync_lang.authoring.trial import languages_in, try_out
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.base.presentation.text_table import columns, width

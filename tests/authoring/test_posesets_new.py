@@ -9,8 +9,7 @@ from packs_tree import TREE, plant, put
 from shipped import POSESETS
 from small_models import glb
 
-from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft, guessed
-from lipsync_lang.authoring.poseset_text import MAX_SCREEN_LINES
+from lipsync_lang.authoring.poseset_draft import MAX_SCREEN_LINES, PoseSetWish, draft, guessed
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.faces.rigs.driver import bare
 from lipsync_lang.faces.rigs.shape_matching import placed

@@ -16,7 +16,7 @@ from lanes import full, swept
 from shipped import LANGUAGES, LIBRARY, POSESETS
 
 from lipsync_lang.base import extensions, extras
-from lipsync_lang.commands import doctor, doctor_checks, starting
+from lipsync_lang.commands import doctor, doctor_checks, parser
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, load_project
@@ -335,7 +335,7 @@ def test_extras_that_are_there_are_kept_by_an_installer_that_starts_anew(tmp_pat
 
 
 def test_the_screen_lists_extras_that_are_known():
-    assert set(starting.SHOWN_IN_NEXT_STEPS) <= {one.name for one in extras.extras()}
+    assert set(parser.SHOWN_IN_NEXT_STEPS) <= {one.name for one in extras.extras()}
 
 
 # Doctor

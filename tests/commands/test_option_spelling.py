@@ -17,7 +17,6 @@ ELSEWHERE = {
     "animations/keys.py": "reads what an option of the command line was given",
     "animations/rates.py": "reads what an option of the command line was given",
     "reports/coverage/changes.py": "names the command that writes a report",
-    "reports/coverage/forms/total_text.py": "a text for the terminal",
     "reports/coverage/forms/text.py": "the command's own report",
     "base/extras.py": "an option of another program",
     "base/files/reach.py": "names the option by which a user permits a folder",

@@ -20,7 +20,7 @@ from lipsync_lang import Performer, Schedule, resolve
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS as ANIMATIONS
 from lipsync_lang.animations.writers.glb import write_glb
-from lipsync_lang.authoring.inventories import read_inventory
+from lipsync_lang.authoring.language_draft import read_inventory
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.faces.players.takes import Archive, Player, TakesError
 from lipsync_lang.faces.rigs.model import read_model

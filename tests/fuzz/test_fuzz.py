@@ -35,7 +35,7 @@ NO_TARGET = {
     "production/builds/build_run.py": "copies models, which are a target",
     "production/builds/making.py": "writes",
     "production/builds/project_build.py": "the project, which is a target",
-    "production/builds/timing_cache.py": "a cache of our own, which has tests of its own",
+    "production/builds/timing.py": "a cache of our own, which has tests of its own",
     "reports/coverage/reading_cache.py": "a cache of our own, which has tests of its own",
     "faces/heads/face_model.py": "a licence in a mesh, whose lines have tests of their own",
     "faces/heads/obj_files.py": "numbers by lines; damaged ones have tests of their own",
@@ -77,7 +77,7 @@ NO_TARGET = {
 
 HAVE_TARGETS = {
     "animations/animation_readers.py",
-    "authoring/inventories.py",
+    "authoring/language_draft.py",
     "production/builds/takes.py",
     "faces/players/takes.py",
     "reports/coverage/changes.py",

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.presentation.text_table import columns
-from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path
+from lipsync_lang.commands.shared_options import add_json, add_path, flag, option
 from lipsync_lang.packs.yaml.faults import shown
 
 if TYPE_CHECKING:

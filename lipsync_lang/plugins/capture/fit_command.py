@@ -13,10 +13,9 @@ from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.base.terminal import progress
-from lipsync_lang.commands.options import option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_pair
+from lipsync_lang.commands.shared_options import add_json, add_pair, option
 
 if TYPE_CHECKING:
     from lipsync_lang.plugins.capture.fit_captures import CaptureFit

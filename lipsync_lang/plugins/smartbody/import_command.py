@@ -6,10 +6,9 @@ from itertools import groupby
 from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path
+from lipsync_lang.commands.shared_options import add_json, add_path, option, repeated
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""

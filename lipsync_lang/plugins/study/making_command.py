@@ -15,7 +15,6 @@ from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files import argument_path
 from lipsync_lang.base.files.reading import input_text
 from lipsync_lang.base.terminal import progress
-from lipsync_lang.commands.options import option, repeated
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.performing import motion_settings
 from lipsync_lang.commands.registry import Add, command, family
@@ -25,6 +24,8 @@ from lipsync_lang.commands.shared_options import (
     add_path,
     add_values,
     cleaning,
+    option,
+    repeated,
 )
 
 if TYPE_CHECKING:

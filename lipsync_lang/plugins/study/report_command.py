@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import LipsyncError, OutputError, did_you_mean
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
-from lipsync_lang.commands.options import flag, option
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_json_form
+from lipsync_lang.commands.shared_options import add_json, add_json_form, flag, option
 
 if TYPE_CHECKING:
     from lipsync_lang.plugins.study.study_report import StudyReport

@@ -3,12 +3,13 @@
 18 million small files fill the tables of a file system before its disk. An archive is rewritten
 beside itself and put in place whole; members that stay are copied as they are, compressed, so that
 a change of 200 lines does not compress 50,000. Equal members make equal archives: names are sorted,
-times are fixed.
+times are fixed. Outputs that stand on the disk are compared with the record of the last build.
 """
 
+import os
 import struct
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path, PurePosixPath
 from shutil import copyfileobj
 from typing import BinaryIO, NamedTuple
@@ -16,7 +17,9 @@ from zipfile import ZIP64_LIMIT, ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, 
 from zlib import crc32
 
 from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.files.reach import is_reached
 from lipsync_lang.base.files.writing import atomic
+from lipsync_lang.production.builds.digests import output_digest, output_file_digest
 from lipsync_lang.production.builds.takes import TAKES_SUFFIX, archive_of, write_takes
 
 ARCHIVE_SUFFIXES = (".zip", TAKES_SUFFIX)
@@ -220,3 +223,60 @@ def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
     archive.filelist.append(info)
     archive.NameToInfo[info.filename] = info
     archive.start_dir = out.tell()
+
+
+class StandingOutputs:
+    """The outputs in a project's folder; archives are listed once."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._home = str(folder)
+        self._listed: dict[str, dict[str, Member]] = {}
+        self._within: dict[str, bool] = {}
+
+    def stamp(self, path: str) -> tuple[int, int] | None:
+        """Return size and time of change of a file, size and CRC of a member; None if absent."""
+        split = split_archive(path)
+        if split is not None:
+            found = self._members(split[0]).get(split[1])
+            return None if found is None else (found.size, found.crc)
+        try:
+            stat = os.stat(f"{self._home}/{path}")  # noqa: PTH116 ten thousands of them
+        except OSError:
+            return None
+        return stat.st_size, stat.st_mtime_ns
+
+    def digest(self, path: str) -> str:
+        """Return the digest of an output's content; empty if it is absent or cannot be read."""
+        split = split_archive(path)
+        if split is not None:
+            found = self._members(split[0]).get(split[1])
+            return "" if found is None else output_digest(found.crc, found.size)
+        with suppress(OSError):
+            return output_file_digest(self.folder / path)
+        return ""
+
+    def is_within(self, path: str) -> bool:
+        """Return True if an output is in the folder, since records may come from elsewhere."""
+        parent = str(Path(path).parent)
+        if parent not in self._within:
+            self._within[parent] = is_reached(self.folder / parent, self.folder)
+        return self._within[parent]
+
+    def delete(self, paths: list[str]) -> None:
+        """Delete outputs; absent ones do not matter."""
+        members_: dict[str, list[str]] = {}
+        for path in paths:
+            split = split_archive(path)
+            if split is None:
+                (self.folder / path).unlink(missing_ok=True)
+            else:
+                members_.setdefault(split[0], []).append(split[1])
+        for archive, names in members_.items():
+            rewrite(self.folder / archive, {}, names)
+            self._listed.pop(archive, None)
+
+    def _members(self, archive: str) -> dict[str, Member]:
+        if archive not in self._listed:
+            self._listed[archive] = members(self.folder / archive)
+        return self._listed[archive]

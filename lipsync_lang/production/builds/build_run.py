@@ -23,7 +23,7 @@ from lipsync_lang.production.builds.needs import PairNeeds
 from lipsync_lang.production.builds.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.production.builds.planning import BuildPlan, Needs, PlannedStep
 from lipsync_lang.production.builds.records import RECORD_CURE, LineRecord, Records, record_folder
-from lipsync_lang.production.builds.timing_cache import prune_timings
+from lipsync_lang.production.builds.timing import prune_timings
 from lipsync_lang.production.builds.workers import LostBatch, run_batches
 
 MAX_BATCH_LINES = 64

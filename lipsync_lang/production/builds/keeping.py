@@ -9,7 +9,7 @@ import numpy as np
 
 from lipsync_lang.base.files.renaming import replace_file
 from lipsync_lang.base.files.signals import undisturbed
-from lipsync_lang.production.builds.archives import rewrite, split_archive
+from lipsync_lang.production.builds.archives import StandingOutputs, rewrite, split_archive
 from lipsync_lang.production.builds.making import MadeLine
 from lipsync_lang.production.builds.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.production.builds.planning import BuildPlan, PlannedStep
@@ -23,7 +23,6 @@ from lipsync_lang.production.builds.records import (
     unpacked_figures,
     unusable,
 )
-from lipsync_lang.production.builds.standing import StandingOutputs
 
 MAX_WAITING_LINES = 10_000
 """Maximum number of waiting lines, at which their archives are rewritten."""

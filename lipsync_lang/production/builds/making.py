@@ -36,8 +36,13 @@ from lipsync_lang.production.builds.planned_line import (
     JudgedFigure,
     PlannedLine,
 )
-from lipsync_lang.production.builds.timing import ScheduleOrError, attempt, schedules
-from lipsync_lang.production.builds.timing_cache import TIMERS, TimingCache
+from lipsync_lang.production.builds.timing import (
+    TIMERS,
+    ScheduleOrError,
+    TimingCache,
+    attempt,
+    schedules,
+)
 from lipsync_lang.reports.quality.figures import Quality
 from lipsync_lang.resolver.cache import compiler
 from lipsync_lang.schedules.schedule import DOUBTFUL, Schedule

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.production.builds.archives import StandingOutputs
 from lipsync_lang.production.builds.digests import digest, file_digest, joined
 from lipsync_lang.production.builds.needs import PairNeeds, told
 from lipsync_lang.production.builds.output_paths import recorded_path
@@ -24,7 +25,6 @@ from lipsync_lang.production.builds.records import (
     from_json,
     unusable,
 )
-from lipsync_lang.production.builds.standing import StandingOutputs
 from lipsync_lang.text.phonology.g2p.tokens import plain
 
 TICK_NANOSECONDS = 2_000_000_000

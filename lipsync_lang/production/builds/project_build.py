@@ -1,36 +1,103 @@
-"""A project in a build: its lines, its pairs, its settings and its record."""
+"""A project in a build: its lines, its pairs, its settings and its record.
 
-from collections.abc import Iterable, Sequence
+Shards are disjoint parts of a project that machines build with nothing shared but its folder. A
+line belongs to a shard by its id and language, so it stays there when others come and go, and all
+characters share its timings. Archives and the record of a shard have names of their own.
+
+Acoustic models are adapted to the recordings of a project, one for each language. A model is found
+by the digest of all that it depends on, so that a build adapts once, and again when a recording or
+a text changes. It is a folder of the cache (decision 0002).
+"""
+
+import shutil
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
-from pathlib import Path
+from pathlib import Path, PurePath
+from tempfile import mkdtemp
 from typing import Self
+from zlib import crc32
 
 import numpy as np
 
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.base.errors import LipsyncError, OutputError, shortlist
+from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.files.renaming import replace_file
+from lipsync_lang.packs.checking.voices import check_voices
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, find_project, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.performing.resolving import resolve
-from lipsync_lang.production.builds.adapted_models import adapted_pair
 from lipsync_lang.production.builds.archives import split_archive
+from lipsync_lang.production.builds.digests import digest, file_digest
 from lipsync_lang.production.builds.faces import GLB
 from lipsync_lang.production.builds.making import LineMaker
 from lipsync_lang.production.builds.needs import BuildSettings, PairNeeds
+from lipsync_lang.production.builds.output_paths import writer_of
 from lipsync_lang.production.builds.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.production.builds.planning import BuildPlan, plan
-from lipsync_lang.production.builds.project_extras import check_installed
 from lipsync_lang.production.builds.records import Records
 from lipsync_lang.production.builds.script import read_script
 from lipsync_lang.production.builds.script_faults import PlanningError, ScriptFaults
 from lipsync_lang.production.builds.script_files import PlanRemark
-from lipsync_lang.production.builds.shards import Shard
+from lipsync_lang.production.builds.timing import TIMERS
+from lipsync_lang.resolver.cache import compiler, folder
+from lipsync_lang.resolver.language_tables import manner_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.sound.speech.needed_extras import missing_for
+from lipsync_lang.sound.speech.hearing.adaptation import SpokenFile, adapt, write_adapted
+from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_of
+from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
+from lipsync_lang.sound.speech.needed_extras import engines_of, missing_for, missing_words
+
+
+@dataclass(frozen=True)
+class Shard:
+    """A part of a project."""
+
+    number: int
+    """From 1."""
+    parts: int
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Parse ``3/16``; raises LipsyncError.
+
+        >>> Shard.parse("3/16")
+        Shard(number=3, parts=16)
+        """
+        number, _, count = text.partition("/")
+        if number.isascii() and number.isdecimal() and count.isascii() and count.isdecimal():
+            found = cls(int(number), int(count))
+            if 1 <= found.number <= found.parts:
+                return found
+        raise LipsyncError(f"--shard {text}: give a part and the number of parts, such as 3/16")
+
+    @property
+    def name(self) -> str:
+        """Its name in paths."""
+        return f"{self.number}-of-{self.parts}"
+
+    def has(self, language: str, line: str) -> bool:
+        """Return True if a line belongs to the shard."""
+        return crc32(f"{language}/{line}".encode()) % self.parts == self.number - 1
+
+    def named(self, path: str) -> str:
+        """Return a path with the shard in the name of its file.
+
+        >>> Shard(3, 16).named("takes/crab.takes")
+        'takes/crab.3-of-16.takes'
+        """
+        pure = PurePath(path)
+        return pure.with_name(f"{pure.stem}.{self.name}{pure.suffix}").as_posix()
+
+    def output(self, path: str) -> str:
+        """Return an output of the shard; only archives have other names than in a whole build."""
+        split = split_archive(path)
+        return path if split is None else f"{self.named(split[0])}/{split[1]}"
+
 
 STILL_SCHEDULE = Schedule((SILENCE,), np.array((0.0, 0.1)))
 """Schedule without a phoneme."""
@@ -269,3 +336,150 @@ def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
         what = f"cannot perform {shortlist(pairs, SHOWN_CHARACTERS)}: {reason}"
         found.append(pack.fault(("languages",), "P408", what))
     return found
+
+
+MAX_KEPT_MODELS = 16
+"""Maximum number of models in the cache; the oldest are deleted first. Each has some 10 MB."""
+
+POCKETSPHINX = "pocketsphinx"
+"""Name of the aligner with acoustic models."""
+
+UNCHANGED = "gains-nothing"
+"""Ending of a file in place of a model that would gain nothing."""
+
+AdaptationRemark = Callable[[str], None]
+"""A function that takes the result of an adaptation, in words."""
+
+
+def adapted_pair(
+    pair: PairNeeds, home: Path, lines: Sequence[PlannedLine], remark: AdaptationRemark
+) -> PairNeeds:
+    """Return a pair whose aligner has a model that knows the voices of some lines.
+
+    Without enough recordings, or if the model gains nothing, it is the same pair.
+    """
+    manner = pair.performer.compiled.manner
+    aligners = manner["audio"]["align"]
+    if not any(name.partition(":")[0] == POCKETSPHINX for name in aligners):
+        return pair
+    try:
+        path = _adapted_folder(pair, home, lines, remark)
+    except (LipsyncError, OSError) as error:
+        remark(f"{manner['language']}: the acoustic model was not adapted: {error}")
+        return pair
+    if path is None:
+        return pair
+    named = [
+        f"{POCKETSPHINX}:{path}" if name.partition(":")[0] == POCKETSPHINX else name
+        for name in aligners
+    ]
+    changed = manner | {"audio": manner["audio"] | {"align": named}}
+    compiled = replace(pair.performer.compiled, manner=changed)
+    return PairNeeds(replace(pair.performer, compiled=compiled), pair.settings)
+
+
+def _adapted_folder(
+    pair: PairNeeds, home: Path, lines: Sequence[PlannedLine], remark: AdaptationRemark
+) -> Path | None:
+    """Return the folder of the adapted model, made first if the cache lacks it."""
+    where = folder()
+    if where is None:
+        raise LipsyncError("the cache is off, and adapted models are kept there")
+    audio = pair.performer.speaker.manner.audio
+    named = next(one for one in audio.align if one.partition(":")[0] == POCKETSPHINX)
+    model = named.partition(":")[2] or (audio.model if named == audio.align[0] else None)
+    models = models_of(model)
+    spoken = [
+        SpokenFile(home / one.audio, one.text)
+        for one in {line.audio: line for line in lines}.values()
+        if one.audio is not None and one.text and one.timings is None
+    ]
+    told = [(file_digest(one.path), one.text) for one in spoken if one.path.is_file()]
+    base = [file_digest(path) for path in sorted(models.acoustic.iterdir()) if path.is_file()]
+    name = digest(pair.speech.hex(), sorted(told), base, compiler(TIMERS)).hex()
+    path = where / "models" / name
+    if not path.is_dir() and not path.with_suffix(f".{UNCHANGED}").exists():
+        _make(pair, spoken, models, path, remark)
+    return path if path.is_dir() else None
+
+
+def _make(
+    pair: PairNeeds,
+    spoken: Sequence[SpokenFile],
+    models: Models,
+    path: Path,
+    remark: AdaptationRemark,
+) -> None:
+    """Adapt a model into a folder of the cache, or mark there that it gains nothing."""
+    speaker = pair.performer.speaker
+    found = adapt(speaker, spoken, models)
+    rise = f"log likelihood of held-out frames {found.before:.2f} to {found.after:.2f}"
+    told = f"{speaker.manner.language}: acoustic model adapted to {found.lines} lines, {rise}"
+    remark(told if found.gains else f"{told}: it gains nothing, and stays as it was")
+    for line in found.left_out:
+        remark(f"{speaker.manner.language}: not adapted to {line}")
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if not found.gains:
+        path.with_suffix(f".{UNCHANGED}").touch()
+        return
+    # made beside its place and moved there whole
+    made = Path(mkdtemp(dir=path.parent)) / path.name
+    write_adapted(models, found.model, made)
+    if not path.exists():
+        replace_file(made, path)
+    shutil.rmtree(made.parent)
+    folders = (one for one in path.parent.iterdir() if one.is_dir())
+    kept = sorted(folders, key=lambda one: one.stat().st_mtime)
+    for old in kept[:-MAX_KEPT_MODELS]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def extras_of_project(
+    project: Project,
+    library: Library,
+    lines: Iterable[PlannedLine] | None = None,
+    tts: str | None = None,
+) -> dict[str, list[str]]:
+    """Map languages and files of a project to what they need, for `missing_for`.
+
+    Parameters
+    ----------
+    lines : the lines to make; None if they are unknown, so that any language may be spoken
+    tts : a speech engine in place of the languages'
+    """
+    needed = {stated: [Path(stated).suffix.lower()] for stated in project.lines}
+    for stated in project.outputs:
+        try:
+            needed[stated] = [writer_of(stated)[0]]
+        except OutputError:
+            continue  # another check refuses it
+    heard: dict[str, set[bool]] = {}
+    if lines is None:
+        names = project.languages or ([project.language] if project.language else [])
+        heard = {name: {False, bool(project.audio)} for name in names}
+    for line in lines or ():
+        if line.timings is None:
+            heard.setdefault(line.language, set()).add(line.audio is not None)
+    common = library.common().model
+    for name, ways in heard.items():
+        manner = manner_of(library.language(name), common)
+        needed[name] = [*engines_of(manner, spoken=False in ways, heard=True in ways, tts=tts)]
+    return needed
+
+
+def check_installed(
+    faults: ScriptFaults,
+    project: Project,
+    library: Library,
+    lines: Iterable[PlannedLine] | None,
+    tts: str | None,
+) -> None:
+    """Add one fault for all that a project needs and is not installed, and those of its voices."""
+    needed = extras_of_project(project, library, lines, tts)
+    if missing := missing_for(needed):
+        what, hint = missing_words(missing), f"install them: {install_line(*missing)}"
+        faults.state(("languages",), "P406", what, hint)
+    # A look-up of a name that is no language reads the head of every pack.
+    named = needed.keys() - {*project.lines, *project.outputs}
+    found = [name for name in sorted(named) if library.lookup("language", name)]
+    faults.stated += check_voices(map(library.language, found))

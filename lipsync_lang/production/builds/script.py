@@ -12,7 +12,6 @@ from lipsync_lang.packs.checking.project_checks import check_characters, check_l
 from lipsync_lang.packs.finding import Finder, Paths, folders_of
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.yaml.faults import shown
-from lipsync_lang.production.builds.casting import Cast, languages_of
 from lipsync_lang.production.builds.output_paths import check_links, check_shared, outputs_of
 from lipsync_lang.production.builds.planned_line import CONFIDENCE, PlannedLine
 from lipsync_lang.production.builds.script_faults import ScriptFaults
@@ -22,7 +21,7 @@ from lipsync_lang.production.builds.script_files import (
     ScriptLanguage,
     read_rows,
 )
-from lipsync_lang.production.builds.script_lines import ScriptPlanner
+from lipsync_lang.production.builds.script_lines import Cast, ScriptPlanner, languages_of
 from lipsync_lang.text.lines.line_readers import line_files
 from lipsync_lang.text.lines.markup import Cleaning
 

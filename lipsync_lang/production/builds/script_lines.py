@@ -1,25 +1,101 @@
-"""Planned lines of the rows of a script, with checks of ids, files, and counts of gaps."""
+"""Planned lines of the rows of a script: languages, casts, recordings, ids, and counts of gaps."""
 
 import os
 import posixpath
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from lipsync_lang.base.errors import shortlist
 from lipsync_lang.base.files.names import fault_of_name, folded_name
+from lipsync_lang.base.files.reach import refuse_outside
+from lipsync_lang.packs.finding import POSESET, Finder
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
-from lipsync_lang.production.builds.casting import Cast
+from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, stated_faces, unique
 from lipsync_lang.production.builds.output_paths import OutputPattern, filled, for_line
 from lipsync_lang.production.builds.planned_line import PlannedLine
-from lipsync_lang.production.builds.recordings import Recordings
+from lipsync_lang.production.builds.script_faults import ScriptFaults
 from lipsync_lang.production.builds.script_files import (
     PlanRemark,
     ScriptFile,
     ScriptLanguage,
     ScriptRow,
 )
+from lipsync_lang.text.lines.line_readers import LineFile
+from lipsync_lang.text.lines.timings import TIMING_SUFFIXES, is_timed
+
+
+def languages_of(
+    project: Project, finder: Finder, faults: ScriptFaults
+) -> dict[int, ScriptLanguage]:
+    """Return the languages of a build by their index."""
+    stated = project.languages or ({project.language: None} if project.language else {})
+    if not stated:
+        faults.state((), "P401", "no `languages`", "state `languages: [NAME, ...]`")
+    found: dict[int, ScriptLanguage] = {}
+    for own, word in stated.items():
+        path = next(map(Path, finder.lookup("language", own)), None)  # ENGINE:CODE has no pack
+        name = own if path is None else path.stem
+        names = finder.column_names(own, word)
+        found[len(found)] = ScriptLanguage(name, word or own.replace(":", "-"), names)
+    return found
+
+
+class Cast:
+    """The characters of each speaker."""
+
+    def __init__(self, project: Project, finder: Finder, faults: ScriptFaults) -> None:
+        stated = stated_faces(project)
+        if not stated:
+            hint = "state `character: NAME` or `cast: {...}`"
+            faults.state((), "P401", "no `character`", hint)
+        faces: dict[str, tuple[str, ...]] = {}
+        for speaker, names in stated.items():
+            own: list[str] = []
+            for name in names:
+                found = finder.lookup("character", name) or finder.lookup("poseset", name)
+                paths = map(Path, found[:1])  # an unknown one is a fault of `check_characters`
+                own += (one.parent.name if one.name == POSESET else one.stem for one in paths)
+            faces[speaker] = unique(own)
+        self._faces = SpeakerFaces(faces)
+        self.characters = self._faces.characters
+        """Every character once."""
+        self.faults = faults
+        self._unknown: dict[str, str] = {}
+        """Speakers without characters, with the places of their first lines."""
+        self.met: set[str] = set()
+        """Speakers of `cast` that a line has, folded."""
+
+    @property
+    def most(self) -> int:
+        """Maximum number of characters per line."""
+        return max(map(len, self._faces.stated.values()), default=0)
+
+    def of(self, speaker: str, where: str) -> tuple[str, ...]:
+        """Return the characters of a speaker; `check_speakers` reports those without one."""
+        if self._faces.own(speaker):
+            self.met.add(speaker.casefold())
+        found = self._faces.of(speaker)
+        if not found and self._faces.stated:
+            self._unknown.setdefault(speaker, where)
+        return found
+
+    def check_speakers(self) -> None:
+        """Add one fault for all speakers without a character, at the first of their lines."""
+        if self._unknown:
+            where = next(iter(self._unknown.values()))
+            self.faults.add(where, self._faces.lacking(*self._unknown))
+
+    def unmet(self) -> list[str]:
+        """Return the speakers of `cast` that no line has."""
+        return sorted(
+            speaker
+            for speaker in self._faces.stated
+            if speaker != OTHERS and speaker.casefold() not in self.met
+        )
+
 
 SHOWN_EXAMPLES = 3
 """Maximum number of examples in a remark."""
@@ -259,3 +335,98 @@ class ScriptPlanner:
         if unused.count:
             files = f"{unused.count:,} recording{'s' * (unused.count > 1)}"
             remark(f"{files} without a line: {unused}")
+
+
+COMMON_SUFFIXES = {".csv", ".dat", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
+"""Suffixes of timings that other files have too; the content decides."""
+
+RARE_SUFFIXES = tuple(sorted({*TIMING_SUFFIXES} - COMMON_SUFFIXES))
+"""Suffixes of timings only."""
+
+
+class Listing(NamedTuple):
+    """The files of a folder: by folded name, and those that may be timings by folded stem."""
+
+    names: dict[str, str]
+    timings: dict[str, list[str]]
+    used: set[str]
+    links: frozenset[str]
+    place: str
+    """The folder itself."""
+
+    def file(self, name: str, project: Path) -> Path:
+        """Return a file, and count it as used; a link out of the project is refused."""
+        found = Path(f"{self.place}/{name}")
+        if name in self.links:
+            refuse_outside(found, project)
+        self.used.add(name)
+        return found
+
+
+class Recordings:
+    """Files beside the lines of a script, below a project's folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._listings: dict[str, Listing] = {}
+
+    def find(self, path: str) -> Path | None:
+        """Return the file of a path from the folder; other case or normal form counts as well."""
+        at, _, name = path.rpartition("/")
+        listing = self._listing(at)
+        found = listing.names.get(folded_name(name)) if listing.names else None
+        return None if found is None else listing.file(found, self._folder)
+
+    def timings_beside(self, path: str, taken: Callable[[], Collection[str]]) -> Path | None:
+        """Return the file of timings that has the stem of a recording, but none of `taken`.
+
+        Suffixes that only timings have come first.
+        """
+        at, _, name = path.rpartition("/")
+        listing = self._listing(at)
+        if not listing.timings:
+            return None
+        for candidate in listing.timings.get(folded_name(name.rpartition(".")[0] or name), ()):
+            if f"{at}/{candidate}".lstrip("/") in taken():
+                continue
+            rare = candidate.lower().endswith(RARE_SUFFIXES)
+            if candidate in listing.links:
+                refuse_outside(Path(listing.place, candidate), self._folder)
+            # Remarks are ignored, because the reading of the timings repeats them.
+            if rare or is_timed(LineFile(Path(listing.place, candidate), lambda _: None)):
+                return listing.file(candidate, self._folder)
+        return None
+
+    def used(self) -> Iterator[str]:
+        """Yield the files that were returned, as paths from the folder."""
+        for at, listing in self._listings.items():
+            for name in listing.used:
+                yield f"{at}/{name}".lstrip("/")
+
+    def unused(self, suffix: str) -> Iterator[str]:
+        """Yield the files with a suffix that `find` never returned, as paths from the folder."""
+        for at, listing in sorted(self._listings.items()):
+            for name in sorted(set(listing.names.values()) - listing.used):
+                if name.lower().endswith(suffix.lower()):
+                    yield f"{at}/{name}".lstrip("/")
+
+    def _listing(self, at: str) -> Listing:
+        if at not in self._listings:
+            refuse_outside(self._folder / at, self._folder)
+            try:
+                with os.scandir(self._folder / at) as entries:
+                    links = {entry.name: entry.is_symlink() for entry in entries}
+            except OSError:
+                links = {}
+            names = sorted(links)
+            timings: dict[str, list[str]] = {}
+            for name in names:
+                stem, suffix = os.path.splitext(name)  # noqa: PTH122
+                if suffix.lower() in TIMING_SUFFIXES:
+                    timings.setdefault(folded_name(stem), []).append(name)
+            for some in timings.values():
+                some.sort(key=lambda name: (not name.lower().endswith(RARE_SUFFIXES), name))
+            known = {folded_name(name): name for name in reversed(names)}
+            linked = frozenset(name for name in names if links[name])
+            self._listings[at] = Listing(known, timings, set(), linked, str(self._folder / at))
+        return self._listings[at]

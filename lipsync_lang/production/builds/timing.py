@@ -1,14 +1,130 @@
-"""Schedules of planned lines: read from timings, aligned with recordings, or spoken."""
+"""Schedules of planned lines: read from timings, aligned with recordings, or spoken.
 
-from collections.abc import Callable, Sequence
+Aligners, recognisers and voices take most of a build, so their schedules are kept on disk. One is
+found by the digest of all that it depends on: text, sound, language, engines and the program's own
+code. So another character, frame rate or project reads it in a millisecond. A file is trusted as a
+compiled pair is: it must be whole, and it holds data alone (decision 0002).
+"""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import astuple, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
+import numpy as np
+
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.files.writing import atomic
+from lipsync_lang.production.builds.digests import digest, file_digest
 from lipsync_lang.production.builds.planned_line import PlannedLine
-from lipsync_lang.production.builds.timing_cache import TimingCache
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.resolver.cache import delete_oldest, folder, sealed, unsealed
+from lipsync_lang.schedules.schedule import Audio, Schedule, Word
+from lipsync_lang.sound.speech.sound import read_audio
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+MARK = b"lipsync-lang timings, version 2\n"
+
+TIMERS = ("plugins/mfa", "schedules", "sound", "text")
+"""Folders of the code that times lines. A change below them invalidates every file."""
+
+MAX_KEPT_TIMINGS_BYTES = 2**30
+"""Maximum bytes of all timings; the oldest are deleted first. A spoken second has 44 kB."""
+
+TIMINGS_SUFFIX = ".timings"
+
+
+@dataclass(frozen=True)
+class TimingCache:
+    """Cache of the timings of lines in one language.
+
+    Parameters
+    ----------
+    folder : of the project
+    reading : digest of all settings of the language and its engines
+    reuse : False to write only
+    """
+
+    folder: Path
+    reading: str
+    reuse: bool = True
+
+    def has(self, line: PlannedLine) -> bool:
+        """Return True if the timings of a line are in the cache, to be checked when loaded."""
+        try:
+            path = self._path(line) if self.reuse else None
+        except OSError:  # of the recording
+            return False
+        return path is not None and path.is_file()
+
+    def load(self, line: PlannedLine) -> Schedule | None:
+        """Return the schedule of a line, with its sound; None if there is none to trust."""
+        try:
+            path = self._path(line) if self.reuse else None
+            content = unsealed(MARK, path.read_bytes()) if path else None
+            if content is None:
+                return None
+            recording = None if line.audio is None else read_audio(self.folder / line.audio)
+            return _decoded(content, recording)
+        except Exception:  # noqa: BLE001 a forged file can fail anywhere, and the line is timed again
+            return None
+
+    def save(self, line: PlannedLine, timed: object) -> None:
+        """Keep the schedule of a line; an error, or a cache that cannot be written, is skipped."""
+        if not isinstance(timed, Schedule):
+            return
+        try:
+            path = self._path(line)
+            if path is not None:
+                path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                with atomic(path) as stream:
+                    stream.writelines(sealed(MARK, _encoded(timed, own=line.audio is None)))
+        except (OSError, OutputError):
+            return
+
+    def _path(self, line: PlannedLine) -> Path | None:
+        where = folder()
+        if where is None:
+            return None
+        files = [path and file_digest(self.folder / path) for path in (line.audio, line.timings)]
+        name = digest(self.reading, line.text, files, str(line.timings)).hex()
+        return where / "timings" / f"{name}{TIMINGS_SUFFIX}"
+
+
+def prune_timings() -> None:
+    """Delete the oldest timings beyond the size limit of the cache."""
+    where = folder()
+    if where is not None:
+        delete_oldest(where / "timings", f"*{TIMINGS_SUFFIX}", MAX_KEPT_TIMINGS_BYTES)
+
+
+def _encoded(schedule: Schedule, *, own: bool) -> Iterator[bytes]:
+    """Yield the parts of a file; sound is kept if it is the schedule's own, not a recording."""
+    head: dict[str, Any] = {f.name: getattr(schedule, f.name) for f in fields(schedule)}
+    audio = head.pop("audio") if own else head.update(audio=None)
+    head["times"] = schedule.times.tolist()
+    head["words"] = [astuple(word) for word in schedule.words]
+    head["audio"] = [audio.rate, audio.usual_level] if audio else None
+    text = json.dumps(head).encode()
+    yield len(text).to_bytes(8, "little") + text
+    if audio is not None:
+        yield audio.samples.astype("<i2", copy=False).tobytes()
+
+
+def _decoded(content: memoryview, recording: Audio | None) -> Schedule:
+    size = 8 + int.from_bytes(content[:8], "little")
+    head = json.loads(bytes(content[8:size]))
+    sound = head.pop("audio")
+    head |= {name: tuple(value) for name, value in head.items() if isinstance(value, list)}
+    head["words"] = tuple(Word(*word) for word in head["words"])
+    head["likely"] = tuple(tuple(map(tuple, one)) for one in head["likely"])
+    made = Schedule(**head)
+    if sound is None:
+        return replace(made, audio=recording)
+    samples = np.frombuffer(content[size:], "<i2").astype(np.int16, copy=False)
+    return replace(made, audio=Audio(samples, *sound))
+
 
 CallResult = TypeVar("CallResult")
 

@@ -21,13 +21,11 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.speaker_faces import SpeakerFaces
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.track import trigrams_in
-from lipsync_lang.reports.coverage.entry_words import EntryWords
+from lipsync_lang.reports.coverage.changes import ScriptDigests
 from lipsync_lang.reports.coverage.gesture_tally import GestureTally
 from lipsync_lang.reports.coverage.reading_cache import reading_cache
 from lipsync_lang.reports.coverage.report import Corpus
-from lipsync_lang.reports.coverage.script_changes import ScriptDigests
-from lipsync_lang.reports.coverage.scripts import OtherScripts
-from lipsync_lang.reports.coverage.tally_counter import TallyCounter
+from lipsync_lang.reports.coverage.scripts import EntryWords, OtherScripts, TallyCounter
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.sound.speech.speaking.joining import estimate
 from lipsync_lang.sound.speech.speaking.transcripts import Transcript

@@ -6,8 +6,43 @@ percentages do not include them. Percentages are from 0 to 100.
 
 from typing import Any, Literal, NamedTuple
 
-from lipsync_lang.reports.coverage.facts import AuthoredShare, Fact, NextHour, WorkLeft, authored
-from lipsync_lang.reports.coverage.script_changes import ScriptChange, ScriptLines
+from pydantic import BaseModel, ConfigDict
+
+AUTHORED = frozenset(("edited", "approved"))
+BORROWED_LAYER = "like"
+
+
+class Fact(BaseModel):
+    """A part of the document."""
+
+    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
+
+
+class AuthoredShare(Fact):
+    """The needed bigrams that are authored."""
+
+    bigrams: int
+    percent: float
+
+
+class WorkLeft(Fact):
+    """The needed bigrams that are left to author."""
+
+    bigrams: int
+    hours: float
+
+
+class NextHour(Fact):
+    """The bigrams to author in the next hour."""
+
+    bigrams: tuple[str, ...]
+    percent: float
+
+
+def authored(layer: str, status: str) -> bool:
+    """Return True if a person drew a bigram; drafts and borrowed curves do not count."""
+    return status in AUTHORED and layer != BORROWED_LAYER
+
 
 COVERAGE_FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
 """The form's name and version; a key that is added at the end does not change it."""
@@ -37,6 +72,34 @@ class EntryWord(Tally):
     why: Literal["letters", "name", "engines"]
     """A letter that the pack's texts do not have, a capital within a sentence, or two engines that
     read the word differently."""
+
+
+class ScriptLines(Fact):
+    """Digests of the spoken lines of one reading, in its order."""
+
+    languages: tuple[str, ...]
+    """Languages that the lines were read in."""
+    column: str = ""
+    """The column that was read; empty unless it was stated."""
+    named: dict[str, str]
+    """Digests by the line's own name."""
+    unnamed: dict[str, str]
+    """Digests by place, for lines without a name of their own."""
+
+
+class ScriptChange(Fact):
+    """Changes of a script's lines since an older document."""
+
+    languages: tuple[str, ...]
+    """Languages in which the same lines changed."""
+    lines: tuple[int, int]
+    """Number of lines, before and now."""
+    added: tuple[str, ...]
+    """Names, or places, of new lines."""
+    removed: tuple[str, ...]
+    """Names, or former places, of removed lines."""
+    changed: tuple[str, ...]
+    """Names of lines with another text or speaker."""
 
 
 class Corpus(Fact):

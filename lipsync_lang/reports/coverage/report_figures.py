@@ -10,8 +10,16 @@ from lipsync_lang.base.presentation.percentages import percent
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.reports.coverage import plan
 from lipsync_lang.reports.coverage.corpus import Count, Pages
-from lipsync_lang.reports.coverage.facts import AuthoredShare, NextHour, WorkLeft, authored
-from lipsync_lang.reports.coverage.report import BigramNeed, CoverageReport, Sentence, TrigramNeed
+from lipsync_lang.reports.coverage.report import (
+    AuthoredShare,
+    BigramNeed,
+    CoverageReport,
+    NextHour,
+    Sentence,
+    TrigramNeed,
+    WorkLeft,
+    authored,
+)
 from lipsync_lang.resolver.compiled import Origin
 
 

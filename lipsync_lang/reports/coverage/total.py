@@ -13,14 +13,16 @@ from collections.abc import Mapping, Sequence
 
 from lipsync_lang.base.presentation.percentages import WHOLE_PERCENT, rounded
 from lipsync_lang.reports.coverage import plan
-from lipsync_lang.reports.coverage.facts import AuthoredShare, NextHour, WorkLeft
 from lipsync_lang.reports.coverage.report import (
+    AuthoredShare,
     BigramNeed,
     CoverageReport,
     FaceTotal,
+    NextHour,
     Total,
     WorkItem,
     WorkKey,
+    WorkLeft,
 )
 
 

@@ -12,7 +12,7 @@ from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.splicing import get
-from lipsync_lang.reports.coverage.facts import authored
+from lipsync_lang.reports.coverage.report import authored
 from lipsync_lang.resolver.bigram_sources import beneath, stated, target_curves
 from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import BigramRow, PairPacks

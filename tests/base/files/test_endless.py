@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from lanes import full
 
-from lipsync_lang.authoring import inventories
+from lipsync_lang.authoring import language_draft
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reading import MIB_BYTES, read_input
 from lipsync_lang.reports.coverage import changes
@@ -24,7 +24,7 @@ LIMITS = [
     (timings, "MAX_TIMINGS_BYTES"),
     (lines, "MAX_PIPED_BYTES"),
     (lexicon, "MAX_LEXICON_BYTES"),
-    (inventories, "MAX_INVENTORY_BYTES"),
+    (language_draft, "MAX_INVENTORY_BYTES"),
     (changes, "MAX_DOCUMENT_BYTES"),
 ]
 
@@ -135,7 +135,7 @@ def test_an_inventory_that_unpacks_to_any_amount_is_told(folder):
     path = folder / "bomb.csv.gz"
     path.write_bytes(gzip.compress(bytes(4 * MIB_BYTES)))
     with pytest.raises(LipsyncError, match=r"bomb\.csv\.gz: unpacks to more than 1 MB"):
-        inventories.read_inventory(path)
+        language_draft.read_inventory(path)
 
 
 def test_an_older_coverage_without_an_end_is_told(cli, folder):

@@ -27,18 +27,20 @@ from test_usd import from_usda
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.reports.coverage.facts import AuthoredShare, NextHour, WorkLeft
+from lipsync_lang.reports.coverage.changes import ScriptChange
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
 from lipsync_lang.reports.coverage.report import (
+    AuthoredShare,
     BigramNeed,
     Corpus,
     Coverage,
     CoverageChanges,
     CoverageReport,
+    NextHour,
     ReportChange,
     Tally,
+    WorkLeft,
 )
-from lipsync_lang.reports.coverage.script_changes import ScriptChange
 from lipsync_lang.reports.coverage.total import total_of
 
 ODD = (

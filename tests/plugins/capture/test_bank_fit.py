@@ -18,13 +18,17 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.plugins.capture.accept_fit import accept_fit
 from lipsync_lang.plugins.capture.capture_reading import read_captures
-from lipsync_lang.plugins.capture.fit_captures import fit_captures, without_rest
+from lipsync_lang.plugins.capture.fit_captures import confidence, fit_captures, without_rest
 from lipsync_lang.plugins.capture.fit_file import read_fit, write_fit
 from lipsync_lang.plugins.capture.fit_folds import folds
-from lipsync_lang.plugins.capture.fit_items import confidence
 from lipsync_lang.plugins.capture.fit_lines import fit_rate, lay_lines
-from lipsync_lang.plugins.capture.fit_slopes import control_slopes, draft_slopes, solve
-from lipsync_lang.plugins.capture.fit_steps import TargetParameters, seen_poses
+from lipsync_lang.plugins.capture.fit_steps import (
+    TargetParameters,
+    control_slopes,
+    draft_slopes,
+    seen_poses,
+    solve,
+)
 from lipsync_lang.plugins.capture.fit_values import FitFace
 from lipsync_lang.resolver.retouch import OpenPair
 

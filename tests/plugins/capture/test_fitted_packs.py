@@ -17,10 +17,10 @@ from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.describe import show
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import BigramCurves
-from lipsync_lang.reports.coverage.facts import authored
 from lipsync_lang.reports.coverage.matrix import coverage
 from lipsync_lang.reports.coverage.page import states
 from lipsync_lang.reports.coverage.page.states import STATE_CODES
+from lipsync_lang.reports.coverage.report import authored
 from lipsync_lang.reports.quality.baselines import dominance
 from lipsync_lang.resolver.bank_diff import diff_banks
 from lipsync_lang.resolver.bigram_sources import draft_bigrams

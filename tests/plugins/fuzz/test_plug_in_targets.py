@@ -4,7 +4,7 @@ from test_fuzz import PACKAGE, opening
 
 NO_TARGET = {
     "plugins/capture/accept_fit.py": "packs, which are a target; opens a pair by its name",
-    "plugins/capture/capture_timings.py": "plain text; timings are targets",
+    "plugins/capture/capture_reading.py": "plain text; timings are targets",
     "plugins/capture/fit_command.py": "writes",
     "plugins/mfa/mfa_aligner.py": "what a program of the user's has written",
     "plugins/mfa/mfa_command.py": "what a program of the user's has written",

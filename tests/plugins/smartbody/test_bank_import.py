@@ -19,8 +19,7 @@ from lipsync_lang.plugins.smartbody.bank_files import (
     ImportRemarks,
     read_smartbody,
 )
-from lipsync_lang.plugins.smartbody.bank_import import import_bank
-from lipsync_lang.plugins.smartbody.conversion import DECIMALS, MOST_KEYS
+from lipsync_lang.plugins.smartbody.bank_import import DECIMALS, MOST_KEYS, import_bank
 
 HEAD = """\
 # lip sync set: default

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.files.quoting import shell_command
 from lipsync_lang.production.builds import build_tally
+from lipsync_lang.production.builds.build_reports import write_report
 from lipsync_lang.production.builds.build_tally import (
     BINS,
     BuildHeading,
@@ -25,7 +26,6 @@ from lipsync_lang.production.builds.build_tally import (
 )
 from lipsync_lang.production.builds.making import TIMING_DOUBT
 from lipsync_lang.production.builds.planned_line import BuiltLine, JudgedFigure, PlannedLine
-from lipsync_lang.production.builds.report_files import write_report
 from lipsync_lang.schedules.schedule import DOUBTFUL
 
 LANGUAGES, CHARACTERS = ("english", "german"), ("facefx", "crab", "arkit")
@@ -326,7 +326,7 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
 
 
 def test_bars_of_few_lines_are_seen():
-    from lipsync_lang.production.builds.report_files import LEAST_BAR, figure_bars
+    from lipsync_lang.production.builds.build_reports import LEAST_BAR, figure_bars
 
     lines = [*map(made, range(2000)), made(1, speed=13.0)]
     tally = BuildTally(map(CountedLine.of, lines))

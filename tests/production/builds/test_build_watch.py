@@ -13,7 +13,7 @@ from build_project import BANK, Game
 from lanes import full
 
 from lipsync_lang.cli import main
-from lipsync_lang.commands import build_watch
+from lipsync_lang.commands import build
 
 
 class Change(IntEnum):
@@ -131,7 +131,7 @@ def test_remarks_of_a_script_are_said_once(game, watched):
 
 
 def test_the_watcher_sees_inputs_alone(game):
-    made = build_watch.MadeByBuilds()
+    made = build.MadeByBuilds()
     project = SimpleNamespace(
         folder=game.folder,
         lines=[SimpleNamespace(outputs=[("csv", "takes/l1.csv"), ("csv", "crab.zip/l1.csv")])],

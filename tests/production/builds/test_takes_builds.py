@@ -9,7 +9,7 @@ from build_project import PROJECT, Game
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.cli import main
 from lipsync_lang.production.builds.archives import members
-from lipsync_lang.production.builds.shards import Shard
+from lipsync_lang.production.builds.project_build import Shard
 from lipsync_lang.production.builds.takes import read_takes
 
 SAID = ["L OW", "M AE P", "M EY L", "HH OW M", "L OW M", "M AE M", "P AE L"]

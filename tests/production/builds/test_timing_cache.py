@@ -9,9 +9,9 @@ import pytest
 from build_project import Game
 
 import lipsync_lang as ll
-from lipsync_lang.production.builds import timing_cache
+from lipsync_lang.production.builds import timing
 from lipsync_lang.production.builds.planned_line import PlannedLine
-from lipsync_lang.production.builds.timing_cache import MARK, TIMERS, TimingCache, prune_timings
+from lipsync_lang.production.builds.timing import MARK, TIMERS, TimingCache, prune_timings
 from lipsync_lang.resolver.cache import sealed
 from lipsync_lang.sound.speech.hearing import alignment
 from lipsync_lang.sound.speech.sound import read_audio
@@ -117,7 +117,7 @@ def test_a_damaged_file_is_none(cache, damaged):
 def test_the_oldest_timings_go_beyond_the_size_limit(cache, monkeypatch):
     for text in ("ma", "mama", "mamama"):
         cache.save(line(text=text), SPOKEN)
-    monkeypatch.setattr(timing_cache, "MAX_KEPT_TIMINGS_BYTES", 1)
+    monkeypatch.setattr(timing, "MAX_KEPT_TIMINGS_BYTES", 1)
     prune_timings()
     assert len([*(cache.folder / "cache" / "timings").iterdir()]) == 1
 

@@ -30,8 +30,7 @@ from lipsync_lang.production.live.live_player import (
     TextSpeaker,
 )
 from lipsync_lang.production.live.live_voice import LiveVoice
-from lipsync_lang.production.live.outlets import PacketOutlet
-from lipsync_lang.production.live.packets import LiveLinkPacket, vmc_messages
+from lipsync_lang.production.live.outlets import LiveLinkPacket, PacketOutlet, vmc_messages
 from lipsync_lang.production.live.web_socket import MAX_PHONEME_ROWS, Client, Session
 
 PAIR = ("-l", "english", "-c", "arkit")

@@ -12,9 +12,8 @@ from lanes import costly, full
 
 from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.reports.coverage import coverage
-from lipsync_lang.reports.coverage.facts import authored
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
-from lipsync_lang.reports.coverage.report import Coverage, schema
+from lipsync_lang.reports.coverage.report import Coverage, authored, schema
 from lipsync_lang.text.lines import Line, read_lines
 
 

@@ -16,12 +16,17 @@ from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
 from lipsync_lang.reports.coverage import coverage
-from lipsync_lang.reports.coverage.changes import since
-from lipsync_lang.reports.coverage.facts import AuthoredShare, NextHour, WorkLeft
+from lipsync_lang.reports.coverage.changes import ScriptDigests, script_changes, since
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
-from lipsync_lang.reports.coverage.forms.total_text import draft_calls
-from lipsync_lang.reports.coverage.report import BigramNeed, CoverageReport, WorkItem
-from lipsync_lang.reports.coverage.script_changes import ScriptDigests, script_changes
+from lipsync_lang.reports.coverage.forms.text import draft_calls
+from lipsync_lang.reports.coverage.report import (
+    AuthoredShare,
+    BigramNeed,
+    CoverageReport,
+    NextHour,
+    WorkItem,
+    WorkLeft,
+)
 from lipsync_lang.reports.coverage.total import total_of
 from lipsync_lang.text.lines import Line
 
@@ -483,7 +488,7 @@ def test_changes_of_nameless_lines_add_up(old, new):
 
 @pytest.mark.usefixtures("packs")
 def test_a_script_that_is_too_large_is_not_compared(monkeypatch):
-    monkeypatch.setattr("lipsync_lang.reports.coverage.script_changes.MAX_COMPARED_LINES", 2)
+    monkeypatch.setattr("lipsync_lang.reports.coverage.changes.MAX_COMPARED_LINES", 2)
     assert changes(lines("ta", "mi"), lines("ta", "mi", "sa")).script == ()
     assert len(changes(lines("ta"), lines("mi")).script) == 1
 

@@ -2,7 +2,7 @@
 
 from shipped import LIBRARY
 
-from lipsync_lang.reports.coverage.entry_words import EntryWords, letters_of
+from lipsync_lang.reports.coverage.scripts import EntryWords, letters_of
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.lines import Line
 
@@ -39,7 +39,7 @@ def test_a_language_without_texts_names_no_words():
 
 
 def test_two_engines_that_differ_are_told(monkeypatch):
-    import lipsync_lang.reports.coverage.entry_words as module
+    import lipsync_lang.reports.coverage.scripts as module
 
     monkeypatch.setattr(module.EntryWords, "_differing", lambda _: frozenset({"tak"}))
     assert found("polish", "tak, tak, nie") == [("tak", 2, "engines")]

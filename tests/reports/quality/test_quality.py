@@ -22,11 +22,16 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.packs.models.check_models import Checks
 from lipsync_lang.performing.performer import PerformedLine, Performer
 from lipsync_lang.reports.quality.baselines import BASELINES, HOLD_SECONDS, compare, held
-from lipsync_lang.reports.quality.check_animation import check, check_all
+from lipsync_lang.reports.quality.check_animation import (
+    as_json,
+    as_junit,
+    as_text,
+    check,
+    check_all,
+)
 from lipsync_lang.reports.quality.face_columns import APERTURE
 from lipsync_lang.reports.quality.figures import Figure, Finding, Quality
 from lipsync_lang.reports.quality.measures import load_measures
-from lipsync_lang.reports.quality.quality_report import as_json, as_junit, as_text
 
 RIGS = sorted(ROOT.glob("posesets/facefx/rigs/*.yaml"))
 assert RIGS, "a sweep over nothing passes"

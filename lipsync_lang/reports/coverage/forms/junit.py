@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TextIO
 from lipsync_lang.base.presentation.junit import JunitCase, JunitSuite, junit_text
 from lipsync_lang.base.presentation.percentages import percentage_text
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
-from lipsync_lang.reports.coverage.forms.total_text import headline
+from lipsync_lang.reports.coverage.forms.text import headline
 
 if TYPE_CHECKING:
     from lipsync_lang.reports.coverage.report import Coverage, CoverageReport, TotalFigures

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from string import ascii_lowercase, digits
 from typing import Any, Self
 
-from lipsync_lang.reports.coverage.facts import AUTHORED, BORROWED_LAYER
+from lipsync_lang.reports.coverage.report import AUTHORED, BORROWED_LAYER
 
 StateRow = Mapping[str, Any]
 """A bigram of a report in the document."""
