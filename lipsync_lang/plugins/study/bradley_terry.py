@@ -12,8 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats
-from lipsync_lang.plugins.study.comparisons import ALL_CHARACTERS, Choice, cells
-from lipsync_lang.plugins.study.distributions import Interval, chi_square_tail, t_quantile
+from lipsync_lang.plugins.study.comparisons import (
+    ALL_CHARACTERS,
+    Choice,
+    Interval,
+    cells,
+    chi_square_tail,
+    t_quantile,
+)
 
 FLIPS, FLIPS_AT_ONCE = 20_000, 1_000
 """Number of random sign vectors in the test over raters; their seed is fixed."""

@@ -3,23 +3,82 @@
 Answers of one rater are not independent, and neither are answers about one line. The paper's
 chi-square and the binomial test treat all choices as independent; the tests by raters and by lines
 do not. Intervals of shares and strengths are by raters.
+
+Conventions: tests are two-sided; a tail includes the observed value; degrees of freedom are whole.
 """
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations
 from math import sqrt
+from statistics import NormalDist
 from typing import NamedTuple
 
-from lipsync_lang.plugins.study.distributions import (
-    Interval,
-    chi_square_tail,
-    even_odds,
-    sign_flips,
-    t_quantile,
-    wilson,
-)
+import numpy as np
+
+CONFIDENCE_LEVEL = 0.95
+"""Confidence of every interval."""
+
+NORMAL_QUANTILE = NormalDist().inv_cdf((1 + CONFIDENCE_LEVEL) / 2)
+
+
+class Interval(NamedTuple):
+    """Interval at the level `CONFIDENCE_LEVEL`."""
+
+    low: float
+    high: float
+
+
+def chi_square_tail(statistic: float, freedom: int) -> float:
+    """Return the probability of at least this chi-square."""
+    from scipy import stats
+
+    return float(stats.chi2.sf(statistic, freedom))
+
+
+@cache
+def t_quantile(freedom: int) -> float:
+    """Return the t that bounds `CONFIDENCE_LEVEL` of Student's distribution on both sides."""
+    from scipy import stats
+
+    return float(stats.t.ppf((1 + CONFIDENCE_LEVEL) / 2, freedom))
+
+
+def wilson(successes: float, trials: float, quantile: float = NORMAL_QUANTILE) -> Interval:
+    """Return Wilson's score interval of a share; numbers may be fractions."""
+    square = quantile**2
+    middle = (successes + square / 2) / (trials + square)
+    spread = successes * (trials - successes) / trials + square / 4
+    half = quantile * sqrt(spread) / (trials + square)
+    return Interval(max(0.0, middle - half), min(1.0, middle + half))
+
+
+def even_odds(successes: int, trials: int) -> float:
+    """Return the exact binomial probability that coin flips give a split at least as uneven."""
+    from scipy import stats
+
+    return float(stats.binomtest(successes, trials).pvalue)
+
+
+def sign_flips(differences: Sequence[int]) -> float:
+    """Return the exact probability that random signs give a total at least as far from 0.
+
+    The differences are whole numbers: of each rater, the choices for one method less those for the
+    other.
+    """
+    # All 2^R signs at once: rater by rater, the distribution of sums of subsets is convolved. A
+    # sum s of the subset with a plus sign is a total of 2 s less the sum of all.
+    chances = np.ones(1)
+    for size in map(abs, differences):
+        step = np.zeros(size + 1)
+        step[[0, size]] = 0.5 if size else 1.0
+        chances = np.convolve(chances, step)
+    whole = len(chances) - 1
+    totals = np.abs(2 * np.arange(whole + 1) - whole)
+    return float(min(1.0, chances[totals >= abs(sum(differences))].sum()))
+
 
 ALL_CHARACTERS = ""
 """Character of a comparison over all characters."""

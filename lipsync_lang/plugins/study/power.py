@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.plugins.study.distributions import binomial_masses
 
 POWER_FORMAT = "lipsync-lang study power 1"
 MIN_CHANCE = 0.0001
@@ -144,15 +144,20 @@ def pairs_for(choices: int, raters: int, correlation: float) -> int:
 
 def exact_power(choices: int, share: float, alpha: float) -> float:
     """Return the power of the exact two-sided binomial test against an even split."""
-    if choices < 1:
-        return 0.0
-    even = binomial_masses(choices, 0.5)
-    tails = np.cumsum(even)  # P(X <= k), and by symmetry P(X >= choices - k)
-    below = int(np.searchsorted(tails, alpha / 2, side="right"))  # k < below is significant
-    if below == 0:
-        return 0.0
-    masses = binomial_masses(choices, share)
-    return float(min(1.0, masses[:below].sum() + masses[choices + 1 - below :].sum()))
+    return float(_exact_powers(np.array([choices]), share, alpha)[0])
+
+
+def _exact_powers(choices: Ints, share: float, alpha: float) -> Floats:
+    """Return the power of each number of choices, (N,) each."""
+    from scipy import stats
+
+    most = stats.binom.ppf(alpha / 2, choices, 0.5)
+    # `ppf` is the first count whose tail reaches the level; only a tail within it is significant
+    most -= stats.binom.cdf(most, choices, 0.5) > alpha / 2
+    tails = stats.binom.cdf(most, choices, share) + stats.binom.sf(
+        choices - most - 1, choices, share
+    )
+    return np.where((choices > 0) & (most >= 0), np.minimum(tails, 1.0), 0.0)
 
 
 def choices_needed(share: float, power: float, alpha: float) -> int:
@@ -171,8 +176,8 @@ def choices_needed(share: float, power: float, alpha: float) -> int:
         raise LipsyncError(f"more than {MAX_CHOICES:,} choices are needed; ask for less power")
     while high - low > 2 * SEARCHED_CHOICES:
         middle = (low + high) // 2
-        window = range(middle, middle + SEARCHED_CHOICES)
-        enough = all(exact_power(number, share, alpha) >= power for number in window)
+        window = np.arange(middle, middle + SEARCHED_CHOICES)
+        enough = (_exact_powers(window, share, alpha) >= power).all()
         low, high = (low, middle) if enough else (middle, high)
-    short = [n for n in range(low, high + 1) if exact_power(n, share, alpha) < power]
-    return (short[-1] if short else low - 1) + 1
+    short = np.flatnonzero(_exact_powers(np.arange(low, high + 1), share, alpha) < power)
+    return low + (int(short[-1]) + 1 if short.size else 0)

@@ -11,8 +11,7 @@ from lipsync_lang.base.presentation.pages import PageEnvironment
 from lipsync_lang.plugins.study import study_text
 from lipsync_lang.plugins.study.answer_sorting import reasons
 from lipsync_lang.plugins.study.bradley_terry import Ranking
-from lipsync_lang.plugins.study.comparisons import Comparison
-from lipsync_lang.plugins.study.distributions import Interval
+from lipsync_lang.plugins.study.comparisons import Comparison, Interval
 from lipsync_lang.plugins.study.study_report import StudyReport
 from lipsync_lang.plugins.study.study_text import EVERYBODY
 

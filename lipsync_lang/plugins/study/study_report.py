@@ -13,8 +13,7 @@ from lipsync_lang.plugins.study.answer_sorting import (
     sort_answers,
 )
 from lipsync_lang.plugins.study.bradley_terry import Ranking, ranked
-from lipsync_lang.plugins.study.comparisons import Comparison, compared
-from lipsync_lang.plugins.study.distributions import CONFIDENCE_LEVEL
+from lipsync_lang.plugins.study.comparisons import CONFIDENCE_LEVEL, Comparison, compared
 from lipsync_lang.plugins.study.study_file import (
     REPORT_FORMAT,
     STUDY_NAME,

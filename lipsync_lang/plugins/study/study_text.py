@@ -6,8 +6,7 @@ from lipsync_lang.base.errors import count
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.plugins.study.answer_sorting import reasons
 from lipsync_lang.plugins.study.bradley_terry import Ranking
-from lipsync_lang.plugins.study.comparisons import Comparison, MeanStrength
-from lipsync_lang.plugins.study.distributions import Interval
+from lipsync_lang.plugins.study.comparisons import Comparison, Interval, MeanStrength
 from lipsync_lang.plugins.study.power import PowerPlan
 from lipsync_lang.plugins.study.study_report import StudyReport
 

@@ -11,7 +11,7 @@ from study_answers import crowd, model, placed, study_of, submission
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.plugins.study.answer_sorting import SortingRules, reasons, sort_answers
-from lipsync_lang.plugins.study.distributions import chi_square_tail
+from lipsync_lang.plugins.study.comparisons import chi_square_tail
 from lipsync_lang.plugins.study.preference_page import report_page
 from lipsync_lang.plugins.study.study_file import answer_files
 from lipsync_lang.plugins.study.study_report import report_study

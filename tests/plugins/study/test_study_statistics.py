@@ -20,14 +20,11 @@ from lipsync_lang.plugins.study.comparisons import (
     Choice,
     agreement,
     chi_square,
+    chi_square_tail,
     clustering,
     compared,
-    mean_strength,
-)
-from lipsync_lang.plugins.study.distributions import (
-    binomial_masses,
-    chi_square_tail,
     even_odds,
+    mean_strength,
     sign_flips,
     t_quantile,
     wilson,
@@ -67,12 +64,6 @@ def test_wilsons_interval_is_newcombes():
     wanted[1, 29] = (0.0061, 0.1718)
     for (successes, trials), (low, high) in wanted.items():
         assert wilson(successes, trials) == pytest.approx((low, high), abs=5e-5)
-
-
-@given(st.integers(1, 400), st.floats(0.01, 0.99))
-def test_the_masses_of_the_binomial_are_scipys(trials, share):
-    wanted = stats.binom.pmf(np.arange(trials + 1), trials, share)
-    assert binomial_masses(trials, share) == pytest.approx(wanted, abs=1e-12)
 
 
 @given(st.integers(1, 300), st.data())
