@@ -40,6 +40,14 @@ UNSEEN_SCALE = 0.05
 LEAST_SCALE, MOST_SCALE = 0.6, 1.6
 """Range of dials for a face's own shapes: farther from 1, the shape is another one."""
 
+ABSENT_SHAPE = "the model has no shape for it"
+"""Reason for a lost pose without a shape in the model."""
+
+TURN = 15
+"""Rotation of a bone in degrees, for the commented example."""
+
+_SIDES = (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"), ("L", "R"), ("l", "r"))
+
 
 @dataclass(frozen=True)
 class CharacterWish(PackWish):
@@ -228,15 +236,6 @@ def _lines(
         yield f"dials: {{{levels}}}          # measured: the mouth opens as {match.poseset} expects"
     else:
         yield "# dials: {REGION: 0.8}          # scale of a region's movement"
-
-
-ABSENT_SHAPE = "the model has no shape for it"
-"""Reason for a lost pose without a shape in the model."""
-
-TURN = 15
-"""Rotation of a bone in degrees, for the commented example."""
-
-_SIDES = (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"), ("L", "R"), ("l", "r"))
 
 
 def drafted(name: str, title: str, match: Match, poseset: PoseSet, rig: RigPack | None) -> RigPack:

@@ -48,6 +48,14 @@ SHOWN_INVENTORIES = 12
 MAX_INVENTORY_BYTES = 128 * MIB_BYTES
 """Upper limit of the decompressed size in bytes; the PHOIBLE table has 24 million."""
 
+NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 100, 1000, 1000000))
+"""Sample texts for any voice: number words, which cover most sounds of a language."""
+
+EMPTY_TESTS = """
+# Words with the IPA of a dictionary or a grammar, and the expected common phonemes:
+#  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}
+tests: []"""
+
 
 class Inventory(NamedTuple):
     """The segments of a language and their source."""
@@ -129,15 +137,6 @@ def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:
 
 def _of(row: Mapping[str, str], names: tuple[str, ...]) -> str:
     return next((row[name] or "" for name in names if name in row), "").strip()
-
-
-NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 100, 1000, 1000000))
-"""Sample texts for any voice: number words, which cover most sounds of a language."""
-
-EMPTY_TESTS = """
-# Words with the IPA of a dictionary or a grammar, and the expected common phonemes:
-#  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}
-tests: []"""
 
 
 @dataclass(frozen=True)

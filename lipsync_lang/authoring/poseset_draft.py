@@ -51,6 +51,9 @@ RESERVED_TARGET_KEYS = frozenset({"dominance", "status", "weights"})
 
 MAX_POSE_NAME_CHARS = 120
 
+MAX_SCREEN_LINES = 90
+"""Maximum number of lines before a denser layout is used."""
+
 
 @dataclass(frozen=True)
 class PoseSetWish(PackWish):
@@ -270,10 +273,6 @@ def guessed(
     contacts = {"closure": models.ContactRule(phonemes=tuple(shutting), ceiling={first: SHUT})}
     still = dict.fromkeys(poses, models.Pose())
     return _bare(still, contacts=contacts if shutting else {}, targets=targets)
-
-
-MAX_SCREEN_LINES = 90
-"""Maximum number of lines before a denser layout is used."""
 
 
 def poseset_lines(

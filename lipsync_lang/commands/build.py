@@ -29,6 +29,18 @@ WAKE_MILLISECONDS = 500
 """Longest wait for a change before the watcher looks at signals; the first one comes before the
 first build, so that nothing that is saved during it is missed."""
 
+MAX_NAMED = 3
+"""Maximum number of reasons or paths in a line."""
+
+SHOWN_LINES = 20
+"""Maximum number of lines of one kind in a list."""
+
+SHOWN_FAILURES = 100
+"""Maximum number of failed lines to report at once; a fault of all lines would fill screens."""
+
+LOG_SECONDS = 10.0
+"""Pause between two lines of progress in a log."""
+
 
 class StandingRemarks:
     """Prints each remark once while it holds, since every build repeats it."""
@@ -139,19 +151,6 @@ def _folders(options: Namespace) -> list[Path]:
         with suppress(LipsyncError):  # the first build tells it
             found += [folder / path for path in load_project(file).model.paths]
     return [path for path in found if path.exists()]
-
-
-MAX_NAMED = 3
-"""Maximum number of reasons or paths in a line."""
-
-SHOWN_LINES = 20
-"""Maximum number of lines of one kind in a list."""
-
-SHOWN_FAILURES = 100
-"""Maximum number of failed lines to report at once; a fault of all lines would fill screens."""
-
-LOG_SECONDS = 10.0
-"""Pause between two lines of progress in a log."""
 
 
 @command("build")

@@ -48,6 +48,9 @@ WHOLE = 100
 MAX_NAMES = 8
 """Speakers that a remark names."""
 
+WORD = "{language}"
+"""Placeholder of the project's scripts and columns."""
+
 
 @command("coverage")
 def _add_coverage(add: Add) -> None:
@@ -204,10 +207,6 @@ def _write(options: Namespace, found: "Coverage") -> None:
     write_all({path: partial(encoded, path) for path in options.output})
     for path in options.output:
         tell_written(path)
-
-
-WORD = "{language}"
-"""Placeholder of the project's scripts and columns."""
 
 
 @dataclass(frozen=True)

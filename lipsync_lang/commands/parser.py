@@ -14,6 +14,13 @@ from lipsync_lang.commands.shared_options import add_words
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.pipeline import kernel
 
+TITLE = f"lipsync-lang {__version__} turns speech into mouth animation, for any language and face."
+
+MORE = "All commands: lipsync-lang --help. One of them: lipsync-lang run --help."
+
+SHOWN_IN_NEXT_STEPS = ("speech", "audio", "studio")
+"""Extras of the first steps, most important first."""
+
 
 def parser(first: str | None = None) -> argparse.ArgumentParser:
     """Build the parser; `docs/reference/commands.md` is generated from it.
@@ -42,14 +49,6 @@ def parser(first: str | None = None) -> argparse.ArgumentParser:
     for _, made in leaves(top):
         add_words(made)
     return top
-
-
-TITLE = f"lipsync-lang {__version__} turns speech into mouth animation, for any language and face."
-
-MORE = "All commands: lipsync-lang --help. One of them: lipsync-lang run --help."
-
-SHOWN_IN_NEXT_STEPS = ("speech", "audio", "studio")
-"""Extras of the first steps, most important first."""
 
 
 def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes options

@@ -30,6 +30,16 @@ from lipsync_lang.studio.workshop import Workshop
 from lipsync_lang.text.lines import Line, read_lines
 from lipsync_lang.text.lines.line_readers import by_suffix
 
+_log = logging.getLogger(__name__)
+
+MAX_SCRIPTS = 200
+"""Maximum number of files of a project to offer as scripts."""
+
+MAX_FOLDERS = 2000
+"""Maximum number of folders of a project to search for scripts."""
+
+_scripts: "WeakKeyDictionary[Workshop, ScriptCount]" = WeakKeyDictionary()
+
 
 @dataclass(frozen=True)
 class ScriptReading:
@@ -88,15 +98,6 @@ def reading_of(workshop: Workshop, column: str | None, *, sent: bool) -> ScriptR
     return ScriptReading(
         column or stated, names, project.columns.speaker, project.encoding, cast, character
     )
-
-
-_log = logging.getLogger(__name__)
-
-MAX_SCRIPTS = 200
-"""Maximum number of files of a project to offer as scripts."""
-
-MAX_FOLDERS = 2000
-"""Maximum number of folders of a project to search for scripts."""
 
 
 @dataclass(eq=False)
@@ -243,9 +244,6 @@ class ScriptCount:
         if figures is None or figures.count.size != len(workshop.performer.compiled.counted):
             return None
         return report_of(workshop.performer, figures, minutes, "", sentences=sentences)
-
-
-_scripts: "WeakKeyDictionary[Workshop, ScriptCount]" = WeakKeyDictionary()
 
 
 def script_of(workshop: Workshop) -> ScriptCount:

@@ -52,6 +52,22 @@ MAX_SAMPLE_SECONDS = 86_400.0
 FPS_TOLERANCE = 0.01
 """Maximum relative difference of the stated frame rate from that of the times."""
 
+SILENT_SCHEDULE = Schedule((SILENCE,), np.array([0.0, 1.0]))
+
+LONG_LAST_SECONDS = 0.5
+"""Maximum length of a last sound; a longer one includes silence."""
+
+LAST_SECONDS = 0.1
+"""Length to which such a sound is shortened."""
+
+MAX_UNKNOWN_SHARE = 0.1
+"""Maximum share of labels unknown to the language, which are read as silence."""
+
+MAX_TEXT_BYTES = 2**20
+
+FEW_NAMES = 8
+"""Maximum number of names in a message."""
+
 
 class SensorSignals(NamedTuple):
     """Measures from a table of sensors."""
@@ -245,23 +261,6 @@ def _weighted(performer: Performer, recording: Recording) -> CapturedLine:
     values = found.values[:, kept]
     line = CapturedLine(recording.source, schedule, found.times, signals, values, gains[kept])
     return replace(line, rigged=rigged, remarks=remarks)
-
-
-SILENT_SCHEDULE = Schedule((SILENCE,), np.array([0.0, 1.0]))
-
-LONG_LAST_SECONDS = 0.5
-"""Maximum length of a last sound; a longer one includes silence."""
-
-LAST_SECONDS = 0.1
-"""Length to which such a sound is shortened."""
-
-MAX_UNKNOWN_SHARE = 0.1
-"""Maximum share of labels unknown to the language, which are read as silence."""
-
-MAX_TEXT_BYTES = 2**20
-
-FEW_NAMES = 8
-"""Maximum number of names in a message."""
 
 
 def few_names(names: Iterable[str]) -> str:

@@ -63,6 +63,19 @@ ONE_SPEAKER = "all lines are of one speaker, so the fit was not tested on anothe
 
 Progress = Callable[[str], None]
 
+ITEM_DECIMALS = 3
+"""Decimals of fitted values in a proposal."""
+
+LEAST_WEIGHT, LEAST_DOMINANCE, LEAST_SECONDS, LEAST_SPEED_CHANGE = 0.005, 0.05, 0.0005, 0.1
+"""Minimum changes of weights, of the logarithm of a dominance, of times and of the speed limit;
+smaller changes are discarded."""
+
+BIGRAM_GAIN = 0.98
+"""Maximum ratio of the errors with and without fitted curves of a bigram."""
+
+FAINTEST = 0.01
+"""Minimum weight of a moving pose in a target; a target of 0 would oppose an early start."""
+
 
 def without_rest(performer: Performer, captured: Sequence[CapturedLine]) -> list[CapturedLine]:
     """Return lines with rest levels subtracted, and remarks on them.
@@ -248,20 +261,6 @@ def _verdict(
         bigrams = "" if shares.bigrams else "; fitted bigrams do not lower it and are left out"
         why = f"on held-out {units}, the mean error is {means}{extent}{bigrams}"
     return FitVerdict(accepted=accepted, why=why, folds=told)
-
-
-ITEM_DECIMALS = 3
-"""Decimals of fitted values in a proposal."""
-
-LEAST_WEIGHT, LEAST_DOMINANCE, LEAST_SECONDS, LEAST_SPEED_CHANGE = 0.005, 0.05, 0.0005, 0.1
-"""Minimum changes of weights, of the logarithm of a dominance, of times and of the speed limit;
-smaller changes are discarded."""
-
-BIGRAM_GAIN = 0.98
-"""Maximum ratio of the errors with and without fitted curves of a bigram."""
-
-FAINTEST = 0.01
-"""Minimum weight of a moving pose in a target; a target of 0 would oppose an early start."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -67,6 +67,39 @@ BOUND = 0.02
 PASSED = 1e-3
 """Maximum change of a value by stages that leave the curve unchanged."""
 
+PRIOR_OCCURRENCES = 2.0
+"""Number of occurrences of a phoneme with the same weight as its target before the fit."""
+
+FREE_PRIOR_OCCURRENCES = 8.0
+"""The same number for signals without a scale, which are noisier sums of several poses."""
+
+OCCURRENCE_SECONDS = 0.04
+"""Seconds of an occurrence that only its own target determines."""
+
+DOMINANCE_SHARE = 0.03
+"""Strength of the prior of a dominance's logarithm, relative to that of a weight."""
+
+HEIGHT_SHARE = 0.1
+"""Strength of the prior of a pose's height, relative to that of a weight."""
+
+MOST_HEIGHT = 4.0
+"""Maximum height of a pose, which is a factor of all its weights."""
+
+ENOUGH_OCCURRENCES = 10
+"""Minimum number of occurrences of a bigram with fitted curves."""
+
+BIGRAM_PRIOR_OCCURRENCES = 10.0
+"""Number of occurrences with the same weight as the draft."""
+
+MOST_SOFTNESS, MOST_ANTICIPATION, MOST_SPEED = 0.12, 0.4, 40.0
+"""Maximum fitted values: seconds, seconds, and weight per second."""
+
+TRIALS = 9
+"""Number of performances of all lines for each value."""
+
+WORTH = 0.01
+"""Minimum reduction of the cost by a change of motion, as a share; smaller ones are noise."""
+
 
 def robust_cost(errors: Floats) -> float:
     """Return the cost of some errors."""
@@ -236,40 +269,6 @@ def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
     kept = data != 0
     shape_ = rows * poses * points, weights + values.dominance.size
     return sparse.csr_matrix((data[kept], (at[kept], columns[kept])), shape=shape_)
-
-
-PRIOR_OCCURRENCES = 2.0
-"""Number of occurrences of a phoneme with the same weight as its target before the fit."""
-
-FREE_PRIOR_OCCURRENCES = 8.0
-"""The same number for signals without a scale, which are noisier sums of several poses."""
-
-OCCURRENCE_SECONDS = 0.04
-"""Seconds of an occurrence that only its own target determines."""
-
-DOMINANCE_SHARE = 0.03
-"""Strength of the prior of a dominance's logarithm, relative to that of a weight."""
-
-HEIGHT_SHARE = 0.1
-"""Strength of the prior of a pose's height, relative to that of a weight."""
-
-MOST_HEIGHT = 4.0
-"""Maximum height of a pose, which is a factor of all its weights."""
-
-ENOUGH_OCCURRENCES = 10
-"""Minimum number of occurrences of a bigram with fitted curves."""
-
-BIGRAM_PRIOR_OCCURRENCES = 10.0
-"""Number of occurrences with the same weight as the draft."""
-
-MOST_SOFTNESS, MOST_ANTICIPATION, MOST_SPEED = 0.12, 0.4, 40.0
-"""Maximum fitted values: seconds, seconds, and weight per second."""
-
-TRIALS = 9
-"""Number of performances of all lines for each value."""
-
-WORTH = 0.01
-"""Minimum reduction of the cost by a change of motion, as a share; smaller ones are noise."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,8 +30,7 @@ from lipsync_lang.plugins.capture.capture_clock import (
     sounds_of,
     spoken_span,
 )
-from lipsync_lang.plugins.capture.capture_reading import Captures
-from lipsync_lang.plugins.capture.capture_timings import few_names
+from lipsync_lang.plugins.capture.capture_reading import Captures, few_names
 from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.plugins.capture.fit_lines import CapturedLine
 

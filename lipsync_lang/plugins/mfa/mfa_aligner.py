@@ -36,6 +36,16 @@ NAME = "mfa"
 Given = tuple[Callable[[], Audio], str]
 """A function that reads a recording, and the text that is said in it."""
 
+UNKNOWN = "spn"
+"""Label of a word that the dictionary lacks."""
+
+SILENCES = frozenset({SILENCE, "sil", "sp", UNKNOWN})
+"""Labels without a phoneme."""
+
+MAX_SHOWN_WORDS = 8
+
+Labels = tuple[str, ...]
+
 
 @aligner(NAME)
 class MfaAligner(BatchAligner):
@@ -154,17 +164,6 @@ def _unfit(text: str) -> str:
         f"MFA aligned nothing of '{text[:60]}' with the recording; check that the text "
         "is right and that the recording is complete"
     )
-
-
-UNKNOWN = "spn"
-"""Label of a word that the dictionary lacks."""
-
-SILENCES = frozenset({SILENCE, "sil", "sp", UNKNOWN})
-"""Labels without a phoneme."""
-
-MAX_SHOWN_WORDS = 8
-
-Labels = tuple[str, ...]
 
 
 def with_lacking(schedule: Schedule, speaker: Speaker) -> Schedule:

@@ -47,6 +47,23 @@ LONGEST, HINTS = 40, 100
 CurvePoints = list[list[float]]
 ImportedCurves = dict[str, CurvePoints]
 
+STATUS = "edited"
+"""Status of imported bigrams, because SmartBody banks are drawn manually."""
+
+USUAL = frozenset({"", "default", NEUTRAL})
+"""Set names for the neutral style; the name is empty for a text export."""
+
+Interpolation = Literal["bspline", "linear"]
+
+CURVE_SAMPLES = 129
+"""Number of samples in the search for the peak of a curve."""
+
+ENOUGH = 0.95
+"""Minimum ratio of the curve peak to the highest key, without a warning."""
+
+FEW = 24
+"""Maximum number of names in a message."""
+
 
 class Conversion:
     """A foreign bank during its conversion to a bank pack.
@@ -178,24 +195,6 @@ def _unit(number: float) -> float:
 
 def _shown(pair: DiphonePair) -> str:
     return visible("-".join(pair))
-
-
-STATUS = "edited"
-"""Status of imported bigrams, because SmartBody banks are drawn manually."""
-
-USUAL = frozenset({"", "default", NEUTRAL})
-"""Set names for the neutral style; the name is empty for a text export."""
-
-Interpolation = Literal["bspline", "linear"]
-
-CURVE_SAMPLES = 129
-"""Number of samples in the search for the peak of a curve."""
-
-ENOUGH = 0.95
-"""Minimum ratio of the curve peak to the highest key, without a warning."""
-
-FEW = 24
-"""Maximum number of names in a message."""
 
 
 @dataclass(frozen=True)

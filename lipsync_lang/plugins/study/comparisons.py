@@ -23,6 +23,9 @@ CONFIDENCE_LEVEL = 0.95
 
 NORMAL_QUANTILE = NormalDist().inv_cdf((1 + CONFIDENCE_LEVEL) / 2)
 
+ALL_CHARACTERS = ""
+"""Character of a comparison over all characters."""
+
 
 class Interval(NamedTuple):
     """Interval at the level `CONFIDENCE_LEVEL`."""
@@ -78,10 +81,6 @@ def sign_flips(differences: Sequence[int]) -> float:
     whole = len(chances) - 1
     totals = np.abs(2 * np.arange(whole + 1) - whole)
     return float(min(1.0, chances[totals >= abs(sum(differences))].sum()))
-
-
-ALL_CHARACTERS = ""
-"""Character of a comparison over all characters."""
 
 
 class Choice(NamedTuple):

@@ -45,6 +45,26 @@ MAX_PAGES = 20
 PAGE = "html"
 """Writer of pages, and suffix of the report that links to them."""
 
+MakePages = Callable[[Sequence[BuiltLine]], Mapping[Key, Path]]
+"""Makes pages of lines, and returns them by the line's key."""
+
+BUILD_FORMAT = "lipsync-lang build 1"
+
+LEAST_BAR = 60
+"""Minimum height of a bar with lines, out of `CHART_HEIGHT`: one line of 20,000 is visible."""
+
+MAX_TIMES = 3
+"""Maximum number of places of a figure in a row."""
+
+MAX_ROW_TEXT_CHARS = 160
+"""Maximum length of a line's text in a row."""
+
+REPORT_ENVIRONMENT = PageEnvironment(__package__, "report_templates")
+
+REPORT_ENVIRONMENT.filters["share"] = lambda part, whole: percentage_text(
+    percent(part, whole), NBSP
+)
+
 
 def report(
     project: ProjectBuild,
@@ -103,12 +123,6 @@ def _pages(
                 continue  # the report names the line without a page
         pages[line.key] = path
     return pages
-
-
-MakePages = Callable[[Sequence[BuiltLine]], Mapping[Key, Path]]
-"""Makes pages of lines, and returns them by the line's key."""
-
-BUILD_FORMAT = "lipsync-lang build 1"
 
 
 def write_report(
@@ -253,16 +267,6 @@ class JunitReport:
         counts = ("tests", "errors", "failures", "skipped")
         heading = self._heading
         out.write(junit_text(suites, heading.project, counts, heading.seconds) + "\n")
-
-
-LEAST_BAR = 60
-"""Minimum height of a bar with lines, out of `CHART_HEIGHT`: one line of 20,000 is visible."""
-
-MAX_TIMES = 3
-"""Maximum number of places of a figure in a row."""
-
-MAX_ROW_TEXT_CHARS = 160
-"""Maximum length of a line's text in a row."""
 
 
 class Bars(NamedTuple):
@@ -420,9 +424,5 @@ def _number(value: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"  # noqa: PLR2004
 
 
-REPORT_ENVIRONMENT = PageEnvironment(__package__, "report_templates")
 REPORT_ENVIRONMENT.filters["figure"] = _number
-REPORT_ENVIRONMENT.filters["share"] = lambda part, whole: percentage_text(
-    percent(part, whole), NBSP
-)
 REPORT_ENVIRONMENT.globals |= {"HEIGHT": CHART_HEIGHT, "WIDTH": 10 * BINS, "MAX_TIMES": MAX_TIMES}

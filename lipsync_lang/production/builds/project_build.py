@@ -52,6 +52,30 @@ from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
 from lipsync_lang.sound.speech.needed_extras import engines_of, missing_for, missing_words
 
+STILL_SCHEDULE = Schedule((SILENCE,), np.array((0.0, 0.1)))
+"""Schedule without a phoneme."""
+
+SHOWN_CHARACTERS = 8
+"""Maximum number of characters that a fault names."""
+
+USUAL_FPS = 60.0
+"""Default frame rate of a project in frames per second."""
+
+PairNames = tuple[str, str]
+"""Language and character."""
+
+MAX_KEPT_MODELS = 16
+"""Maximum number of models in the cache; the oldest are deleted first. Each has some 10 MB."""
+
+POCKETSPHINX = "pocketsphinx"
+"""Name of the aligner with acoustic models."""
+
+UNCHANGED = "gains-nothing"
+"""Ending of a file in place of a model that would gain nothing."""
+
+AdaptationRemark = Callable[[str], None]
+"""A function that takes the result of an adaptation, in words."""
+
 
 @dataclass(frozen=True)
 class Shard:
@@ -97,19 +121,6 @@ class Shard:
         """Return an output of the shard; only archives have other names than in a whole build."""
         split = split_archive(path)
         return path if split is None else f"{self.named(split[0])}/{split[1]}"
-
-
-STILL_SCHEDULE = Schedule((SILENCE,), np.array((0.0, 0.1)))
-"""Schedule without a phoneme."""
-
-SHOWN_CHARACTERS = 8
-"""Maximum number of characters that a fault names."""
-
-USUAL_FPS = 60.0
-"""Default frame rate of a project in frames per second."""
-
-PairNames = tuple[str, str]
-"""Language and character."""
 
 
 @dataclass(frozen=True)
@@ -336,19 +347,6 @@ def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
         what = f"cannot perform {shortlist(pairs, SHOWN_CHARACTERS)}: {reason}"
         found.append(pack.fault(("languages",), "P408", what))
     return found
-
-
-MAX_KEPT_MODELS = 16
-"""Maximum number of models in the cache; the oldest are deleted first. Each has some 10 MB."""
-
-POCKETSPHINX = "pocketsphinx"
-"""Name of the aligner with acoustic models."""
-
-UNCHANGED = "gains-nothing"
-"""Ending of a file in place of a model that would gain nothing."""
-
-AdaptationRemark = Callable[[str], None]
-"""A function that takes the result of an adaptation, in words."""
 
 
 def adapted_pair(

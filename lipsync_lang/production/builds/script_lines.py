@@ -26,6 +26,25 @@ from lipsync_lang.production.builds.script_files import (
 from lipsync_lang.text.lines.line_readers import LineFile
 from lipsync_lang.text.lines.timings import TIMING_SUFFIXES, is_timed
 
+SHOWN_EXAMPLES = 3
+"""Maximum number of examples in a remark."""
+
+ALL = -1
+"""Index that stands for all languages."""
+
+LACKING = {
+    "text": "without text, left out",
+    "recording": "without a recording, so a voice speaks",
+    "timings": "without the stated timings",
+}
+"""Kinds of gaps, and their words after the number of lines."""
+
+COMMON_SUFFIXES = {".csv", ".dat", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
+"""Suffixes of timings that other files have too; the content decides."""
+
+RARE_SUFFIXES = tuple(sorted({*TIMING_SUFFIXES} - COMMON_SUFFIXES))
+"""Suffixes of timings only."""
+
 
 def languages_of(
     project: Project, finder: Finder, faults: ScriptFaults
@@ -95,20 +114,6 @@ class Cast:
             for speaker in self._faces.stated
             if speaker != OTHERS and speaker.casefold() not in self.met
         )
-
-
-SHOWN_EXAMPLES = 3
-"""Maximum number of examples in a remark."""
-
-ALL = -1
-"""Index that stands for all languages."""
-
-LACKING = {
-    "text": "without text, left out",
-    "recording": "without a recording, so a voice speaks",
-    "timings": "without the stated timings",
-}
-"""Kinds of gaps, and their words after the number of lines."""
 
 
 class Examples:
@@ -335,13 +340,6 @@ class ScriptPlanner:
         if unused.count:
             files = f"{unused.count:,} recording{'s' * (unused.count > 1)}"
             remark(f"{files} without a line: {unused}")
-
-
-COMMON_SUFFIXES = {".csv", ".dat", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
-"""Suffixes of timings that other files have too; the content decides."""
-
-RARE_SUFFIXES = tuple(sorted({*TIMING_SUFFIXES} - COMMON_SUFFIXES))
-"""Suffixes of timings only."""
 
 
 class Listing(NamedTuple):

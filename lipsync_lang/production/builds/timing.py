@@ -34,6 +34,11 @@ MAX_KEPT_TIMINGS_BYTES = 2**30
 
 TIMINGS_SUFFIX = ".timings"
 
+CallResult = TypeVar("CallResult")
+
+ScheduleOrError = Schedule | Exception
+"""Schedule of a line, or the error in its place."""
+
 
 @dataclass(frozen=True)
 class TimingCache:
@@ -124,12 +129,6 @@ def _decoded(content: memoryview, recording: Audio | None) -> Schedule:
         return replace(made, audio=recording)
     samples = np.frombuffer(content[size:], "<i2").astype(np.int16, copy=False)
     return replace(made, audio=Audio(samples, *sound))
-
-
-CallResult = TypeVar("CallResult")
-
-ScheduleOrError = Schedule | Exception
-"""Schedule of a line, or the error in its place."""
 
 
 def schedules(

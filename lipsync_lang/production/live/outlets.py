@@ -50,6 +50,26 @@ NOT_CONNECTED = (errno.ENOTCONN, errno.EDESTADDRREQ)
 RECOVERED_SECONDS = 1.0
 """Time without an error after which a receiver is there again."""
 
+VERSION = 6
+
+PACKET_SHAPES = "live-link-packet.txt"
+
+LIVE_LINK_PROGRAM = "Live Link Face"
+
+MAX_DENOMINATOR = 1001
+
+MAX_SUBJECT_BYTES = 128
+
+WRAP = 2**31
+"""Number of frames after which the frame number restarts at 0."""
+
+VALUE, APPLY, READY = "/VMC/Ext/Blend/Val", "/VMC/Ext/Blend/Apply", "/VMC/Ext/OK"
+
+BONE, HEAD = "/VMC/Ext/Bone/Pos", "Head"
+
+LOADED = 1
+"""Value of `/VMC/Ext/OK`: a model is loaded."""
+
 
 class LineOutlet:
     """Writes frames as lines of JSON."""
@@ -190,21 +210,6 @@ def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:
         if pose not in poses:
             hint = did_you_mean(pose, poses)
             raise LipsyncError(f"--rename {pose}: unknown pose '{pose}'; {hint}")
-
-
-VERSION = 6
-PACKET_SHAPES = "live-link-packet.txt"
-LIVE_LINK_PROGRAM = "Live Link Face"
-MAX_DENOMINATOR = 1001
-MAX_SUBJECT_BYTES = 128
-WRAP = 2**31
-"""Number of frames after which the frame number restarts at 0."""
-
-VALUE, APPLY, READY = "/VMC/Ext/Blend/Val", "/VMC/Ext/Blend/Apply", "/VMC/Ext/OK"
-BONE, HEAD = "/VMC/Ext/Bone/Pos", "Head"
-
-LOADED = 1
-"""Value of `/VMC/Ext/OK`: a model is loaded."""
 
 
 class LiveLinkPacket:

@@ -52,6 +52,37 @@ OpenListener = Callable[[int, float | None], Listener]
 
 BELIEF_DECIMALS = 3
 
+_log = logging.getLogger(__name__)
+
+MAX_MESSAGE_BYTES = 64 * 1024
+"""Maximum size of a message: some thousand phonemes, or a page of text."""
+
+MAX_PHONEME_ROWS = 2000
+
+MAX_OWN_SECONDS = 600.0
+"""Longest phoneme or pause from a client: a message cannot request an hour of frames."""
+
+FIELDS = (
+    "text", "sound", "phonemes", "known_until", "ends_at", "revise", "finish", "notation",
+    "gestures",
+)  # fmt: skip
+
+ROW = len(("label", "start", "end"))
+
+OWN_ORIGIN = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
+"""Origins of pages on this machine; programs send no `Origin`."""
+
+MAX_CLIENTS = 32
+
+MAX_UNSENT_BYTES = 2**20
+"""Maximum data that waits for a slow client; beyond it, the connection is closed."""
+
+CLOSING_SECONDS = 1.0
+"""Time that clients have to close their side of a connection."""
+
+BUSY, SLOW = 1013, 1008
+"""Close codes of the protocol: try again later, and policy violation."""
+
 
 class ClientSound:
     """The sound of one client."""
@@ -134,37 +165,6 @@ class ClientSound:
         frames = [*map(as_row, beside(self.gestures, lips))]
         belief = [round(one, BELIEF_DECIMALS) for one in listener.belief.tolist()]
         return {"frames": frames, "belief": belief, "heard": round(self.heard, 4)}
-
-
-_log = logging.getLogger(__name__)
-
-MAX_MESSAGE_BYTES = 64 * 1024
-"""Maximum size of a message: some thousand phonemes, or a page of text."""
-
-MAX_PHONEME_ROWS = 2000
-
-MAX_OWN_SECONDS = 600.0
-"""Longest phoneme or pause from a client: a message cannot request an hour of frames."""
-
-FIELDS = (
-    "text", "sound", "phonemes", "known_until", "ends_at", "revise", "finish", "notation",
-    "gestures",
-)  # fmt: skip
-ROW = len(("label", "start", "end"))
-
-OWN_ORIGIN = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
-"""Origins of pages on this machine; programs send no `Origin`."""
-
-MAX_CLIENTS = 32
-
-MAX_UNSENT_BYTES = 2**20
-"""Maximum data that waits for a slow client; beyond it, the connection is closed."""
-
-CLOSING_SECONDS = 1.0
-"""Time that clients have to close their side of a connection."""
-
-BUSY, SLOW = 1013, 1008
-"""Close codes of the protocol: try again later, and policy violation."""
 
 
 class Client:

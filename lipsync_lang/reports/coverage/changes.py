@@ -23,6 +23,11 @@ from lipsync_lang.text.lines import Line
 MAX_DOCUMENT_BYTES = 256 * MIB_BYTES
 """Maximum size of a document; the largest corpora give a few MiB."""
 
+MAX_COMPARED_LINES = 100_000
+"""Maximum number of lines with digests; a larger script is not compared."""
+
+LINE_DIGEST_BYTES = 5
+
 
 def read_document(path: Path) -> Coverage:
     """Read a document that was written as JSON."""
@@ -74,12 +79,6 @@ def since(old: Coverage, new: Coverage, file: str) -> Coverage:
         left=(total_of(old.reports, new.minutes).left, total_of(new.reports, new.minutes).left),
     )
     return new.model_copy(update={"since": changes})
-
-
-MAX_COMPARED_LINES = 100_000
-"""Maximum number of lines with digests; a larger script is not compared."""
-
-LINE_DIGEST_BYTES = 5
 
 
 class ScriptDigests:

@@ -11,6 +11,9 @@ from pydantic import BaseModel, ConfigDict
 AUTHORED = frozenset(("edited", "approved"))
 BORROWED_LAYER = "like"
 
+COVERAGE_FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
+"""The form's name and version; a key that is added at the end does not change it."""
+
 
 class Fact(BaseModel):
     """A part of the document."""
@@ -42,10 +45,6 @@ class NextHour(Fact):
 def authored(layer: str, status: str) -> bool:
     """Return True if a person drew a bigram; drafts and borrowed curves do not count."""
     return status in AUTHORED and layer != BORROWED_LAYER
-
-
-COVERAGE_FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
-"""The form's name and version; a key that is added at the end does not change it."""
 
 
 class Tally(Fact):

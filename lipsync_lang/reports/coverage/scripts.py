@@ -29,6 +29,32 @@ from lipsync_lang.text.phonology.g2p.tokens import PAUSES, counts, pieces, plain
 MAX_TALLY_NAMES = 10_000
 """Maximum number of distinct names; later ones are dropped."""
 
+TextSpans = list[tuple[int, int]]
+"""Start and stop of each part of a text."""
+
+LETTER_CATEGORIES = frozenset(("Lu", "Ll", "Lt", "Lo"))
+
+SPELLED_SIMILARITY = 0.9
+"""Minimum similarity of a spelled phrase to its letters; voices slur the names of letters."""
+
+MAX_PHRASE_CHARS = 40
+"""Maximum length of the judged start of a phrase, and of the named start of a word."""
+
+_PHRASE = re.compile(r"([^- m])(?:(?:\1|[ m])*\1)?m*")
+"""Pattern of a phrase in one other script, over the classes of characters.
+
+Each other script has its own class; marks are `m`, ends are `-`, all else is a space.
+"""
+
+MAX_NAMES_SHARE = 0.15
+"""Largest share of words with a capital within sentences; above it, a capital makes no name."""
+
+MIN_JUDGED_WORDS = 50
+"""Number of words within sentences from which on that share counts."""
+
+MAX_COMPARED_WORDS = 2000
+"""Number of words that two engines read for a comparison, the most frequent ones."""
+
 
 class TallyCounter:
     """Count and first place of each name."""
@@ -47,24 +73,6 @@ class TallyCounter:
         """Return the counts, most frequent first."""
         order = sorted(self._counts.items(), key=lambda item: (-item[1], item[0]))
         return tuple(Tally(what=what, count=n, place=self._places[what]) for what, n in order)
-
-
-TextSpans = list[tuple[int, int]]
-"""Start and stop of each part of a text."""
-
-LETTER_CATEGORIES = frozenset(("Lu", "Ll", "Lt", "Lo"))
-
-SPELLED_SIMILARITY = 0.9
-"""Minimum similarity of a spelled phrase to its letters; voices slur the names of letters."""
-
-MAX_PHRASE_CHARS = 40
-"""Maximum length of the judged start of a phrase, and of the named start of a word."""
-
-_PHRASE = re.compile(r"([^- m])(?:(?:\1|[ m])*\1)?m*")
-"""Pattern of a phrase in one other script, over the classes of characters.
-
-Each other script has its own class; marks are `m`, ends are `-`, all else is a space.
-"""
 
 
 @cache
@@ -155,16 +163,6 @@ class OtherScripts:
 def _judged(phrase: str) -> str:
     """Return the start of a phrase in lower case, because voices may spell capitals."""
     return phrase[:MAX_PHRASE_CHARS].lower()
-
-
-MAX_NAMES_SHARE = 0.15
-"""Largest share of words with a capital within sentences; above it, a capital makes no name."""
-
-MIN_JUDGED_WORDS = 50
-"""Number of words within sentences from which on that share counts."""
-
-MAX_COMPARED_WORDS = 2000
-"""Number of words that two engines read for a comparison, the most frequent ones."""
 
 
 def letters_of(language: Language) -> frozenset[str]:

@@ -33,6 +33,9 @@ HEARD_REMARK = (
     "cannot judge contacts that were missed or invented in hearing"
 )
 
+Qualities = Mapping[str, Quality]
+"""Results by name; the first is for the judged animation, the others are for comparison."""
+
 
 def check(
     animation: "Animation",
@@ -112,10 +115,6 @@ def _subject(animation: "Animation", performer: "Performer") -> str:
     if len(said) > MAX_SUBJECT_CHARS:
         said = f"{said[: MAX_SUBJECT_CHARS - 3]}..."
     return f"{performer.language} on {performer.character}, {animation.fps:g} fps: {said}"
-
-
-Qualities = Mapping[str, Quality]
-"""Results by name; the first is for the judged animation, the others are for comparison."""
 
 
 def as_text(qualities: Qualities) -> str:

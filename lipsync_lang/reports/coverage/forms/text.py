@@ -36,6 +36,9 @@ MAX_TEXT_SENTENCES = 3
 _WHY = {"letters": "foreign letters", "name": "a name", "engines": "two readings"}
 """Reasons for an entry of a word."""
 
+MAX_ROW_LANGUAGES = 3
+"""Maximum number of languages in a row."""
+
 
 @FORMS.register("text")
 def write(coverage: Coverage, out: TextIO, options: FormOptions) -> None:
@@ -201,10 +204,6 @@ def _tallies(found: Sequence[Tally]) -> str:
 
 def _few(names: Sequence[str]) -> str:
     return shortlist(names, MAX_TEXT_NAMES)
-
-
-MAX_ROW_LANGUAGES = 3
-"""Maximum number of languages in a row."""
 
 
 def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Iterator[str]:
