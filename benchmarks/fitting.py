@@ -146,7 +146,7 @@ def known_face(poseset: str, minutes: float) -> dict[str, float]:
     weights[free] = np.where(weights[free] > 0, np.clip(moved, 0.02, 1), 0)
     dominance[named] += random.normal(0, 0.4, int(named.sum()))
     truth = replace(start, weights=weights, dominance=dominance)
-    tables = replace(pair.compiled, tables=face.moved(truth))
+    tables = replace(pair.compiled, tables=face.tables_with(truth))
     captured = capture(Performer(tables, performer.motion), said, random)
     began = time.perf_counter()
     fit = fit_captures(pair, performer, captured, workers=os.cpu_count() or 1)

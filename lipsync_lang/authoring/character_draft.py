@@ -125,6 +125,7 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
     matches = recognise(library, model)
     match = _chosen(library, wanted, model, matches)
     stated, copies = place_model(wanted.model, path)
+    # A known rig serves only a model with all of its shapes.
     rig = match.rig if match.complete else wanted.name
     dials = {} if match.rig else _fitted(model, match, library.poseset(match.poseset).model)
     text = pack_bytes(_lines(wanted, match, rig, stated, dials))
@@ -153,6 +154,7 @@ def _fitted(model: Model, match: Match, poseset: PoseSet) -> dict[str, float]:
     """Return the level of each region at which the model's mouth opens as far as the pose set's."""
     gaps, found = apertures(model), {}
     for name, pose in poseset.poses.items():
+        # All shapes of a pose open the mouth together.
         own = sum(gaps.get(shape, 0.0) for shape in match.found.places.get(name, ()))
         if pose.aperture and pose.region and own > 0:
             level = round(min(max(pose.aperture / own, LEAST_SCALE), MOST_SCALE), 2)
@@ -210,6 +212,7 @@ def _new_rig_path(library: Library, match: Match, name: str, folder: Path) -> Pa
     home = library.find("poseset", match.poseset).parent.parent.parent
     roots = [root.path.resolve() for root in library.roots]
     here = folder.resolve()
+    # Rigs are searched beside the pose set that wins, and one found earlier hides this folder.
     if here not in roots or roots.index(home.resolve()) < roots.index(here):
         source = shown(home / FOLDERS["poseset"] / match.poseset / POSESET)
         raise LipsyncError(

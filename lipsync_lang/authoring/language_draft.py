@@ -120,6 +120,7 @@ def _text(path: Path) -> str:
 def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:
     """Yield (number, inventory) for every inventory with segments in a table."""
     comma = "\t" not in text.partition("\n")[0]
+    # Tables with tabs hold quotation marks as they are; tables with commas quote cells.
     rows = csv.DictReader(
         text.splitlines(), delimiter="," if comma else "\t",
         quoting=csv.QUOTE_MINIMAL if comma else csv.QUOTE_NONE,
@@ -167,6 +168,7 @@ class FoundSounds:
     def add(self, labels: Sequence[str], word: str = "") -> None:
         """Add the labels of a word; the first of equivalent spellings has precedence."""
         for stated in labels:
+            # Engines mix compositions and look-alikes of one sound; a map would have it twice.
             label = self.spelled.setdefault(normalise(stated), stated)
             if not self.words.get(label):
                 self.words[label] = word

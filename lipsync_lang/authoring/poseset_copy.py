@@ -47,6 +47,7 @@ def copy_poseset(library: Library, name: str, folder: Path) -> list[Path]:
         if stem != path.stem:
             target = target.with_name(f"{stem}.yaml")
             content = spliced(read_yaml(target, content), content, [(("name",), stem)])
+        # A rig of the project hides the original's of its name already; it is no clash.
         if target.parent != home / "rigs" or not target.exists():
             outputs[target] = content
     for target, content in outputs.items():

@@ -132,11 +132,12 @@ def _made(
     names: Sequence[str], sets: Sequence[models.PoseSet], common: models.Phonemes, *, guess: bool
 ) -> tuple[models.PoseSet, dict[str, str], str]:
     """Return a pose set with targets, its comments by pose, and the origin of the targets."""
+    # Of equally good sets, `max` keeps the first.
     known, called = max(((s, _called(names, s)) for s in sets), key=lambda pair: len(pair[1]))
     if called:
         why = {name: f"as {as_scalar(pose)}" for name, pose in called.items() if name != pose}
         why[""] = f"Poses move as in pose set '{known.name}' until you change them."
-        return taken(known, called, common), why, f"with the targets of {known.name}"
+        return with_poses_of(known, called, common), why, f"with the targets of {known.name}"
     if not guess:
         what = (
             "No pose set knows these poses, so every target is at rest. Give each sound its poses, "
@@ -184,7 +185,7 @@ def _bare(poses: Mapping[str, models.Pose], **fields: Any) -> models.PoseSet:
     )
 
 
-def taken(
+def with_poses_of(
     known: models.PoseSet, called: Mapping[str, str], common: models.Phonemes
 ) -> models.PoseSet:
     """Return a pose set with some poses of another; `called` maps new names to old ones."""

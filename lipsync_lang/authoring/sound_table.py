@@ -112,6 +112,7 @@ class SoundTable:
 
     def _read(self, manner: Manner) -> "MutableMapping[str, tuple[SpokenWord, ...]]":
         file = manner.settings.file
+        # A lexicon that was saved again gives other words under the same settings.
         when = file.stat().st_mtime_ns if file is not None and file.is_file() else 0
         key = (manner.engine, manner.settings, frozenset(manner.words), when)
         return self.memory.read.setdefault(key, {})
@@ -139,6 +140,7 @@ class SoundTable:
         rows += self._automatic(trial, near)
         for row in rows:
             row["words"] = row["words"][:MAX_EXAMPLE_WORDS]
+        # Two stable sorts: by distance within each need, and sound rows in the order of the pack.
         rows.sort(key=lambda row: -row["distance"] if row["need"] else 0.0)
         return sorted(rows, key=lambda row: NEEDS.index(row["need"]))
 

@@ -42,6 +42,7 @@ class Trial:
         if self.refusal:
             what, hint = "its tests could not be run", self.refusal
             yield self.pack.warning(("tests",), "W310", what, hint, key=True)
+        # Not strict: a refusal leaves tests without transcripts.
         pairs = zip(self.pack.model.tests, self.transcripts, strict=False)
         for index, (test, heard) in enumerate(pairs):
             said = [name for name in heard.phonemes if name != silence]

@@ -88,6 +88,7 @@ def diff(options: Namespace) -> int:
 
         with atomic(options.plot) as stream:
             plot_diff(found, stream, plot_kind(options.plot))
+    # The picture takes standard output, so the words move aside.
     words = sys.stderr if options.plot == STANDARD_STREAM else sys.stdout
     if options.json:
         print(as_json(found.to_dict()), file=words)

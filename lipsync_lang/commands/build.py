@@ -114,6 +114,7 @@ def watch_project(options: Namespace, build: Callable[[StandingRemarks, MadeByBu
     def is_input(change: Change, path: str) -> bool:
         if not usual(change, path):
             return False
+        # A deleted output must be made again, so its deletion counts as an input.
         return change == Change.deleted or not made.has(path)
 
     def tried() -> None:
@@ -131,6 +132,7 @@ def watch_project(options: Namespace, build: Callable[[StandingRemarks, MadeByBu
         rust_timeout=WAKE_MILLISECONDS,
     )
     told = False
+    # The first item comes without a change: by then the watcher runs, so nothing is missed.
     for number, found in enumerate(changes):
         if number == 0 or found:
             tried()
@@ -146,6 +148,7 @@ def _folders(options: Namespace) -> list[Path]:
 
     file = find_project()
     folder = (file or Path.cwd() / "none").absolute().parent
+    # Without a project, the folder is watched all the same: it may get one.
     found = [folder, *options.path]
     if file is not None:
         with suppress(LipsyncError):  # the first build tells it
@@ -225,12 +228,14 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         paths=options.path, selection=selection, tts=options.tts, remark=remarks, adapt=True
     )
     wipe()
+    # Shards build at the same time, and would overwrite one report.
     stated = [shard.named(path) if shard else path for path in project.project.reports]
     reports = options.reports or [project.folder / path for path in stated]
     if options.watch:
         made.learn(project, reports)
     for fault in project.unsound.values():
         remarks(str(fault))
+    # A dry run writes nothing, and may look at a project while it is built.
     lock = nullcontext() if options.dry_run else locked(project.folder, teller, part)
     with lock, Records.open(project.folder, write=not options.dry_run, part=part) as records:
         teller.begin(f"comparing {len(project.lines):,} lines with the last build")
@@ -272,9 +277,11 @@ class BuildTeller:
             print(json.dumps({"event": name, **values}), flush=True)
         elif name == "progress":
             done, of = values["done"], values["of"]
+            # The first lines may be done before the clock has moved.
             rate = done / max(values["seconds"], 1e-3)
             left = _clock((of - done) / rate if rate else 0)
             told = f"{done:,} of {of:,} lines, {rate:,.0f} a second, {left} left"
+            # A terminal shows one line that changes; a log would hold thousands of them.
             if sys.stderr.isatty():
                 progress(told)
             elif monotonic() - self._told > LOG_SECONDS:

@@ -93,6 +93,7 @@ def check(options: Namespace) -> int:
 
     if not options.output:
         print(told(""))
+    # All forms are made before any file is opened: an error leaves old reports alone.
     contents = {path: f"{told(path.suffix)}\n".encode() for path in options.output}
     write_all({path: methodcaller("write", content) for path, content in contents.items()})
     for path in options.output:

@@ -39,6 +39,7 @@ def completion(options: Namespace) -> int:
     )
     faces = sorted(posesets | characters)
     names = {"LANGUAGE": sorted(languages), "POSESET": faces, "CHARACTER": faces}
+    # The whole parser, plug-ins included, and not only the part of one command.
     top = parser()
     for _, leaf in leaves(top):
         for action in leaf._actions:  # noqa: SLF001 argparse has no other list of them

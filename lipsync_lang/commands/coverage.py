@@ -150,6 +150,7 @@ def _counted(options: Namespace) -> "Coverage":
     languages = {language for part in parts for language in part.languages}
     speakers = {language: Speaker.of(language, options.path) for language in languages}
     refuse_missing({name: engines_of(one.manner) for name, one in sorted(speakers.items())})
+    # One part after the other: a column is another script, whose lines no other part may count.
     counted: list[tuple[CorpusPart, Coverage]] = []
     for part in parts:
         lines = read_lines(
@@ -164,6 +165,7 @@ def _counted(options: Namespace) -> "Coverage":
             gestures=options.gestures,
         )  # fmt: skip
         counted.append((part, found))
+    # A title tells parts of one language apart, and would be noise for all others.
     of = Counter(name for _, one in counted for name in {each.language for each in one.reports})
     found = joined(
         [
@@ -186,6 +188,7 @@ def _shown(lines: "Iterable[Line]", shown: "Callable[[str], str]") -> "Iterator[
             file, colon, at = line.place.rpartition(":")
             name = shown(file)
             named = line if name == file else replace(line, place=f"{name}{colon}{at}")
+            # A terminal takes longer to draw a line than this takes to read it.
             if number % 1000 == 0:
                 progress(f"{number:,} lines, {named.file}")
             yield named
@@ -202,6 +205,7 @@ def _write(options: Namespace, found: "Coverage") -> None:
         write = FORMS.find(options.format or SUFFIXES.get(path.suffix.lower(), "text"))
         text = TextIOWrapper(stream, "utf-8", "backslashreplace", newline="", write_through=True)
         write(found, text, asked)
+        # Else the wrapper closes the stream, which `write_all` still renames.
         text.detach()
 
     write_all({path: partial(encoded, path) for path in options.output})

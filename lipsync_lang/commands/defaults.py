@@ -44,6 +44,8 @@ def fill(options: Namespace) -> None:
         options.fps = USUAL_FPS
     if getattr(options, "offset", "") is None:
         options.offset = "0"
+    # Defaults of `getattr` tell a command without an option (True) from an option that is not
+    # given.
     if not getattr(options, "language", True) and _only_sound(options):
         from lipsync_lang.packs.automatic import UNDETERMINED
 
@@ -84,6 +86,8 @@ def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
             setattr(options, name, value)
     if project.motion is not None and hasattr(options, "settings"):
         stated = project.motion.model_dump(exclude_none=True).items()
+        # A preset on the command line replaces the project's motion as a whole; single settings
+        # follow it.
         again = any(one.startswith("motion=") for one in options.settings)
         own_settings = [f"motion.{name}={value}" for name, value in stated if not again]
         # A preset is the setting of motion as a whole.
@@ -135,6 +139,7 @@ def _output(stated: str, folder: Path, named: dict[str, str]) -> str:
         name, colon, rest = "", "", stated
     path = folder / re.sub(r"\{(\w+)\}", lambda found: named.get(found[1], found[0]), rest)
     refuse_outside(path, folder)
+    # Only the folders that a project states are made; a mistyped `-o` is an error.
     path.parent.mkdir(parents=True, exist_ok=True)
     return f"{name}{colon}{os.path.relpath(path)}"
 

@@ -90,6 +90,7 @@ def fault_of(code: str, *arguments: str) -> str:
 
     Modules of the current folder are not found, so nothing of a stranger's project runs.
     """
+    # A library that crashes or hangs must not take the report along.
     command = [sys.executable, "-P", "-c", code, *arguments]
     try:
         done = subprocess.run(  # noqa: S603 our own code
@@ -399,6 +400,7 @@ def _cache() -> Iterator[CheckedPart]:
     if path is None:
         yield CheckedPart("cache", MISSING, f"is off by {CACHE_VARIABLE}, so each start is slower")
         return
+    # The cache may not be made yet: the folder that would hold it decides.
     there = next(one for one in (path, *path.absolute().parents) if one.exists())
     free = shutil.disk_usage(there).free
     mend = f"name another folder in {CACHE_VARIABLE}"

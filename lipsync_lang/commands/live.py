@@ -115,6 +115,7 @@ def live(options: Namespace) -> int:
         awaited = options.delay if delay is None else delay
         return performer.listen(rate, awaited, fps, poses=stream.poses)
 
+    # Before any receiver is opened, so that a microphone that is missing leaves engines alone.
     source = _source(options)
     voice = LiveVoice(listen, fps, _complain, paced=not is_microphone(options.audio))
     delay = stream.delay
@@ -256,6 +257,7 @@ def _play(
         speaker.say(text)
     elif feed is None:
         print("type what to say, line by line; end with Ctrl-C", file=sys.stderr)
+        # A daemon, since nothing can wake a thread that waits for a line of standard input.
         reading = Thread(target=_read, args=(speaker,), daemon=True)
         reading.start()
 
@@ -290,6 +292,7 @@ def lines(stream: TextIO) -> Iterator[str]:
         yield from stream
         return
     rest = b""
+    # Not `for line in stream`: Python would hold a lock at its end, and fill a buffer before.
     while more := os.read(number, MAX_LINE_BYTES):
         *whole, rest = (rest + more).split(b"\n")
         if len(rest) > MAX_LINE_BYTES:

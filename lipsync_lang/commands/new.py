@@ -120,6 +120,8 @@ def _of_table(options: Namespace) -> int:
     for told in drafted.matches:
         print(told, file=sys.stderr)
     try:
+        # The draft is read like any project, so that its faults are told while the table is at
+        # hand.
         planned = read_script(load_project(path), paths=options.path)
     except LipsyncError as error:
         print(f"{error}\ncorrect the script, then run: lipsync-lang build", file=sys.stderr)

@@ -82,6 +82,7 @@ def listed(things: Iterable[str], shown: int = 12) -> str:
 
 def as_json(data: object) -> str:
     """Serialise to JSON, escaped as the output encoding requires."""
+    # A test or an embedding program may replace standard output by an object without an encoding.
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"
     plain = not encoding.lower().startswith("utf")
     return json.dumps(data, ensure_ascii=plain, indent=2, default=str)
@@ -89,6 +90,7 @@ def as_json(data: object) -> str:
 
 def as_options(message: str) -> str:
     """Replace Python arguments in a message by options: `unknown='rest'` by --unknown rest."""
+    # The library speaks of arguments, because scripts call it too.
     return _ARGUMENT.sub(_option, message)
 
 

@@ -106,6 +106,7 @@ def packs(options: Namespace) -> int:
         return SOUND
     if options.action == "check":
         return _check_language(library, options)
+    # `vars`, since only some kinds of packs have these options.
     if vars(options).get("picture"):
         raise LipsyncError(f"{options.action} draws no picture; languages check NAME does")
     if vars(options).get("poses"):
@@ -206,6 +207,7 @@ def _check_language(library: "Library", options: Namespace) -> int:
         found = check_language(library, library.find("language", name), options.character)
     if found.sounds is not None and options.picture is not None:
         sounds, paths = found.sounds, options.path
+        # A draft of a language lacks bigrams, and its mouths are of single sounds.
         performer = resolve(options.name, options.character, paths=paths, gaps="rest")
         write_all({options.picture: lambda out: draw_mouths(performer, sounds, out)})
         tell_written(options.picture)

@@ -39,6 +39,7 @@ def parser(first: str | None = None) -> argparse.ArgumentParser:
     top.color = False  # type: ignore[attr-defined] # Python 3.14 would colour what is spelled out
     version = f"lipsync-lang {__version__} ({kernel.summary()})"
     top.add_argument("--version", action="version", version=version)
+    # Without a command, no parser below has set these.
     top.set_defaults(command=welcome, quiet=False, verbose=False)
     known = top.add_subparsers(title="commands", metavar="COMMAND", required=False)
     # The order of registration depends on the imports before, and the help must not.

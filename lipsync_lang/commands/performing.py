@@ -100,6 +100,7 @@ def schedule_for(
     from lipsync_lang.sound.speech.needed_extras import engines_of, refuse_missing
 
     _refuse_idle(options)
+    # All that is missing is told at once, before minutes of listening.
     needed = dict(outputs or {})
     if options.text is not None:
         manner, heard = performer.speaker.manner, options.audio is not None

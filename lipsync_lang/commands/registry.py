@@ -87,6 +87,7 @@ def family(name: str, title: str, example: str) -> None:
     def add_family(add: Add) -> None:
         made = add(None, title, example)
         actions = made.add_subparsers(title="actions", metavar="ACTION", required=True)
+        # Actions of plug-ins belong here too, in whatever order their packages were found.
         for other in sorted(COMMANDS):
             if other.startswith(f"{name} "):
                 add_command(actions, other)

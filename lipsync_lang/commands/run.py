@@ -82,6 +82,7 @@ def run(options: Namespace) -> int:
 
     error, lines = parse_keys(options.keys) if options.keys is not None else (None, False)
     writers = dict(map(parse_output, options.output))
+    # With the list as given: in the dictionary, the second of two equal outputs hides the first.
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
     if options.beside and not options.plot:
         raise LipsyncError("--beside draws a picture; name it with --plot FILE")
@@ -100,6 +101,7 @@ def run(options: Namespace) -> int:
         export=ExportSettings(offset, error, lines, _against(options, performer, animation)),
     )
 
+    # Files that people watch have gestures unasked, and files for engines only on request.
     spoken = shown if options.gestures is not None else shown.without_gestures()
     takes = {path: shown if writer.shows else spoken for path, writer in writers.items()}
 
@@ -198,6 +200,7 @@ def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
         if path and path != STANDARD_STREAM  # standard input and standard output are distinct
     }
     for path in (*outputs, *([options.plot] if options.plot else [])):
+        # Two names of one file, by a link or by `./`, would overwrite each other.
         real = "-" if path == STANDARD_STREAM else os.path.realpath(path)
         if real in taken:
             raise OutputError(f"{path}: is also {taken[real]}; name another file")

@@ -45,8 +45,10 @@ def validate(options: Namespace) -> int:
                 found.update(try_out(library, pack).faults(silence), doubts(library, pack))
         faults = sorted(found)
     for project in _projects(options.paths):
+        # A faulty project cannot be planned, and would report the same faults again.
         if not any(fault.file == shown(project) and fault.severity == "fault" for fault in faults):
             with working("reading the script"):
+                # A set, because planning finds some faults of the project's file again.
                 faults = sorted({*faults, *planning_faults(project, options.path)})
     if options.json:
         print(as_json([fault.to_dict() for fault in faults]))

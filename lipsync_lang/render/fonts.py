@@ -86,6 +86,8 @@ def find_fonts(letters: frozenset[str], coverage: FontCoverage) -> FoundFonts:
     chosen: list[Path] = []
     missing = set(letters)
     while missing and wanted:
+        # Greedy: the smallest set of fonts is not worth a search, and the order of files breaks
+        # ties.
         best = max(wanted, key=lambda path: len(wanted[path] & missing))
         if not wanted[best] & missing:
             break
@@ -152,6 +154,7 @@ def warn_of(missing: Collection[str]) -> None:
 
 def legible(text: str, missing: Collection[str]) -> str:
     """Replace letters that no font contains with the character without marks, or an ellipsis."""
+    # Letters with marks first, or their bare characters would be replaced within them.
     for letter in sorted(split_letters(text), key=len, reverse=True):
         if letter in missing:
             text = text.replace(letter, ELLIPSIS if letter[0] in missing else letter[0])
@@ -216,6 +219,7 @@ def with_fonts(page: "Callable[[], Figure]") -> "Figure":
             texts += [label.get_text() for label in axis.get_ticklabels(which="both")]
     found = fonts_for(letters_of(texts))
     if found.paths:
+        # matplotlib reads the list when a text is made, so the page is made again.
         rcParams["font.family"] = [*rcParams["font.family"], *map(_family, found.paths)]
         figure = page()
     if found.missing:

@@ -114,6 +114,7 @@ def _chosen(animation: Animation) -> Ints:
     while len(chosen) < min(MOST, len(sounds)):
         chosen.append(int(apart.argmax()))
         apart = np.minimum(apart, np.linalg.norm(faces - faces[chosen[-1]], axis=1))
+        # Equal faces have the distance 0, and must not be chosen twice.
         apart[chosen] = -1.0
     return sounds[np.sort(chosen)]
 
@@ -158,6 +159,7 @@ def coverage(file: Path | str, letters: frozenset[str]) -> frozenset[str]:
     characters = {character for letter in letters for character in letter}
     try:
         font = _font(str(file), TRIED, simple=True)
+        # Pillow draws a box for a missing letter and raises nothing.
         absent = bytes(font.getmask(MISSING_CHARACTER))
         there = {one for one in characters if bytes(font.getmask(one)) != absent}
     except (OSError, ValueError):

@@ -29,6 +29,8 @@ def sweep(animation: Animation) -> Animation:
     count = len(animation.poses)
     most = np.abs(animation.weights).max(axis=0, initial=0.0)
     bones = np.array([channel.node is not None for channel in animation.columns])
+    # Shapes are drawn at their full weight, and bones only as far as they turn: a channel is in
+    # degrees, and 1 would be no movement that anybody sees.
     levels = np.where(bones & (most > 0), most, 1.0)
     times, weights = np.arange(count + 1.0), np.vstack([np.zeros(count), np.diag(levels)])
     return replace(animation, times=times, weights=weights, fps=1.0, export=ExportSettings())

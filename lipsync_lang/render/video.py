@@ -71,6 +71,7 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     scene = staged(animation)
     audio = animation.schedule.audio
     seconds = max(scene.seconds, scene.sound + (audio.seconds if audio else 0.0))
+    # A product such as 2.9999 counts as 3.
     count = math.floor(seconds * animation.fps + 1e-3) + 1
     widest = staged(sweep(framing)) if framing is not None else None
     artist = Artist(scene, size, None if widest is None else framed(widest), widest)
@@ -113,6 +114,7 @@ def _encode(command: Sequence[str], artist: Artist, times: Sequence[float]) -> N
     began = time.monotonic()
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         log = Path(folder) / "log"
+        # A file instead of a pipe: a full pipe of messages would stop ffmpeg while we write frames.
         with log.open("wb") as errors:
             process = subprocess.Popen(  # noqa: S603 no shell reads it
                 command, stdin=subprocess.PIPE, stdout=errors, stderr=errors

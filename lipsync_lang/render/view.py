@@ -85,6 +85,7 @@ class Spectrogram(NamedTuple):
         width = max(8, int(PANEL_WINDOW_SECONDS * rate))
         first = int(start * rate)
         part = audio.samples[max(0, first - width) : int(end * rate) + width] / 2.0**15
+        # Voices lose some 6 dB per octave; without this, fricatives would not show.
         sound = np.append(part[:1], part[1:] - PRE_EMPHASIS * part[:-1])
         sound = np.pad(sound, (max(0, width - first), 2 * width))
         middles = ((np.arange(columns) + 0.5) * step * rate).astype(np.intp) + width
@@ -177,6 +178,7 @@ class View:
         frames = self.performance.frames
         times = frames.times()
         self.times = times[times < self.end + 1 / frames.fps]
+        # Stages look ahead, so frames beyond the picture change its last ones.
         stop = min(frames.count, len(self.times) + self.performance.halo())
         stages = self.performance.stages(0, frames.count if self.performance.far else stop)
         self.stages = [Stage(name, curves[:, : len(self.times)]) for name, curves in stages]

@@ -59,6 +59,8 @@ class ArrayPack:
             if size > 1:  # unsigned differences wrap around, as `unpack.js` expects
                 unsigned = whole.view(f"<u{size}")
                 whole = np.diff(unsigned, prepend=unsigned.dtype.type(0)).astype(f"<u{size}")
+            # The first bytes of smooth curves are noise and the last ones nearly all 0: apart, zlib
+            # finds the runs of the latter.
             content = whole.view(np.uint8).reshape(-1, size).T.tobytes()
         self._rows.append((kind, flat.size))
         self._data.append(content)
@@ -84,6 +86,7 @@ class ArrayPack:
         steps = np.ceil(
             np.maximum.reduce([SOUND_STEP * loudness, peak / 127, np.ones(len(blocks))])
         )
+        # Counts are within -127 and 127, and wrap around to a byte, as their changes do.
         counts = np.rint(blocks / steps[:, None]).ravel()[: len(samples)].astype(np.uint8)
         changes = np.diff(counts, prepend=np.uint8(0))  # wraps around, as `unpack.js` expects
         return {

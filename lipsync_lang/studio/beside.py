@@ -30,6 +30,7 @@ def performed_beside(workshop: Workshop, character: str) -> Animation | None:
     performer, stated = other_performer(workshop, character), workshop.settings
     if workshop.line is None:
         return None
+    # A copy: the settings of the open line must not lose what the other face lacks.
     compiled, aside = performer.compiled, copy(workshop)
     moves = {shape.name for shape in performer.gesture_set.shapes}
     aside.settings = LineSettings(

@@ -42,6 +42,7 @@ def bigram_home(
         for bank in packs.banks
         if own(bank.path) and bank.model.language is None and bank.model.style == style
     ]
+    # The bank of a style is a new file of its name, which must not be a path, nor another bank.
     if style != NEUTRAL and not mine and (common.name != f"{style}.yaml" or common.exists()):
         raise LipsyncError(
             f"{shown(common)} cannot be the bank of the style {style}, as it has another content; "

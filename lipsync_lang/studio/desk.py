@@ -81,6 +81,7 @@ class Desk:
         """Revision and tab of the last change of each location."""
         held = None if journal is None else claim(journal.with_name(f"{journal.name}.lock"))
         if journal is not None and held is not None:
+            # The lock ends with the desk, also if it is only forgotten, as in a test.
             finalize(self, os.close, held)
             self._restore(journal)
         elif journal is not None:
@@ -129,6 +130,7 @@ class Desk:
         """Read a file before its first edit, and again as long as it has no edits."""
         if path not in self._saved:
             refuse(path, self._shipped, self._saved)
+        # A file with edits keeps the text that they were made on; saving merges it with the disk.
         elif path in self.contents or _on_disk(path) == self._saved[path].content:
             return
         text = _parsed(path, _on_disk(path))
@@ -195,10 +197,12 @@ class Desk:
                 again &= _places([last]) == _places([line])
                 at -= 1
                 step = [*self._steps[at][: -1 if again else None], *step]
+            # A new step drops the steps that were undone.
             self._steps[at:], self._states[at + 1 :] = [step], [new]
             self._at, self._old = at + 1, max(min(self._old, at), at + 1 - MAX_JOURNALED)
         self.revision += 1
         mark = self.revision, line.get("tab", "")
+        # Undo and redo touch the same places as the step itself, so other tabs are warned as well.
         self._touched |= dict.fromkeys(_places(self._steps[at]), mark)
         self._keep()
         return str(self._steps[at][-1]["change"])
@@ -208,12 +212,15 @@ class Desk:
         old = self._saved.get(path, saved)
         self._saved[path] = saved
         for texts in self._states:
+            # Each state has all files, so that undo across them finds a text for each.
             texts.setdefault(path, text)
         if old is not saved:
             self._old = len(self._steps)
             self.revision += 1
             taken = [(path, loc) for loc, _ in differences(old.data, saved.data)]
             self._touched |= dict.fromkeys(taken, (self.revision, ""))
+            # Texts are compared by identity: each state that shares one gets the same new one,
+            # which keeps the memory of a long undo list small.
             made = {old: saved, self._texts[path]: text}
             for texts in self._states:
                 before, old = old, texts[path]
@@ -244,6 +251,7 @@ class Desk:
                 theirs[path] = _parsed(path, disk)
             texts[path], more = merged(self._saved[path], self._texts[path], theirs[path], choices)
             conflicts += more
+        # Before any file is written, so that a conflict leaves all of them alone.
         if conflicts:
             raise SaveConflict(conflicts)
         for path, text in texts.items():
@@ -272,8 +280,11 @@ class Desk:
             if start[path].content != saved.content:
                 lines.append({"put": str(path), "text": start[path].content.decode()})
         lines += [line for step in steps for line in step]
+        # Steps that can be redone are kept as steps and their undoing.
         lines += [{"undo": ""}] * (len(self._steps) - self._at if steps else 0)
         with atomic(self.journal, durable=bool(more)) as stream:
+            # The journal is written whole: appending would never drop the steps that a save made
+            # old.
             for line in (JOURNAL_HEADER, *lines, *more):
                 row = json.dumps(line, ensure_ascii=False, separators=(",", ":"))
                 stream.write(row.encode() + b"\n")
@@ -296,6 +307,8 @@ class Desk:
                 else:
                     self._do(line)
         except (LipsyncError, LookupError, RecursionError, TypeError, ValueError) as error:
+            # Nothing of a damaged journal is kept: half of its edits may not make sense without the
+            # rest.
             self._saved, self._touched, self._steps, self._states, self._at = {}, {}, [], [{}], 0
             why = error if isinstance(error, LipsyncError) else "is damaged, or of a newer version"
             aside = journal.with_name(f"{journal.name}.damaged-{os.urandom(4).hex()}")

@@ -22,6 +22,7 @@ def refuse(path: Path, shipped: Iterable[Path], others: Iterable[Path]) -> None:
         raise OutputError(
             f"{path}: is not the file of a pack; give an absolute path with the suffix .yaml"
         )
+    # Links may lead into the installed packs, or give one file two names.
     real = Path(os.path.realpath(path))
     folder = next((root for root in shipped if real.is_relative_to(root)), None)
     if folder is not None:

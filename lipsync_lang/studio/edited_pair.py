@@ -42,6 +42,7 @@ class EditedPair:
         `contents` are all unsaved files, including the texts. Raises PackFaults if a bigram names
         an unknown phoneme or pose.
         """
+        # Empty content stands for a deleted file.
         deleted = any(not contents.get(path, b"there") for path in self.pair.data)
         if deleted or _beside(self.pair, contents) != self.beside:
             return None

@@ -103,6 +103,7 @@ def write_files(workshop: Workshop, files: Mapping[str, bytes], *, over: bool) -
 
 def _inside(folder: Path, name: str) -> Path:
     path = folder / name
+    # Not beside `lipsync.yaml`, where a file of a format could be taken for a pack or a table.
     if not name.isprintable() or ".." in Path(name).parts or path.parent == folder:
         raise OutputError(f"{name}: name a folder of the project, such as {EXPORT_FOLDER}")
     refuse_outside(path, folder)

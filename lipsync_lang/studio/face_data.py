@@ -83,6 +83,7 @@ _SCENES: WeakKeyDictionary[Animation, Scene | str] = WeakKeyDictionary()
 
 
 def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
+    # The page draws each material as one run of triangles.
     order = np.argsort(scene.material, kind="stable")
     normals = np.nan_to_num(light.unit(scene.directions(scene.normals)))
     textured = any(material.image is not None for material in scene.materials)
@@ -175,6 +176,8 @@ class Grid(NamedTuple):
         far: dict[int, float] = {}
         for part in parts:
             for row, target in zip(part.deltas, part.active, strict=True):
+                # The largest step decides the scale, which all primitives of a mesh share: see
+                # `Grid`.
                 far[int(target)] = max(far.get(int(target), 0.0), float(np.abs(row).max()))
         return cls((low + high) / 2, float((high - low).max()) or 1.0, far)
 

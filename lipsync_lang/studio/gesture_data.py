@@ -49,5 +49,6 @@ def gesture_data(animation: Animation) -> Json | None:
         for one, scale in zip(own.shapes, scales, strict=True)
         if scale
     ]
+    # A long line is shown in parts, and gestures by hand name words of the whole line.
     first = sum(word.start < part.start for word in whole.words)
     return {"poses": list(own.poses), "kinds": kinds, "rows": rows, "first": first}

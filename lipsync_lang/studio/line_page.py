@@ -61,6 +61,7 @@ def line_page(
         "POLICY": POLICY.format(*hashes),
         "STYLE": style,
         "SCRIPT": script,
+        # No text can end the script element or begin a comment in it.
         "DOCUMENT": json.dumps(document, separators=(",", ":")).replace("<", "\\u003c"),
         "BLOCK": pack.text(),
     }
@@ -108,6 +109,7 @@ def _posed(animation: Animation) -> Animation:
     if line is None or animation.poses[: len(line.performer.poses)] == line.performer.poses:
         return animation
     posed = line.performer.perform(animation.schedule, animation.fps, **line.settings)
+    # Half a frame of tolerance, since a cut animation has the same times but for rounding.
     half = 0.5 / animation.fps
     low, high = animation.times[0] - half, animation.times[-1] + half
     inside = (posed.times > low) & (posed.times < high)

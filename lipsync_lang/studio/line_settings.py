@@ -70,5 +70,6 @@ def brief(value: Any) -> Any:
     """Return levels with a number for a single point; other values stay."""
     if not isinstance(value, dict):
         return value
+    # A pack writes a constant as a number, and a list of one point would read like a change.
     single = {name: level for name, level in value.items() if np.shape(level) == (1, 2)}
     return value | {name: level[0][1] for name, level in single.items()}

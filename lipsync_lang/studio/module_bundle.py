@@ -52,6 +52,7 @@ def _collect(module: str, texts: dict[str, str], importers: tuple[str, ...]) -> 
                 f"{module}.js: {other}.js does not export {', '.join(sorted(missing))}"
             )
     text = _IMPORTS.sub(lambda found: f"const {{{found[1]}}} = {_variable(found[2])};\n", source)
+    # Indents within template strings go as well; HTML and CSS do not need them.
     text = _INDENTS.sub("", _EXPORTS.sub("", _JSDOC.sub("", text)))
     strange = _UNSUPPORTED.search(text)
     if strange:

@@ -52,6 +52,7 @@ def performed_curves(
     found = {}
     for pose, values in moving.items():
         points = np.column_stack((at, values))
+        # A fixed number instead of a linear system: the clipped points have no exact solution.
         for _ in range(CORRECTIONS):
             missing = values - bspline(points[None], at)[0]
             points[:, 1] = np.clip(points[:, 1] + missing, 0, 1)

@@ -113,6 +113,7 @@ class ProjectLines:
 
         Raises LipsyncError if there is no such line, or the script is faulty.
         """
+        # The script may have been saved meanwhile; a large one takes seconds to read.
         if sum(map(len, self._lines.values())) <= MAX_READ_AGAIN:
             self.read()
         own = self._lines.get(language, {})

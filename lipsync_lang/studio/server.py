@@ -80,6 +80,7 @@ def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
     `token` is the secret part of the address, and `hosts` are the accepted values of the `Host`
     header, such as ``127.0.0.1:8765``.
     """
+    # A workshop is not made for several threads, and Starlette answers in a pool of them.
     lock = Lock()
     Thread(target=_script, daemon=True).start()  # ready by the time a browser asks
     routes = []
@@ -137,12 +138,14 @@ class RequestCheck:
             )
         origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
         foreign = origin is not None and urlsplit(origin).netloc not in self.hosts
+        # Old browsers send no `Sec-Fetch-Site`, and some requests have no `Origin`: each has a say.
         if foreign or site not in {"none", "same-origin"}:
             return _error(403, "requests from other sites are refused")
         if path.startswith(PROOF) and self.proves:
             text = path.removeprefix(PROOF)[:MAX_PROVED_CHARS]
             return Response(hmac.digest(self.token.encode(), text.encode(), "sha256"))
         token = path.split("/", 2)[1] if path.startswith("/") else ""
+        # In constant time, so that nobody finds the token letter by letter.
         if not compare_digest(token.encode(), self.token.encode()):
             return _error(
                 404, "there is no such page; use the whole address that the studio printed"

@@ -86,6 +86,7 @@ class SpokenLine:
             high = times[until + 1] - MIN_SPAN_SECONDS
         else:
             high = max(self.whole.end, float("inf") if audio is None else audio.seconds)
+        # The boundaries up to `through` move together, so the last of them meets the limit first.
         high -= times[until] - times[at]
         if low <= high:  # phonemes below the minimum length keep it
             times[at : until + 1] += min(max(to, low), high) - times[at]
@@ -202,6 +203,7 @@ def _realigned(
     places = sorted(known)
     times: Floats = np.interp(count, places, [np.mean(known[place]) for place in places])
     least = np.minimum(MIN_SPAN_SECONDS, (end - start) / len(count)) * (count - low)
+    # Each phoneme keeps a minimum length: first from the left, then from the right end.
     times = np.maximum.accumulate(times - least) + least
     times = np.minimum(times, end - least[::-1])
     times[[0, -1]] = start, end
@@ -239,6 +241,8 @@ def _cuts(schedule: Schedule, seconds: float) -> list[int]:
         places = np.arange(max(least, begin + 1), max(most, begin + 1) + 1)
         if not len(places):
             places = np.array([max(most, begin + 1)])
+        # In order of weight: never within a word, in the longest pause, at a word, and as late as
+        # possible.
         worth = pauses[places - 1] + 1e-3 * starts[places] - 1e3 * inside[places] + 1e-6 * places
         found.append(int(places[worth.argmax()]))
     return [*found, last] if found[-1] < last else found

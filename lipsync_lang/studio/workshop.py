@@ -296,6 +296,7 @@ class Workshop:
                 self.pair().shelf, (first, second), self.project, self.own, manner
             )
         path = self.homes[key]
+        # A new bank may exist as an unsaved text alone.
         known = path.exists() or path in self.desk.contents
         return path, None if known else empty_bank(self.performer.compiled.poseset, path, style)
 
@@ -342,6 +343,7 @@ class Workshop:
         else:
             self.performer  # noqa: B018 reads what the character states
             stem = "-".join(re.findall(r"\w+", self.text.casefold())[:NAME_WORDS]) or "line"
+            # A character may keep another text with the same first words.
             names = chain([stem], (f"{stem}-{number}" for number in count(2)))
             self.name = next(
                 name for name in names
@@ -389,6 +391,7 @@ class Workshop:
                 (path, (*at, key), one) for key, one in now.items() if old.get(key, ABSENT) != one
             ]
         if text is not None:
+            # One step with the new file, so that undo removes it as well.
             edits.insert(0, (path, (), text))
         title = f"{title} ({self.name})"  # undo can revert it while another line is open
         self.edit(title, edits, tab=tab, merge=merge and f"{self.name} {merge}")
@@ -479,6 +482,7 @@ class Workshop:
         """Return a workshop with the same packs and edits, and another line open in it."""
         if (name, character) == (self.name, self.opened_pair()[1]) and self.line is not None:
             return self
+        # A shallow copy shares packs, desk and caches; only what opening a line sets is its own.
         other = copy(self)
         if character != self.opened_pair()[1]:
             other.open(self.language, character)

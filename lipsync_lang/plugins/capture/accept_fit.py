@@ -54,6 +54,7 @@ def settings(item: FitItem, data: Data) -> list[Change]:
         return [(loc, steps if len(steps) > 1 else steps[0])]
     if item.kind == "bigrams":
         old = get(data, loc)
+        # Fitted control points are of the usual kind of curve, whatever the old ones were.
         kept = {} if old is ABSENT else {k: v for k, v in old.items() if k != "interpolation"}
         return [(loc, {**kept, "status": FITTED, **value})]
     return [(loc, value), (("fitted", item.item), value)]
@@ -87,6 +88,7 @@ class ReviewedItem:
 def own_character(library: Library, name: str) -> Pack[Character]:
     """Return a character that is a file of the user; raise `LipsyncError` for any other."""
     pack = library.character(name)
+    # The library makes a character of a bare pose set, whose file is shared by all faces.
     if pack.source.data.get("kind") != "character":
         raise LipsyncError(
             f"'{name}' is a pose set, and a fit is for one character; make one with lipsync-lang "
@@ -231,6 +233,7 @@ def remove_fit(
     data, made = pack.source.data, []
     for loc in (loc for item in gone for loc in (split_item(item), ("fitted", item))):
         if get(data, loc) is not ABSENT:
+            # Kept up to date, so that the last item of a field takes the field along.
             data = put(data, loc, ABSENT)
             made.append((loc if data[loc[0]] else loc[:1], ABSENT))  # a field that is empty goes
     if write:

@@ -131,11 +131,13 @@ class ComparedMotion:
     def _correlations(self, clocks: Floats) -> tuple[Floats, Floats]:
         """Return r and weight of each signal: (L, K, S) each; 0 if the signal or curve is still."""
         middle = (self.times[0] + self.times[-1]) / 2
+        # The clock turns around the middle of the speech, so that a drift needs no offset to fit.
         along = (self.times - middle) / max(self.times[-1] - self.times[0], 1e-9)
         offset, drift, speed = clocks.T[..., None]
         seconds = (self.times + offset + along * drift) * speed
         at = np.rint((seconds - self.line.times[0]) * CLOCK_FPS).astype(np.intp)
         inside = (at >= 0) & (at < len(self._grid))
+        # The nearest sample of an even grid: interpolation would take most of the search.
         recorded = self._grid[np.clip(at, 0, len(self._grid) - 1)]  # (L, T, S)
         recorded[~inside] = np.nan
         known = np.isfinite(recorded)
@@ -143,6 +145,8 @@ class ComparedMotion:
         x = np.where(known, recorded, 0.0)
         x -= np.where(known, (x.sum(axis=1) / counts)[:, None], 0.0)
         seen = known.astype(float)
+        # Sums over the known samples alone, as products of masks, for all clocks and curves at
+        # once.
         sums, squares = (np.einsum("lts,kts->lks", seen, y) for y in (self.shown, self.shown**2))
         recorded_size = np.sqrt((x * x).sum(axis=1))[:, None]
         shown_size = np.sqrt(np.maximum(squares - sums**2 / counts[:, None], 0.0))
@@ -207,8 +211,10 @@ def read_clock(performer: Performer, line: CapturedLine) -> tuple[ClockReading, 
     searched = np.meshgrid(float(offsets[best]) + SEARCHED_OFFSETS_SECONDS, drifts)
     late, lost = (one.ravel().tolist() for one in searched)
     drifted = own.likenesses(late, lost)[:, 0].tolist()
+    # Of equal likenesses, the smallest drift.
     drifting, _, drift = max(zip(drifted, (-abs(one) for one in lost), lost, strict=True))
     few = np.arange(-NEAR_SECONDS, NEAR_SECONDS + 1e-9, DRIFT_STEP_SECONDS)
+    # Each shuffled line may choose its best offset too, or chance would look too poor.
     chance = motion.likenesses(few.tolist())[:, 1:].max(axis=0)
     found = (
         *(alike[len(offsets) // 2], alike[best], offsets[best], alike[apart].max()),

@@ -78,6 +78,7 @@ def find_captures(
                 f"{speaker}: a pattern has `{{speaker}}` once and at most four `*`, as in "
                 "`{speaker}_*`"
             )
+        # Few wildcards: a pattern with many `.*` takes exponential time on long names.
         parts = (".*".join(map(re.escape, part.split("*"))) for part in (before, after))
         pattern = re.compile("([^/]+?)".join(parts))
     found: dict[str, CaptureFiles] = {}
@@ -129,6 +130,7 @@ def _below(root: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
     """Yield the captures below a folder in order, with the fields of the tables that list them."""
     beside: list[CaptureFiles] = []
     for at, folders, names in os.walk(root):
+        # `os.walk` descends in the order of this list.
         folders.sort()
         here = Path(at)
         folder = _Neighbours(here, names)
@@ -229,6 +231,7 @@ class _Neighbours:
         captures: Counter[str] = Counter()
         for name in sorted(listed):
             stem = name.rpartition(".")[0] or name
+            # `NAME.phones.tsv` belongs to NAME as well as to `NAME.phones`.
             for key in dict.fromkeys((stem, stem.partition(".")[0])):
                 self.by_stem[folded_name(key)].append(name)
             if self.is_capture(folder / name):
@@ -251,6 +254,7 @@ class _Neighbours:
         """Return a capture with its neighbours; the full stem precedes the name up to a dot."""
         stem = capture.name.rpartition(".")[0] or capture.name
         base = stem.partition(".")[0]
+        # If two captures share the name up to the dot, its files may belong to either of them.
         keys = [stem] if folded_name(base) in self._shared else list(dict.fromkeys((stem, base)))
         near = [name for key in keys for name in self.by_stem.get(folded_name(key), ())]
         beside = [self.folder / name for name in near if name != capture.name]

@@ -188,6 +188,7 @@ def _line(
 ) -> CapturedLine:
     """Read one capture: of sensors if the read-out has the columns, or else poses or channels."""
     line: CapturedLine | None = None
+    # Both kinds are CSV, and only the columns tell sensors from poses.
     may_be_sensors = files.capture.suffix.lower() == ".csv"
     if may_be_sensors:  # unless it is a table of another kind, such as a take of Live Link Face
         with files.capture.open("rb") as stream:
@@ -210,6 +211,7 @@ def _line(
             f"{files.capture}: its times have {fps:.4g} frames per second, but the list states "
             f"{files.fps:g}; correct the wrong one"
         )
+    # By identity: a recording may truly hold a line of one silence.
     own = None if line.schedule is SILENT_SCHEDULE else line.schedule
     found = timed_capture(performer, files, readout, notation, spoken or own)
     schedule, more = readable(performer, found)

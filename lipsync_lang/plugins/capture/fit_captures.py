@@ -93,6 +93,7 @@ def without_rest(performer: Performer, captured: Sequence[CapturedLine]) -> list
             known = np.isfinite(values)
             resting[line.speaker, name].append(values[known & rest])
             speaking[line.speaker, name].append(values[known & ~rest])
+    # The fastest capture: half a second of it is enough in samples for all others.
     fps = max(((len(one.times) - 1) / np.ptp(one.times) for one in captured), default=1.0)
     levels = {}
     for key, parts in resting.items():
@@ -160,9 +161,10 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures and options
         for part, fit in zip(parts, fits, strict=True)
         if part.by == "line"
     ]
+    # Folds by speaker are no jackknife of lines, so `others` are the folds by line alone.
     items = tuple(fit_items(pair, task, values, others))
     proposal = _proposal(pair, task, verdict, items, (*set_aside, *strays))
-    before, after = (task.face.shown(one, task.lines) for one in (start, values))
+    before, after = (task.face.performed(one, task.lines) for one in (start, values))
     pages = tuple(map(ShownLine.of, task.lines, before, after))
     return CaptureFit(proposal, pages, task.face, values)
 
@@ -220,6 +222,7 @@ def _without_strays(
     task = FitTask(FitFace.of(pair, lines), lines, *groups)
     full = task.fit(range(len(lines)))
     names = [line.captured.name for line in lines]
+    # After a fit of all lines: before it, a line with unusual sounds errs as much as a wrong one.
     strays = outlying_lines({name: task.error(full, [n]) for n, name in enumerate(names)})
     if not strays:
         return task, full, ()
@@ -293,7 +296,7 @@ def fit_items(
     """Yield an item for each changed value; `others` are of fits without a part of the lines."""
     face, lines = task.face, task.lines
     before, after = [
-        [line.errors(w) for line, w in zip(lines, face.shown(one, lines), strict=True)]
+        [line.errors(w) for line, w in zip(lines, face.performed(one, lines), strict=True)]
         for one in (face.start, values)
     ]
     evidence = _Evidence(task, before, after)
@@ -430,7 +433,7 @@ def _bigram_items(
     if not values.bigrams:
         return
     controls = dict(zip(face.rows.tolist(), face.controls(values), strict=True))
-    plain = face.shown(replace(values, bigrams={}), task.lines)
+    plain = face.performed(replace(values, bigrams={}), task.lines)
     drafted = [line.errors(w) for line, w in zip(task.lines, plain, strict=True)]
     own = _Evidence(task, drafted, evidence.after)
     numbers = {phoneme: {n} for n, phoneme in enumerate(pair.shelf.numbered)}

@@ -86,7 +86,7 @@ def fit(options: Namespace) -> int:
     if options.json:
         print(as_json(proposal.model_dump(mode="json")), file=words)
     else:
-        print("\n".join(told(proposal)), file=words)
+        print("\n".join(proposal_lines(proposal)), file=words)
     for path in writers:
         tell_written(path)
     if not proposal.verdict.accepted:
@@ -140,7 +140,7 @@ def _fitted(options: Namespace) -> "CaptureFit":
         )
 
 
-def told(proposal: "FitProposal") -> Iterator[str]:
+def proposal_lines(proposal: "FitProposal") -> Iterator[str]:
     """Yield the printed lines of a proposal."""
     who = f"{proposal.language} on {proposal.character}"
     yield f"{who}: {count(proposal.lines, 'line')}, {proposal.seconds:.1f} s of capture"

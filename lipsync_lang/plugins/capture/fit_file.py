@@ -87,6 +87,7 @@ FITTED: dict[str, tuple[Data, Data]] = {
 def _adapters(kind: str) -> tuple[TypeAdapter[Data], TypeAdapter[Data]]:
     """Return validators of the name and of the value of a kind of item."""
     name, value = FITTED[kind]
+    # Models state their own settings, and pydantic refuses others for them; bare types have none.
     strict = ConfigDict(strict=True, allow_inf_nan=False, hide_input_in_errors=True)
     bare = {"targets", "softness", "anticipate", "motion"}
     return (
@@ -243,6 +244,7 @@ def read_fit(path: Path) -> FitProposal:
     if not isinstance(data, dict) or data.get("kind") != "fit":
         raise PackError(f"{shown(path)}: is not a result of a fit; the form is {FIT_FORM}")
     number = data.get("format")
+    # `isinstance` would take `true` for a number.
     if type(number) is int and number > FIT_FORMAT:
         what = f"the fit is in format {number}; this program reads format {FIT_FORMAT}"
         hint = "use a newer version of the program"
@@ -257,6 +259,7 @@ def write_fit(stream: TextIO, proposal: FitProposal) -> None:
     """Write a proposal as JSON, one item a line."""
     data = proposal.model_dump(mode="json")
     items, rest = data.pop("items"), data
+    # The items come last, one a line, so that a person can compare two files with a diff.
     head = json.dumps(rest, ensure_ascii=False, allow_nan=False, indent=1)
     rows = ",\n  ".join(
         json.dumps(rounded(row), ensure_ascii=False, allow_nan=False) for row in items

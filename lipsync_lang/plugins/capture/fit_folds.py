@@ -97,6 +97,7 @@ def _parts(by: By, names: Sequence[str]) -> Iterator[Fold]:
     known = list(dict.fromkeys(names))
     count = min(MOST_FOLDS, len(known))
     for part in range(count if count > 1 else 0):
+        # In turn instead of in blocks, since lines of one scene lie side by side.
         left = known[part::count]
         tested = tuple(n for n, name in enumerate(names) if name in left)
         kept = tuple(n for n, name in enumerate(names) if name not in left)
@@ -129,6 +130,7 @@ def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> F
     def score(shares: FitShares) -> float:
         return worst(parts, before, errors(task, parts, fits, shares))
 
+    # A ratio of 1 is the error before the fit: a share must lower it to be chosen.
     best, lowest = FitShares(0.0, 0.0), 1.0
     tried = [FitShares(share, 0.0) for share in TRIED_SHARES]
     for shares in tried:

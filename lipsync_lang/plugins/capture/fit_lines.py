@@ -142,12 +142,15 @@ def lay_lines(
     are those of the curves before the fit. All free signals have equal influence.
     """
     tables, motion = performer.compiled.tables, performer.motion
+    # The paper's thresholds are tables of their own, which performers choose as well.
     tables = tables.papers if motion.thresholds == "paper" else tables
     laid = []
     for line in captured:
+        # Loudness would open the mouth, and the fit would take it for a target.
         made = performer.performance(replace(line.schedule, audio=None), fps)
         times = made.frames.times()
         wanted = resampled(times, line.times, line.values)
+        # `resampled` holds the ends, which nobody recorded.
         wanted[(times < line.times[0]) | (times > line.times[-1])] = np.nan
         # Sounds and short pauses count whole, and long pauses next to sounds.
         sounding = made.track.ids != tables.silence

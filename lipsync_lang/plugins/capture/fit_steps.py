@@ -127,8 +127,10 @@ def solve(
     for _ in range(MAX_LINEARISATIONS):
         before = cost
         share = (1 + (found / SCALE) ** 2) ** -0.25  # the root of each error's weight
+        # One least squares for both: the prior is further rows, whose errors are never outliers.
         rows = sparse.vstack((sparse.diags(share) @ slopes(now), prior), format="csr")
         wanted = -np.concatenate((share * found, prior @ (now - start)))
+        # Columns of equal size let LSMR converge: weights and logarithms differ by orders.
         size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=0)).ravel())
         size[size == 0] = 1
         even = rows @ sparse.diags(1 / size)
@@ -150,7 +152,7 @@ def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -
 
     Rows include lost values, in the order of lines, frames and signals.
     """
-    tables, motion = face.moved(values), face.motion(values)
+    tables, motion = face.tables_with(values), face.motion(values)
     parts = [_line_slopes(face, tables, motion, line) for line in lines]
     return sparse.vstack(parts, format="csr")
 
@@ -164,6 +166,7 @@ def _line_slopes(face: FitFace, tables: Tables, motion: Motion, line: FitLine) -
     ahead = stages.get("anticipate", dialled)
     eased = stages.get("ease", ahead)
     last = stages.get("limit", eased)
+    # The paper's order of stages constrains last.
     if list(stages).index("constrain") > list(stages).index("limit"):
         last = stages["constrain"]
     same = (np.abs(ahead - dialled) < PASSED) & (np.abs(last - eased) < PASSED)
@@ -192,6 +195,7 @@ def _raw_slopes(face: FitFace, made: Performance, level: Floats) -> Sparse:
     where[face.rows] = np.arange(len(face.rows))
     drafted = where[row]
     steps = tables.curves.shape[1] - 1
+    # Only to learn which bigram wins at a frame; its slope uses the exact position.
     nearest = np.rint(position.clip(0, 1) * steps).astype(np.intp)
     values = tables.curves[row, nearest].astype(float)
     larger = values[0] >= values[1]
@@ -266,6 +270,7 @@ def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
             drafts = face.drafted(*((targets, moved) if side else (moved, targets)))
             parts.append((((drafts - now) / size[..., None]).ravel(), index, columns))
     data, at, columns = map(np.concatenate, zip(*parts, strict=True))
+    # Most differences are 0, since a pose of a row depends only on its own targets.
     kept = data != 0
     shape_ = rows * poses * points, weights + values.dominance.size
     return sparse.csr_matrix((data[kept], (at[kept], columns[kept])), shape=shape_)
@@ -394,6 +399,7 @@ def fit_motion(
             return robust_cost(face.errors(_changed(now, name, poses, value), lines))
 
         options = {"maxiter": TRIALS}
+        # Without slopes, which `control_slopes` knows for control values alone.
         found = minimize_scalar(cost_of, bounds=bounds, method="bounded", options=options)
         if found.fun < cost * (1 - WORTH):
             now, cost = _changed(now, name, poses, float(found.x)), float(found.fun)

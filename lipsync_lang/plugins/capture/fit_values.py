@@ -151,8 +151,9 @@ class FitFace:
         second = [late[n] for n in self.second.tolist()]
         return draft(first, second, exact=True)
 
-    def moved(self, values: FitValues) -> Tables:
+    def tables_with(self, values: FitValues) -> Tables:
         """Return tables with curves and motion from some values."""
+        # Arrays are compared by content here, since each trial of motion makes new ones.
         latest, motion = self._latest, (values.softness.tobytes(), values.anticipate.tobytes())
         if latest["motion"] != motion:
             base = replace(self.tables, softness=values.softness, anticipate=values.anticipate)
@@ -176,14 +177,14 @@ class FitFace:
         """Return the pair's motion with the speed limit of some values."""
         return replace(self.plain, speed_limit=values.speed)
 
-    def shown(self, values: FitValues, lines: Sequence[FitLine]) -> list[Floats]:
+    def performed(self, values: FitValues, lines: Sequence[FitLine]) -> list[Floats]:
         """Perform lines with some values through every stage; return their signals, (T, S) each."""
-        tables, motion = self.moved(values), self.motion(values)
+        tables, motion = self.tables_with(values), self.motion(values)
         return [line.signals(line.perform(tables, motion).weights(), motion) for line in lines]
 
     def errors(self, values: FitValues, lines: Sequence[FitLine]) -> Floats:
         """Return performed minus recorded values of all lines in sequence: (O,)."""
-        shown = self.shown(values, lines)
+        shown = self.performed(values, lines)
         return np.concatenate([one.errors(w).ravel() for one, w in zip(lines, shown, strict=True)])
 
     def __getstate__(self) -> dict[str, Any]:
@@ -238,6 +239,7 @@ def with_mentions(face: FitFace, values: FitValues, lines: Sequence[FitLine]) ->
     return replace(
         values,
         weights=np.where(new[:, None, :], shown, values.weights),
+        # The logarithm of 1, the usual dominance of a named pose.
         dominance=np.where(new, 0.0, values.dominance),
         mentioned=values.mentioned | new,
     )
@@ -248,7 +250,7 @@ def _occurrences(
 ) -> Iterator[tuple[Ints, Ints, Floats]]:
     """Yield targets (O,), poses (S,), and mean weights above the curves (O, S) of each line."""
     target = face.targeted
-    for line, shown in zip(lines, face.shown(values, lines), strict=True):
+    for line, shown in zip(lines, face.performed(values, lines), strict=True):
         alone = np.flatnonzero((line.gains != 0).sum(axis=1) == 1)
         poses = (line.gains[alone] != 0).argmax(axis=1)
         gains = line.gains[alone, poses]

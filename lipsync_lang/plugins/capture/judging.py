@@ -113,6 +113,7 @@ def judge_captures(
     seen: dict[str, str] = {}
     for number, line in enumerate(captures.lines, 1):
         try:
+            # Rounded values, so that a second export of one recording is found as well.
             told = repr((line.signals, line.values.shape)).encode()
             digest = sha256(told + np.round(line.values, 3).tobytes()).hexdigest()
             if digest in seen:
@@ -165,6 +166,7 @@ def _judged(performer: Performer, line: CapturedLine) -> tuple[CapturedLine, Clo
             f"the capture lasts from {first:.2f} to {last:.2f} s, but the speech lasts from "
             f"{start:.2f} to {end:.2f} s; check that the timings are of this line"
         )
+    # Before the clock is read: frozen stretches would pull the likeness down.
     line = _without_stuck(performer, line)
     line = _moving(performer, line)
     count = len(sounds_of(performer, line.schedule))
@@ -309,6 +311,7 @@ def outlying_lines(residuals: Mapping[str, float]) -> tuple[SetAside, ...]:
     if len(residuals) < LEAST_COMPARED:
         return ()
     middle = median(residuals.values())
+    # The median deviation of a normal distribution, as its standard deviation.
     usual = 1.4826 * median(abs(one - middle) for one in residuals.values())
     limit = middle + OUTLYING * max(usual, LEAST_DEVIATION * middle)
     why = "its error after the fit is {:.3f}, and the median is {:.3f}; check its timings"

@@ -107,6 +107,7 @@ def _greet(address: str) -> None:
     async def greeting() -> None:
         security = Security().get_connection_args("client")
         comm = await connect(address, timeout=LIMIT_SECONDS, **security)
+        # An orderly close may wait for a server that does not speak Dask's protocol.
         comm.abort()
 
     asyncio.run(asyncio.wait_for(greeting(), LIMIT_SECONDS + 1))
@@ -219,6 +220,8 @@ class _ClusterRun:
                 Parcel, parcel.key, parcel.content, key=f"lipsync-packed-{parcel.key}"
             )
             if len(self._values) > MAX_SHARED:
+                # Dask keeps a value as long as somebody holds its future; dropping it frees the
+                # workers.
                 self._values.popitem(last=False)
         self._values.move_to_end(parcel.key)
         return self._values[parcel.key]

@@ -82,6 +82,7 @@ def _aligned(batch: Sequence[Given], models: MfaModels) -> Iterator[Schedule | S
     with TemporaryDirectory(prefix="lipsync-lang-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         output = folder / "output"
+        # MFA adapts to each speaker, that is, to each folder; these recordings may be of anybody.
         write = tried(partial(_written, folder / "corpus"))
         lasts = [write(one) for one in enumerate(batch)]
         sounds = [seconds for seconds in lasts if not isinstance(seconds, SpeechError)]
@@ -141,6 +142,7 @@ def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> S
         times.append(seconds)
     # MFA writes small letters; the words get the capitals of the text.
     small = text.lower()
+    # Some capitals have small forms of two letters, which would shift all places after them.
     small = small if len(small) == len(text) else text
     words: list[Word] = []
     at = 0

@@ -117,6 +117,7 @@ def read_smartbody(path: Path, remarks: ImportRemarks) -> Sets:
                 "give the script or text that holds the bank alone"
             )
         with path.open("rb") as stream:
+            # One more than the limit: a file may grow after `stat`, and a pipe has no size.
             content = stream.read(MAX_SCRIPT_BYTES + 1)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
@@ -128,6 +129,7 @@ def read_smartbody(path: Path, remarks: ImportRemarks) -> Sets:
     if "\0" in text or len(content) > MAX_SCRIPT_BYTES:
         raise PackError(f"{name}: is not a script or text of SmartBody: {why}")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
+    # The first word tells an export: no call of a script begins so.
     words = next((line.split() for line in text.split("\n") if line.strip()), [""])
     if words[0] in {"Map", "Diphone"}:
         return _Export(name, remarks).read(text)
@@ -194,6 +196,7 @@ class _Script:
             return
         for node in body:
             if not self._node(node):
+                # What a skipped statement may have assigned is unknown from here on.
                 inner = (n for n in ast.walk(node) if isinstance(n, ast.Name))
                 self._forget({n.id for n in inner if isinstance(n.ctx, ast.Store)})
                 self._tell(f"not understood and skipped: `{shown}`")
@@ -423,6 +426,7 @@ class _Export:
 
     def _shape(self, line: int, diphone: Diphone, words: list[str]) -> None:
         """Read a shape line: a name with possible spaces, a count, and that many numbers."""
+        # The first count that fits the rest of the line ends the name, which may hold numbers.
         at = next((n for n in range(1, len(words)) if words[n] == str(len(words) - n - 1)), None)
         try:
             numbers = [float(word) for word in words[at + 1 :]] if at else None

@@ -90,6 +90,7 @@ class Conversion:
         """Return curves by bigram; of duplicates, the pair with more of our own labels wins."""
         ours = {pair: self._pair(pair, diphone) for pair, diphone in pairs.items()}
         known = [(pair, key) for pair, key in ours.items() if key]
+        # A stable sort: pairs with fewer foreign labels first, and then in the order of the file.
         known.sort(key=lambda one: sum(self.sounds[label] != label for label in one[0]))
         taken: dict[str, DiphonePair] = {}
         for pair, key in known:
@@ -190,6 +191,7 @@ class Conversion:
 
 
 def _unit(number: float) -> float:
+    # The sum turns -0.0 into 0.0, which YAML would show.
     return round(min(max(number, 0.0), 1.0), DECIMALS) + 0.0
 
 
@@ -312,6 +314,7 @@ def _names(
     for name, phoneme in common.phonemes.items():
         sounds.update(dict.fromkeys((label.casefold() for label in phoneme.spelled), name))
     ours = dict.fromkeys((*common.phonemes, common.silence))
+    # Our own names last: a spelling of one phoneme may be the name of another.
     sounds.update(dict(zip(ours, ours, strict=True)))
     poses = {pose: pose for pose in poseset.poses}
     for theirs, our in mapped.items():
@@ -342,6 +345,7 @@ def _chosen(
     sets = {name: pairs for name, pairs in merged.items() if pairs}
     if not sets:
         raise LipsyncError(_nothing(remarks))
+    # A single set is taken whatever its name, which is often that of its file.
     fit = [*sets]
     if len(sets) > 1:
         fit = [name for name in sets if name == style or (style == NEUTRAL and name in USUAL)]

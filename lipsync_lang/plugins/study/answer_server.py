@@ -115,6 +115,7 @@ class AnswerLog:
         with self._lock:
             if digest in self._known:
                 return HTTPStatus.OK, ""
+            # Opened for each submission: an editor may replace the file while the study runs.
             handle = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
             with os.fdopen(handle, "rb+", buffering=0) as file:
                 size = file.seek(0, os.SEEK_END)
@@ -123,6 +124,7 @@ class AnswerLog:
                 if size and file.seek(size - 1) and file.read(1) != b"\n":
                     line = b"\n" + line  # a write before was cut off
                 file.write(line)
+                # A rater who is thanked cannot be asked again after a loss of power.
                 os.fsync(file.fileno())
             self._known.add(digest)
         return HTTPStatus.CREATED, ""
@@ -197,6 +199,7 @@ class StudySite:
         # A post that cannot be a submission is refused before its content arrives.
         if request.headers.get("Content-Type", "").partition(";")[0].strip() != "application/json":
             raise HTTPException(415, "send the answers as application/json")
+        # Without a length, an endless body would fill the memory.
         length = request.headers.get("Content-Length")
         if length is None:
             raise HTTPException(411, "the header Content-Length is missing")
@@ -207,6 +210,7 @@ class StudySite:
         except ClientDisconnect:
             raise HTTPException(408, "the answers did not arrive in full") from None
         now = time.monotonic()
+        # All at once, which is cheap, and forgets only the counts of a minute.
         if len(self._recent) > MAX_ADDRESSES:
             self._recent.clear()
         address = request.client.host if request.client else ""
@@ -295,4 +299,5 @@ def _page(path: Path, study: Study) -> bytes:
     if study.study.encode() not in content:
         raise LipsyncError(f"{path}: is the page of another study; make the study again")
     posted = json.dumps(POST_PATH.lstrip("/")).encode()
+    # Only the first, at the start of the data: texts of a study may hold the same words.
     return content.replace(UNPOSTED, UNPOSTED.replace(b"null", posted), 1)

@@ -194,6 +194,7 @@ class _Sorting:
         for number, raw in enumerate(one.given):
             where = f"answers.{number}"
             try:
+                # Strict, since pydantic would take "3" and 3.0 for a strength.
                 answer = PairAnswer.model_validate(raw, strict=True)
             except ValidationError as error:
                 first = error.errors(include_url=False, include_input=False)[0]
@@ -312,6 +313,7 @@ class _Sorting:
 
     def _fault(self, one: _Rater) -> tuple[str, _Rater, str] | None:
         """Return the reason to set a rater aside, if there is one."""
+        # By pair: both questions of a pair that are answered wrongly are one failed check.
         failed = {a.pair for a in one.answers if self._pairs[a.pair].check not in (None, a.choice)}
         if len(failed) > self._rules.failed_checks:
             return "failed checks", one, f"failed at {shortlist(sorted(failed), MAX_NAMED_RATERS)}"

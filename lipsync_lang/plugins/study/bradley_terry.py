@@ -117,6 +117,7 @@ def flipped_raters(by_rater: Sequence[Floats], wins: Floats) -> float:
     gradient g, a sum over raters, and the information H of equal strengths, which no sign changes.
     """
     gradients = np.array([(one - one.T).sum(axis=1) / 2 for one in by_rater])
+    # The information is singular: adding one number to all strengths changes nothing.
     inverse = np.linalg.pinv(_information(wins, np.zeros(len(wins))))
 
     def scores(totals: Floats) -> Floats:
@@ -124,8 +125,10 @@ def flipped_raters(by_rater: Sequence[Floats], wins: Floats) -> float:
 
     observed = scores(gradients.sum(axis=0, keepdims=True))[0]
     chance = np.random.default_rng(0)
+    # The observed signs are one of the vectors, so p is never 0 (Phipson and Smyth 2010).
     reached = 1
     for _ in range(FLIPS // FLIPS_AT_ONCE):
+        # A part at a time: 20,000 vectors of a thousand raters would take 160 MB.
         signs = chance.choice((-1.0, 1.0), (FLIPS_AT_ONCE, len(gradients)))
         reached += int((scores(signs @ gradients) >= observed * (1 - GRADIENT_TOLERANCE)).sum())
     return reached / (FLIPS + 1)

@@ -265,6 +265,7 @@ def clustering(choices: Sequence[Choice], first: str) -> Clustering:
     if raters == 1:
         return Clustering(None, None, None)
     effect, correlation = None, None
+    # If all choices are the same, the variance is 0 and tells nothing: each rater counts once.
     effective = float(raters)
     if 0 < share < 1:
         off = [sum(given) - share * len(given) for given in by_rater.values()]

@@ -76,6 +76,7 @@ def parse_method(text: str) -> Method:
     how, colon, what = source.partition(":")
     if colon and how in PERFORMER_METHODS and what:
         return Method(name, how, what)
+    # A folder may have a colon in its name, or a drive of Windows before it.
     manner, folder = (how, what) if colon and how in BASELINES else (USUAL_MANNER, source)
     if equals and Path(folder).is_dir():
         return Method(name, "files", folder, manner)
@@ -157,6 +158,8 @@ class StudyCharacter:
             try:
                 made, _ = read_for(self.performer, path, schedule)
             except LipsyncError as error:
+                # The file may be timings in the same suffix; only if they fail too, the first error
+                # is told.
                 refused = error
             else:
                 _refuse_apart(path, float(made.times[-1]), schedule)
@@ -184,10 +187,12 @@ def with_bank(
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         names = [f"{number}/{path.name}" for number, path in enumerate(banks)]
         for own_name, path in zip(names, banks, strict=True):
+            # Packs may name only files below their folder, and banks come from anywhere.
             copied = Path(folder, own_name)
             copied.parent.mkdir()
             copied.write_bytes(read_input(path, MAX_BANK_BYTES, mend="name a bank"))
         plain |= {"name": "with_bank", "banks": names}
+        # The model's path starts at the folder of the character, and a study draws its own.
         plain.pop("model", None)
         path = Path(folder, "with_bank.yaml")
         path.write_text(json.dumps(plain), "utf-8")

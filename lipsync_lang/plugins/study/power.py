@@ -169,11 +169,13 @@ def choices_needed(share: float, power: float, alpha: float) -> int:
     normal = NormalDist()
     z_alpha, z_power = normal.inv_cdf(1 - alpha / 2), normal.inv_cdf(power)
     spread = z_alpha * 0.5 + z_power * (share * (1 - share)) ** 0.5
+    # The normal approximation of a low power at a low level may be below zero.
     near = max(1, ceil((spread / abs(share - 0.5)) ** 2)) if spread > 0 else 1
     low = max(1, floor(near * (1 - SEARCHED_SHARE)) - SEARCHED_CHOICES)
     high = ceil(near * (1 + SEARCHED_SHARE)) + SEARCHED_CHOICES
     if high > MAX_CHOICES:
         raise LipsyncError(f"more than {MAX_CHOICES:,} choices are needed; ask for less power")
+    # A window instead of a number, because the power falls between its steps.
     while high - low > 2 * SEARCHED_CHOICES:
         middle = (low + high) // 2
         window = np.arange(middle, middle + SEARCHED_CHOICES)

@@ -64,6 +64,7 @@ class Clip:
         """Length of the clip: the longer one of its motion and its sound."""
         times, audio = self.animation.times, self.animation.schedule.audio
         sound = audio.seconds - float(times[0]) if audio is not None else 0.0
+        # The last frame is shown for a frame as well.
         return max(float(times[-1] - times[0]), sound) + 1 / self.animation.fps
 
     def path(self, folder: Path) -> Path:

@@ -242,6 +242,7 @@ def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]
         except LipsyncError as error:
             yield str(path), error
             continue
+        # Blank lines at the ends would make one document look like JSON lines.
         content = content.strip()
         lines = content.split(b"\n")
         documents = (parse_document(line)[2] for line in lines)

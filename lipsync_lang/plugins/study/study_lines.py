@@ -148,6 +148,7 @@ def in_balanced_order(pairs: Iterable[ClipPair], seed: int) -> Iterator[ClipPair
         groups.setdefault((pair.methods, pair.character), []).append(pair)
     for group in groups.values():
         chance.shuffle(group)
+    # Drawn once: chance at each step would make the order of equals depend on all before.
     ties = {key: chance.random() for key in groups}
     methods: Counter[tuple[str, str]] = Counter()
     characters: Counter[str] = Counter()
@@ -176,6 +177,7 @@ def laid_out(pairs: Sequence[ClipPair], checks: int, seed: int) -> tuple[StudyPa
     if len(pairs) + checks > MAX_PAIRS:
         what = f"there are {len(pairs) + checks} pairs with the checks"
         raise LipsyncError(f"{what}; a study has at most {MAX_PAIRS} (`pairs`)")
+    # Another seed than that of the order, which would tie sides to lines.
     chance = random.Random(f"{seed} sides")  # noqa: S311 a repeatable choice is wanted
     turned: dict[tuple[str, str], bool] = {}
     rows: list[tuple[str, str, str, str, ClipSide | None]] = []

@@ -96,8 +96,10 @@ def make_study(
     pairs = laid_out(chosen, checks, plan.seed)
     clips = dict(stage.clips(pairs))
     lengths = {name: round(max(clip.seconds for clip in two), 2) for name, two in clips.items()}
+    # Raters who answer faster than the longer clip plays cannot have seen both.
     pairs = tuple(pair.model_copy(update={"seconds": lengths[pair.pair]}) for pair in pairs)
     study = _study(plan, pairs, {name: [c.digest for c in two] for name, two in clips.items()})
+    # After the digest is known, and before minutes of rendering.
     _refuse_another(folder, study)
     made = [clip for two in clips.values() for clip in two]
     rendered = render_clips(made, folder / CLIPS, workers=workers, told=partial(told, "clip"))

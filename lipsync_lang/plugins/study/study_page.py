@@ -130,6 +130,7 @@ def study_page(
         "SCRIPT": script,
         "DOCUMENT": document.replace("<", "\\u003c"),
     }
+    # In parts instead of one text: a page of 60 MB would be in memory several times.
     head, *rest = _static("answering.html").split("{{")
     yield head
     for part in rest:

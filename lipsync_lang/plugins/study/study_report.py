@@ -128,6 +128,7 @@ def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Compariso
         "p (lines) allows for similar choices about the same line, and for other lines",
     ]
     fewest = min(min(one.raters, one.lines) for one in comparisons)
+    # The smallest p of sign flips: all signs alike, in either direction.
     if 2.0 ** (1 - fewest) >= SIGNIFICANCE_LEVEL:
         few = "1 rater or line" if fewest == 1 else f"{fewest} raters or lines"
         least = f"p cannot be below {2.0 ** (1 - fewest):.2g}"

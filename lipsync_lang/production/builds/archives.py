@@ -67,6 +67,8 @@ def split_archive(path: str) -> tuple[str, str] | None:
     """
     if not any(suffix in path.lower() for suffix in ARCHIVE_SUFFIXES):
         return None
+    # Most outputs are files of their own, and a million paths are split in a build: the search for
+    # a suffix above is cheap, parts of paths are not.
     parts = PurePosixPath(path).parts
     for number, part in enumerate(parts[:-1], 1):
         if part.lower().endswith(ARCHIVE_SUFFIXES):
@@ -190,6 +192,7 @@ def put_member(archive: ZipFile, name: str, content: NewMember) -> None:
     if isinstance(content, bytes):
         archive.writestr(info, content)
         return
+    # `ZipFile.open` decides by this size whether the header needs 64 bits.
     info.file_size = content.stat().st_size
     with content.open("rb") as source, archive.open(info, "w") as target:
         copyfileobj(source, target, BLOCK_BYTES)
@@ -200,6 +203,8 @@ def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
     if old.flag_bits & ENCRYPTED or old.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         raise BadZipFile(f"'{old.filename}' is encrypted, or compressed in another way")
     source.seek(old.header_offset)
+    # The directory at the end of a ZIP does not tell the length of the member's own header: its
+    # extra data may differ from those of the directory.
     head = source.read(ZIP_HEAD.size)
     if len(head) < ZIP_HEAD.size:
         raise BadZipFile(f"'{old.filename}' ends early")
@@ -220,6 +225,8 @@ def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
             raise BadZipFile(f"'{old.filename}' ends early")
         out.write(block)
         left -= len(block)
+    # `zipfile` writes the directory from these two and `start_dir` when it is closed; it has no
+    # public way to add a member that is compressed already.
     archive.filelist.append(info)
     archive.NameToInfo[info.filename] = info
     archive.start_dir = out.tell()

@@ -160,6 +160,7 @@ def write_report(
             raise OutputError(
                 f"{path}: a report cannot be written as '{suffix}'; use .html, .xml or .json"
             )
+    # One pass for all forms: a line of an earlier build is read from the record each time.
     for line in lines if adders else ():
         whole = line.whole()
         for add in adders:
@@ -172,6 +173,8 @@ def write_report(
         with atomic(path) as out:
             text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
             write(text, tally)
+            # `detach` hands back the stream of `atomic`, which a closed wrapper would close as
+            # well.
             text.flush()
             text.detach()
 
@@ -218,6 +221,8 @@ class JsonReport:
             "confidence": tally.mean_confidence,
             "units": {name: one.unit for (name, _), one in tally.figures.items()},
         }
+        # The rows are already JSON on the disk, so they are put before the closing brace of the
+        # head.
         out.write(json.dumps(head, indent=1)[:-2] + ',\n "rows": [')
         self._rows.seek(0)
         out.writelines(

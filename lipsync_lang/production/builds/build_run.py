@@ -92,6 +92,8 @@ def locked(folder: Path, tell: Tell, part: str = "") -> Iterator[None]:
     waiting = False
     try:
         while (held := claim(path)) is None:
+            # A script without the guard of `__main__` starts its build again in each worker, which
+            # would wait here for its own parent.
             if parent_process() is not None:
                 raise LipsyncError(
                     "a worker process of this build ran its script again; start the "
@@ -106,6 +108,7 @@ def locked(folder: Path, tell: Tell, part: str = "") -> Iterator[None]:
     try:
         yield
     finally:
+        # The file stays: a build that waits has opened it, and would lock a file without a name.
         os.close(held)
 
 
@@ -140,6 +143,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
     if scheduler is None:
         workers = (workers or os.cpu_count()) if _pays(stale, maker, needs) else 1
     if scheduler is not None:
+        # Only pairs with work: the copies of models take space in the project's folder.
         pairs = {(step.line.language, step.line.character) for step in stale}
         needs = with_seen_files({pair: needs[pair] for pair in pairs}, maker.folder)
     _sweep(maker.folder, stale)
@@ -181,6 +185,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
             done += len(results)
             seconds = monotonic() - begun
             tell("progress", {"done": done, "of": len(stale), "seconds": round(seconds, 3)})
+            # After the results are kept, so that lines which fitted onto the disk are recorded.
             _refuse_full(results, done, len(stale))
         keeper.flush()
     prune_timings()
@@ -253,6 +258,7 @@ def _tell_line(tell: Tell, built: BuiltLine, step: PlannedStep) -> None:
 
 def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:
     """Yield the lines in batches of one language; a line's characters are in one batch."""
+    # Small batches keep the last worker from working alone, but each starts engines again.
     share = max(len(stale) // (workers * POOL_BATCHES_PER_WORKER), MIN_BATCH_LINES)
     size = min(MAX_BATCH_LINES, share, max(1, len(stale) // workers))
     takes: dict[tuple[str, str], list[PlannedLine]] = {}

@@ -144,6 +144,8 @@ class BuildTally:
             key = one.line.language, one.line.character, one.heading
             groups.setdefault(key, []).append((self.lines, one))
             self.lines += 1
+        # Rows of rank, two measures of badness, and the negated number of the line, so that the
+        # earlier of equally bad lines is the larger row.
         ranks = [np.empty((0, 4))]
         every: dict[int, CountedLine] = {}
         blocks = (
@@ -152,6 +154,7 @@ class BuildTally:
             for first in range(0, len(numbered), MAX_COUNTED_LINES)
         )
         for heading, numbered in blocks:
+            # Lines with one heading have the same figures, so their values are one array.
             order = self._add(heading, [one for _, one in numbered])
             rows = np.column_stack([*order, [-number for number, _ in numbered]])
             rows = rows[np.lexsort(rows.T[::-1])[::-1][:most]]
@@ -172,6 +175,7 @@ class BuildTally:
         stated = [nan if one.confidence is None else one.confidence for one in lines]
         confidence = np.array(stated, float)
         judged = ~(np.isnan(values) | np.isnan(limits))
+        # Limits of 0 and values that are not judged divide to numbers that `where` drops.
         with np.errstate(all="ignore"):
             over = judged & (values > limits * LIMIT_FACTOR + LIMIT_STEP)
             share = np.where(
@@ -179,6 +183,7 @@ class BuildTally:
             )
         share = np.where(judged, share, 0.0)
         for column, (name, unit, _) in enumerate(heads):
+            # A limit of 0 needs another histogram, and one measure may have both kinds.
             for zero in (False, True):
                 at = np.flatnonzero(judged[:, column] & ((limits[:, column] == 0) == zero))
                 if at.size:

@@ -61,6 +61,7 @@ def file_digest(path: Path) -> str:
 
 def _plain(value: object) -> Any:
     if isinstance(value, np.ndarray):
+        # Equal bytes of another type or shape are another array.
         return [value.dtype.str, value.shape, value.tobytes().hex()]
     if isinstance(value, np.generic):
         return value.item()

@@ -57,6 +57,8 @@ class OutputKeeper:
             step = self.steps[one.built.line.key]
             outputs = dict(step.record.outputs) if step.record is not None else {}
             for file in one.files:
+                # Again, since the plan is older than the line: somebody may have written the file
+                # meanwhile.
                 stands = standing.digest(file.path) if file.path in step.unknown else ""
                 if stands not in ("", file.digest):
                     kept.append(file.path)
@@ -95,6 +97,8 @@ class OutputKeeper:
     def flush(self) -> None:
         """Put the waiting outputs into their archives."""
         with undisturbed():
+            # The record precedes the files: a build killed in between finds outputs that it knows
+            # how to finish, and never takes its own files for edited ones.
             self.records.put(self._rows)
             for temporary, target in self._moves:
                 replace_file(Path(temporary), target)
@@ -129,6 +133,7 @@ def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> Bu
         values, limits, heads = unpacked_figures(record.heading, [record.figures])
         stated = np.array([values[0], limits[0]])
         known = stated.astype(object)
+        # Arrays hold no None, so a missing value or limit is kept as not-a-number.
         known[np.isnan(stated)] = None
         rows = zip(heads, *known.tolist(), notes, strict=True)
         figures = [

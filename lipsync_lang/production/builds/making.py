@@ -148,6 +148,7 @@ class LineMaker:
         self, lines: Sequence[PlannedLine], pairs: Mapping[str, PairNeeds]
     ) -> Iterator[ScheduleOrError]:
         """Yield the schedule of each line; characters with the same speech share it."""
+        # Reversed, so that the first of the lines with equal keys stays.
         asked = {(pairs[line.character].speech, line.name): line for line in reversed(lines)}
         known: dict[tuple[bytes, str], ScheduleOrError] = {}
         for speech in dict.fromkeys(speech for speech, _ in asked):
@@ -315,11 +316,14 @@ def created(temporary: str, target: str) -> BinaryIO:
     """Open a new file with the permissions of the file that it will replace."""
     try:
         found = os.stat(target).st_mode  # noqa: PTH116 once a file
+        # A rename onto a folder would fail at the end of the build, on Windows without a clear
+        # reason.
         if S_ISDIR(found):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), target)
         refuse_locked(Path(target), found)
         mode = found & 0o666
     except FileNotFoundError:
         mode = 0o666
+    # `O_EXCL`, so that a link of that name in a foreign project is not followed.
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     return os.fdopen(os.open(temporary, flags, mode), "wb")

@@ -94,6 +94,7 @@ class PairNeeds:
         phonemes, count = self.performer.compiled.phonemes, len(self.performer.compiled.phonemes)
         silence = np.array([self.performer.compiled.tables.silence])
         around = np.concatenate((silence, ids, silence))
+        # Codes of bigrams and trigrams, so that `unique` works on integers instead of names.
         pairs = around[:-1] * count + around[1:]
         threes = (pairs[:-1] * count + around[2:])[around[1:-1] != silence]
         for one in np.unique(pairs).tolist():
@@ -118,6 +119,7 @@ class PairNeeds:
                 if value is None:
                     value = labels.unlisted(known, label)
             numbers = compiled.numbers(shades=labels.shades)  # shades as they are performed
+            # By the names that the numbers stand for: an added phoneme renumbers the others.
             found = digest(value and [(compiled.phonemes[numbers[n]], share) for n, share in value])
         elif kind == "word":
             edit = compiled.word_edits.get(rest.casefold())
@@ -163,6 +165,8 @@ class PairNeeds:
         own = {f.name: getattr(compiled, f.name) for f in fields(compiled)}
         rules = {f.name: getattr(compiled.tables, f.name) for f in fields(compiled.tables)}
         face = {name: value for name, value in own.items() if name not in OF_LINES}
+        # Gestures and drafts of styles state the places of their packs, which only outputs with
+        # reasons show: `places` has them, and `face` has none.
         places = {name: draft["place"] for name, draft in compiled.style_drafts.items()}
         face["style_drafts"] = [
             (name, {key: value for key, value in draft.items() if key != "place"})
@@ -221,7 +225,7 @@ def _trigram(names: Sequence[str], code: int) -> str:
     return f"trigram {names[pair // len(names)]} {names[pair % len(names)]} {names[last]}"
 
 
-def told(name: str) -> str:
+def need_in_words(name: str) -> str:
     """Describe a need, as the reason to make a line again."""
     kind, _, rest = name.partition(" ")
     if kind in {"bigram", "trigram"}:

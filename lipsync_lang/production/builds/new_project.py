@@ -229,6 +229,7 @@ def _named_ids(cells: Cells, table: Path) -> IdColumn:
 
 def _within(stems: Collection[str], cells: Cells, at: int) -> Iterator[IdColumn]:
     """Yield the text around cells of a column in names of recordings, most frequent first."""
+    # A sample of both sides: every cell in every name would take minutes for a large game.
     names = {folded_name(one) for one in cells.at(at)[:MAX_COMPARED]}
     around: Counter[tuple[str, str]] = Counter()
     for stem in sorted(stems)[:: max(1, len(stems) // COMPARED_STEMS)]:
@@ -253,6 +254,8 @@ def _folders(
         tongues = {name: _language(finder, name) for name in names}
         if all(tongues.values()) and not languages:
             pattern.append("{language}")
+            # Only the first level that has nothing but languages: a folder `de` may also be a
+            # speaker.
             languages = {own: name for name, own in tongues.items() if own}
         elif len(names) > 1 and all(folded_name(name) in known for name in names):
             pattern.append("{speaker}")

@@ -100,6 +100,8 @@ def check_shared(
 def check_links(paths: Iterable[tuple[Loc, str]], folder: Path, faults: ScriptFaults) -> None:
     """Check that paths, with their places in the project, do not lead outside it by a link."""
     for loc, path in paths:
+        # What a line fills in is checked when it is written; here only the part that all lines
+        # share.
         head = path.partition("{id}")[0].partition("{speaker}")[0]
         head = head if head == path else posixpath.dirname(head)
         if not is_reached(folder / head, folder):

@@ -12,7 +12,7 @@ import numpy as np
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.builds.archives import StandingOutputs
 from lipsync_lang.production.builds.digests import digest, file_digest, joined
-from lipsync_lang.production.builds.needs import PairNeeds, told
+from lipsync_lang.production.builds.needs import PairNeeds, need_in_words
 from lipsync_lang.production.builds.output_paths import recorded_path
 from lipsync_lang.production.builds.planned_line import PlannedLine
 from lipsync_lang.production.builds.records import (
@@ -151,6 +151,7 @@ def _changed_needs(
         every = np.frombuffer(b"".join(each), NEED)
         if every["number"].max(initial=0) > len(records.names):
             raise unusable()
+        # Each need of a pair is computed once, and compared with all lines in one array.
         used = np.flatnonzero(np.bincount(every["number"]))
         values = [needs[pair].current(records.name(number)) for number in used.tolist()]
         now = np.zeros(used.max(initial=0) + 1, "<u8")
@@ -185,7 +186,7 @@ class _Planner:
         else:
             text = record.inputs if text == record.inputs else text  # one text for both
             reasons += self._inputs_changed(inputs, text, record)
-            reasons += [f"{told(name)} changed" for name in changed]
+            reasons += [f"{need_in_words(name)} changed" for name in changed]
             if record.verdict == "failed":
                 reasons.append("it failed in the last build")
         if self.force:
@@ -227,11 +228,14 @@ class _Planner:
             return "missing"
         if written is None:
             return "replaced" if self.overwrite else "unknown"
+        # The stamp spares the reading of all outputs; a stamp that differs alone is no edit, since
+        # copies of a project have new times.
         if stamp == (written.size, written.changed):
             return "sound"
         found = self.standing.digest(path)
         if found == written.digest:
             return "sound"
+        # A build was killed between its record and the rename: the old file is there, as noted.
         if found == written.before:
             return "unfinished"
         return "replaced" if self.overwrite else "edited"

@@ -205,6 +205,7 @@ class ProjectBuild:
         chosen = Selection() if selection is None else selection
         faults = ScriptFaults(pack)
         places = (*paths, *(folder / path for path in project.paths))
+        # A spreadsheet without its library is told together with all that is missing, below.
         unread = missing_for({path: [Path(path).suffix.lower()] for path in project.lines})
         read = () if unread else read_script(pack, paths=tuple(paths), remark=remark)
         lines = chosen.of(read)
@@ -267,6 +268,7 @@ class ProjectBuild:
             pair = self.pairs.get((line.language, line.character))
             if pair is None or line.character in tried:
                 continue
+            # One line of each character: its face decides what a format can hold, not the text.
             tried.add(line.character)
             at_rest = pair.performer.rigged(
                 pair.performer.perform(STILL_SCHEDULE, self.settings.fps)

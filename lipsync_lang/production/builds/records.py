@@ -125,9 +125,11 @@ class Records:
                     ignore = path.with_name(".gitignore")
                     if not ignore.exists():
                         ignore.write_text("*\n", encoding="utf-8")
+                # A copy in memory leaves a project alone that may only be read, and has no lock.
                 connection = sqlite3.connect(path if write else ":memory:", timeout=60)
                 stack.enter_context(closing(connection))
                 if write:
+                    # Readers, such as a dry run, do not wait for a build that writes.
                     connection.execute("PRAGMA journal_mode = WAL")
                     connection.execute("PRAGMA synchronous = FULL")
                     _check_form(path, connection)
@@ -137,6 +139,7 @@ class Records:
                     connection.commit()
                 elif path.is_file():
                     with closing(sqlite3.connect(path)) as stored:
+                        # The database may be a stranger's: no statement of it may write.
                         stored.execute("PRAGMA query_only = ON")
                         _check_form(path, stored)
                         stored.backup(connection)
@@ -163,6 +166,8 @@ class Records:
                 outputs = json.loads(f"[{','.join([row[3] for row in rows])}]")
                 for row, written in zip(rows, outputs, strict=True):
                     at, inputs, contents, verdict, confidence, heading, figures = row[4:]
+                    # SQLite keeps any type in any column, and `isinstance` takes a bool for an
+                    # integer.
                     types = type(at), type(figures), type(confidence or 0.0)
                     if types != (int, bytes, float):
                         raise unusable()

@@ -282,6 +282,7 @@ class ScriptPlanner:
             what = f"no file matches '{self._project.audio}', so voices speak {lines:,} lines"
             hint = "correct the path, or remove it; `recordings: required` makes this a fault"
             self._faults.state(("audio",), "W315", what, hint)
+            # The warning replaces the counts by language, which would repeat it.
             lacking.clear()
 
     def _has_recordings(self) -> bool:
@@ -309,6 +310,7 @@ class ScriptPlanner:
         again: set[int] = set()
         for line in planned:
             for _, path in line.outputs:
+                # Equal hashes of different paths cost only a second look, at the paths themselves.
                 digest = hash(folded_name(path))
                 (again if digest in met else met).add(digest)
         read = {folded_name(path) for path in self._recordings.used()}

@@ -164,6 +164,7 @@ def encoded(takes: Mapping[str, bytes], patch: tuple[int, int] | None = None) ->
     numbers = {pose: number for number, pose in enumerate(poses)}
     told = b"".join(TEXT_LENGTH.pack(len(pose)) + pose for pose in poses)
     index_at = TAKES_HEADER.size + len(told) + -(TAKES_HEADER.size + len(told)) % 8
+    # A power of two, at most two thirds full, so that players find a name by a mask and few steps.
     slots = 1 << (len(parts) * 3 // 2).bit_length()
     first = at = index_at + slots * INDEX_SLOT.size
     index, records = bytearray(slots * INDEX_SLOT.size), []

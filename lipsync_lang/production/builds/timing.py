@@ -61,6 +61,7 @@ class TimingCache:
             path = self._path(line) if self.reuse else None
         except OSError:  # of the recording
             return False
+        # Without a look inside, since this only decides how many processes pay.
         return path is not None and path.is_file()
 
     def load(self, line: PlannedLine) -> Schedule | None:

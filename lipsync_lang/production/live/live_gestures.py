@@ -54,6 +54,7 @@ class LiveGestures:
 
     def beside(self, frame: LiveFrame) -> LiveFrame:
         """Return a frame of lips with the amounts of gestures after its weights."""
+        # A machine that slept wakes with one late frame: not with all blinks of the night at once.
         elapsed = min(max(frame.seconds - self._seconds, 0.0), 1.0)
         self._seconds = frame.seconds
         self._draw(frame.seconds, elapsed, speaking=bool(frame.weights.any()))
@@ -67,6 +68,7 @@ class LiveGestures:
         self._coming = [one for one in self._coming if one.begin >= ended]
         step = self.own.speed * max(elapsed, 1 / self.fps)
         bound = amounts.clip(self.own.low, self.own.high)
+        # Gestures that meet by chance add up, so the sum is kept within the speed of a face.
         self.amounts = bound.clip(self.amounts - step, self.amounts + step)
         return frame._replace(weights=np.concatenate((frame.weights, self.amounts)))
 
@@ -84,6 +86,8 @@ class LiveGestures:
             begin = begin if begin <= seconds + DRAWING_SECONDS else seconds
             self._coming.append(BegunGesture(number, begin, self.scales[number]))
             self._free[number] = begin + shape.room
+            # Added, not set: what the gap before went beyond zero is not lost, so the rate stays
+            # true.
             self._left[number] += self._gap(number)
 
     def _gap(self, number: int) -> float:

@@ -103,6 +103,7 @@ class LivePlayer:
                 self.rest()
             if now - self.last.seconds >= self._idle_seconds:
                 self._send(self.last._replace(seconds=now))
+            # Ticks of the session's clock instead of waits of one frame, whose errors would add up.
             due = (floor(now * self.fps + ROUNDED_TICKS) + 1) / self.fps
             due = due if self.voice is None else min(due, self.voice.due)
             self.wait(max(due - self._now(), 0.0))
@@ -161,6 +162,7 @@ class LivePlayer:
     def _take_in(self, now: float) -> None:
         """Feed the next utterance to the open stream, or to a new one."""
         stream = self.stream
+        # The stages look ahead by the delay, so only what lies beyond it is in reserve.
         known = 0.0 if stream is None else (stream.known or 0.0) - stream.delay
         ahead = known + self.zero - now
         if stream is not None and (stream.finished or ahead > AHEAD_SECONDS):

@@ -188,6 +188,7 @@ class LiveVoice:
             if len(samples) > count:
                 self._chunks.appendleft((rate, samples[count:]))
             part = samples[:count]
+            # Sums of fractions may end a little below zero.
             self._queued = max(self._queued - len(part) / rate, 0.0)
             self._changed.notify()
         return rate, part
@@ -196,6 +197,8 @@ class LiveVoice:
         """Go on after sound was missing, and tell a rate that it cannot have."""
         if self._dry and self._due is not None:
             late = max(now - self._due, 0.0)
+            # The clock of the voice is set back by the gap, or it would rush through the sound
+            # after it.
             self._missed += late
             self._due += late
             share = self._missed / (self._missed + self._heard)

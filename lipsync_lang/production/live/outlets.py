@@ -112,6 +112,7 @@ class PacketOutlet:
                 f"{address.kind}: no host '{address.host}' ({error.strerror or error}); give the "
                 "address of the machine that the engine runs on; 127.0.0.1 is this machine"
             ) from None
+        # The first address that the system prefers; UDP cannot tell which of several is answered.
         family, kind, protocol, _, target = found[0]
         self.target: Any = target
         self.socket = socket.socket(family, kind, protocol)
@@ -220,6 +221,7 @@ class LiveLinkPacket:
     ) -> None:
         held = names(PACKET_SHAPES)
         self.arranged = FixedColumns(columns, held, LIVE_LINK_PROGRAM)
+        # Broadcast rates are fractions over 1001, which a float only comes near to.
         rate = Fraction(fps).limit_denominator(MAX_DENOMINATOR)
         self.fps, self.start, self.count = fps, start, len(held.shapes) + len(held.turns)
         device = str(uuid5(NAMESPACE_DNS, subject)).upper().encode()
@@ -277,6 +279,7 @@ def vmc_messages(
             bundle.add_content(message(VALUE, ("s", name), ("f", weights[number])))
         if head is not None:
             ((x, y, z, w),) = head(frame.weights[None]).tolist()
+            # A mirrored axis turns the sign of rotations about the two others.
             moved = [("f", number) for number in (*place, x, -y, -z, w)]
             bundle.add_content(message(BONE, ("s", HEAD), *moved))
         bundle.add_content(apply)

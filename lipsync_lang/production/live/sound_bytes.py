@@ -76,6 +76,8 @@ class SampleForm(NamedTuple):
         if size == 3:  # noqa: PLR2004 no type of NumPy has three bytes
             wide = np.zeros((len(raw) // 3, 4), np.uint8)
             wide[:, 1:] = np.frombuffer(raw, np.uint8).reshape(-1, 3)
+            # Three bytes at the upper end of four keep their sign, and are divided by the range of
+            # four.
             raw, size = wide.tobytes(), 4
         found = np.frombuffer(raw, f"<{'i' if whole else 'f'}{size}" if size > 1 else np.uint8)
         # Damaged floats may be no numbers, or too large for the next type.

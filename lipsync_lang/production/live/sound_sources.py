@@ -162,6 +162,7 @@ class Device(NamedTuple):
 def devices() -> list[Device]:
     """Return the microphones of this machine."""
     library = _sounddevice()
+    # PortAudio has a pair of usual devices: for input and for output.
     usual = library.default.device[0]
     return [
         Device(number, one["name"], round(one["default_samplerate"]), number == usual)

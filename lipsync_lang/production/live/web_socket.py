@@ -331,6 +331,8 @@ class WebSocketOutlet:
     def tell(self, event: Mapping[str, Any]) -> None:
         """Send a message to every client."""
         text = json.dumps(event, separators=(",", ":"))
+        # Frames come from the thread of the session, and asyncio belongs to the thread of the
+        # server.
         self.loop.call_soon_threadsafe(self._broadcast, text)
 
     def close(self) -> None:
@@ -376,6 +378,8 @@ class WebSocketOutlet:
             await connection.send(json.dumps(self.session.greeting))
             self.clients.add(connection)
             async for message in connection:
+                # A stream takes milliseconds to perform, in which other clients must get their
+                # frames.
                 answer = await asyncio.to_thread(client.answer, message)
                 await connection.send(json.dumps(answer, separators=(",", ":")))
         except ConnectionClosed:

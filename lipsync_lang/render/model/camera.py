@@ -47,6 +47,7 @@ class Camera:
         """Project points onto a picture: (V, 2) columns and rows, and (V,) 1 / distance."""
         seen = (points - self.middle) @ self.turn
         depth = self.distance - seen[:, 2]
+        # Points at the eye or behind it have no place on the picture; 0 marks them.
         near = np.where(depth > self.distance / 100, 1 / np.where(depth, depth, 1.0), 0.0)
         scale = size / 2 / np.tan(np.radians(FIELD_DEGREES / 2))
         flat = seen[:, :2] * near[:, None] * scale * (1, -1) + size / 2 - 0.5
@@ -70,6 +71,7 @@ def framed(scene: Scene) -> Camera:
         room = np.array([wanted / 2, wanted / 2, np.inf])
         low, high = np.maximum(low, middle - room), np.minimum(high, middle + room)
     back, front = scene.rest[:, 2].min(), scene.rest[:, 2].max()
+    # The moving points are the mouth: on a head that faces us, they are far from the back.
     faces_back = np.average(scene.rest[:, 2], weights=scene.moves) < back + SIDE * (front - back)
     turn = np.diag([-1.0, 1.0, -1.0]) if faces_back else np.eye(3)
     return _around(low, high, turn, ROOM)

@@ -58,6 +58,7 @@ class Gltf:
         waiting: list[tuple[int, int | None]] = [(root, None) for root in roots]
         while waiting:
             number, parent = waiting.pop()
+            # A damaged file may name a node twice, or as its own child.
             if number not in found:
                 found[number] = parent
                 waiting += [(child, number) for child in nodes[number].get("children", ())]
@@ -72,6 +73,7 @@ class Gltf:
         own = {name: np.array(node.get(name, value), float) for name, value in rest.items()}
         own |= moved
         v, s = own["rotation"][:3], own["rotation"][3]
+        # Rodrigues' formula of a quaternion, transposed: points are rows here.
         axes = (2 * s * s - 1) * np.eye(3) + 2 * np.outer(v, v) - 2 * s * np.cross(np.eye(3), v)
         matrix = np.eye(4)
         matrix[:3, :3] = own["scale"][:, None] * axes

@@ -94,6 +94,7 @@ def groups(scene: Scene) -> Ints:
     bare: Bools = np.isnan(given[:, 0])
     size = float(np.ptp(scene.rest)) or 1.0
     keys = np.hstack([scene.rest / size / GRAIN[0], np.where(bare[:, None], 0, given) / GRAIN[1]])
+    # glTF shades points without a normal flat, so none of them is merged with another.
     keys = np.column_stack([keys.round(), np.where(bare, np.arange(len(keys)), -1)])
     _, first, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     return first[group.ravel()]
@@ -119,6 +120,7 @@ def lit(normals: Floats, gloss: Floats) -> tuple[Floats, Floats]:
         facing = ((normals @ way + lamp.wrap) / (1 + lamp.wrap)).clip(0)
         scattered = scattered + facing[:, None] * np.array(lamp.colour)
         if lamp.shine:
+            # Blinn's half vector, with the eye far away in front.
             half = unit((way + np.array([0, 0, 1]))[None])[0]
             power = 2 + SHARPEST * gloss**2
             shine[:, 0] += lamp.shine * gloss * (normals @ half).clip(0) ** power
@@ -141,6 +143,8 @@ def openness(scene: Scene, camera: Camera) -> Floats:
     for way in np.column_stack([across * np.cos(turn), height, across * np.sin(turn)]):
         right = unit(np.cross(way, (0.3, 1.0, 0.2))[None])[0]
         flat = (points @ np.column_stack([right, np.cross(way, right)]) + 1) * (CELLS / 2)
+        # Depths must be above 0 for the rasteriser; the model lies within a few units of the
+        # middle.
         near = points @ way / 8 + 1
         some = np.abs(area(flat[corners])) > MIN_AREA
         keys = np.zeros(CELLS * CELLS, np.uint64)

@@ -121,6 +121,7 @@ class Artist:
         seen &= (areas < 0) | self._double[names]
         names, corners, depth = names[seen], corners[seen], depth[seen]
         looks = self._looks(points, names, depth, areas[seen] > 0)
+        # Triangles last and in one piece: samples take columns of it, millions of times.
         ways: Singles = planes(corners, looks).transpose(1, 2, 0).astype(np.float32, order="C")
         return Faces(names, corners, depth, ways)
 
@@ -142,6 +143,8 @@ class Artist:
         parts = [coloured * scene.colours[triangles][..., :3], white]
         if self._textured.any():
             near = depth[..., None]
+            # Divided by the distance, texture coordinates are linear on the picture; a sample
+            # divides back.
             parts += [scene.places[triangles] * near, near]
         return np.concatenate(parts, axis=2)
 

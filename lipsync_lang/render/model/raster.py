@@ -86,6 +86,8 @@ def fill(  # noqa: PLR0913, PLR0917 the buffers and a triangle
     start = base[triangle] + along[triangle] * first + down[triangle] * y
     place = (y - window.top) * window.width + first - window.left
     span, step = _spread(stop - first)
+    # Positive floats compare like their bits, so depth and name fit into one integer, and one
+    # `maximum` does both the depth test and the write.
     near = start.astype("<f4")[span]
     near += along.astype("<f4")[triangle][span] * step
     made = np.empty((len(near), 2), "<u4")  # little-endian: low half of a key, then the high one

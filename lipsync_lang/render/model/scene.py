@@ -187,6 +187,7 @@ class Scene:
         shares = np.hstack([self.gltf.arrays[attributes[f"WEIGHTS_{one}"]] for one in sets])
         _check_below(bones, len(skin["joints"]), "a point is bound to a bone that does not exist")
         total = shares.sum(axis=1, keepdims=True)
+        # Exporters round the shares, and some write sums that are far from 1.
         shares = shares / np.where(total > 0, total, 1.0)
         return Skin(np.array(skin["joints"]), inverse, bones.astype(np.intp), shares)
 
@@ -231,6 +232,7 @@ class Scene:
             tracks = {path: self._tracks.get((number, path)) for path in paths}
             moved = {path: track.at(seconds) for path, track in tracks.items() if track}
             if "rotation" in moved:
+                # Between two keys, a mean of quaternions is shorter than 1.
                 moved["rotation"] /= np.linalg.norm(moved["rotation"])
             local = self.gltf.local(number, **moved)
             found[number] = local if parent is None else local @ found[parent]
@@ -321,5 +323,6 @@ def _triangles(corners: Ints, mode: int) -> Ints:
         first = np.full(max(0, len(corners) - 2), corners[0])
         return np.column_stack([first, corners[1:-1], corners[2:]])
     found = np.column_stack([corners[:-2], corners[1:-1], corners[2:]])
+    # Every other triangle of a strip is wound the other way round.
     found[1::2, :2] = found[1::2, 1::-1]
     return found

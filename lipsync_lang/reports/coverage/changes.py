@@ -142,6 +142,7 @@ def script_changes(
 
 def _places(lines: ScriptLines, wanted: Counter[str]) -> Iterator[str]:
     """Yield the places of lines with given digests, the last of equal lines first."""
+    # Lines are added at the end more often than before the others.
     for place, digest in reversed(lines.unnamed.items()):
         if wanted[digest] > 0:
             wanted[digest] -= 1

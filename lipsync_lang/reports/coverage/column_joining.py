@@ -32,6 +32,8 @@ def joined(
             found = others.setdefault(tally.what, tally)
             if found.count < tally.count:
                 others[tally.what] = tally
+    # A language in two columns is two readings of one script, so their reports need the column's
+    # name.
     read_in = {(one.language, at) for at, (_, d) in enumerate(documents) for one in d.reports}
     columns = Counter(language for language, _ in read_in)
     reports = tuple(

@@ -146,6 +146,8 @@ class Count:
     def __init__(self, reading: Reading) -> None:
         performer, scripts, takes, letters, self._tallies = reading
         self._takes: Takes = takes or (lambda _: True)
+        # Banks are drawn for the common phonemes: a shade is counted as its parent, and an unknown
+        # label must not end the count of a whole script.
         self._performer = replace(performer, unknown="rest", shades=False)
         self._speaker = self._performer.speaker
         self._speaker.read = reading_cache(self._performer)
@@ -162,6 +164,7 @@ class Count:
         self.others = OtherScripts(self._speaker, scripts)
         self.entries = EntryWords(self._speaker, letters)
         self._words: dict[str, None] = {}
+        # A million lines have some 30 bigrams each: two bytes instead of a Python integer of 28.
         self._sets = array("H" if self.size**2 <= UINT16_VALUES else "I")
         self._starts = array("Q", [0])
 
@@ -184,6 +187,7 @@ class Count:
                 parts.append(one.text[at:first].strip())
                 at = max(at, last)
             cut.append([*parts, one.text[at:].strip()])
+        # All parts of a batch go to the voice at once, since an engine is slow to start.
         texts = [text for parts in cut for text in parts if text]
         heard = self._speaker.transcribe(texts) if texts else iter(())
         left = iter(cut)
@@ -207,6 +211,7 @@ class Count:
         codes = codes[codes > 0]  # silence beside silence is no bigram
         self.lines += 1
         self.words += len(words)
+        # Plain indexing would count an index that occurs twice only once.
         np.add.at(self.phonemes, ids[ids != BREAK], 1)
         np.add.at(self.bigrams, codes, 1)
         kinds = np.unique(codes)
@@ -241,6 +246,7 @@ class Count:
         words: list[str] = []
         for number, part in enumerate(parts):
             if number:
+                # A pause beside a gap is silence for certain, whatever the gap holds.
                 ids += [BREAK, SILENT] if part[:1] in PAUSES else [BREAK]
             if part:
                 own, spoken = self._transcribed(next(heard), place)
@@ -314,6 +320,7 @@ def count(
     counts = [Count(reading) for reading in readings]
     for one in counts[:1]:
         one.dropped = totals.dropped  # an aside is one, however many languages read it
+    # Not a list: a corpus may be larger than memory, and comes from a generator.
     left = iter(lines)
     while batch := list(islice(left, BATCH_LINES)):
         start = len(pages)

@@ -32,6 +32,7 @@ class GestureTally:
         times = self._performer.performance(schedule, COUNTED_FPS).frames.times()
         _, laid = gesture_curves(self._performer, schedule, times, COUNTED_FPS, self._scales, {})
         self._counts.update((one.gesture.number, one.gesture.trigger) for one in laid)
+        # With lead-in and tail, in which gestures of silence come too.
         self.seconds += float(times[-1] - times[0])
 
     def needs(self) -> tuple[GestureNeed, ...]:

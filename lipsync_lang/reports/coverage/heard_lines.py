@@ -58,6 +58,7 @@ def heard_lines(
     kept = _kept(speaker)
     for path in recordings:
         try:
+            # By content: a renamed or copied recording is heard once.
             key = sha256(path.read_bytes()).hexdigest()
             words = kept.get(key) if kept else None
             if words is None:
@@ -69,6 +70,7 @@ def heard_lines(
             remark(f"{path}: left out: {str(error).removeprefix(f'{path}: ')}")
             continue
         labels = words[0].labels
+        # Labels count, and their times do not; equal steps make it a valid schedule.
         schedule = Schedule(
             labels, np.arange(len(labels) + 1.0), notation=IPA,
             language=speaker.manner.language, source="recording", recognised=True,

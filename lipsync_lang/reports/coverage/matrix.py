@@ -70,6 +70,7 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     for (performer, face), tally in zip(pairs, tallies, strict=True):
         speakers = faces and {who for who, names in faces.stated.items() if face in names}
         compiled = performer.compiled
+        # All that decides which bigrams the lines have; reading takes nearly all of the time.
         key = compiled.manner, compiled.words, compiled.report.trigrams.keys(), speakers
         if key not in keys:  # pairs with equal counts share a reading
             takes = None if faces is None else partial(_speaks, faces, face)

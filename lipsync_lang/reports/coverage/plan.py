@@ -18,6 +18,7 @@ PERCENTS = (90, 95, 99, 100)
 
 def ranked(counts: Ints) -> list[int]:
     """Return the indices of counts above 0, most frequent first."""
+    # Stable, and signed before the negation: unsigned counts would wrap around.
     order = np.argsort(-counts.astype(np.int64), kind="stable")
     return [int(n) for n in order if counts[n] > 0]
 
@@ -35,6 +36,7 @@ def needed(counts: Sequence[int]) -> dict[str, int]:
 
 def affordable(minutes: float) -> int:
     """Return the number of bigrams that can be authored in an hour, at some minutes each."""
+    # 60 / 0.1 is a little below 600 in floats.
     return int(60 / minutes + 1e-9)
 
 
@@ -60,6 +62,7 @@ def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]
     sizes = np.diff(starts)
     gains = np.zeros(len(sizes), np.int64)
     gains[sizes > 0] = np.add.reduceat(inside, starts[:-1][sizes > 0], dtype=np.int64)
+    # One product compares both: more missing members first, and then the smaller set.
     bonus = int(sizes.max(initial=0)) + 1
     chosen: list[int] = []
     missing = set(np.unique(sets[inside]).tolist())
@@ -72,6 +75,7 @@ def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]
             gains[np.searchsorted(starts, at, "right") - 1] -= 1
     missing = set(wanted.tolist())
     found: list[tuple[int, list[int]]] = []
+    # The greedy choice takes sets that later ones make needless.
     for number in _spared(chosen, sets, starts, wanted):
         new = [member for member in _members(sets, starts, number) if member in missing]
         missing.difference_update(new)

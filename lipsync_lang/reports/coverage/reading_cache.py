@@ -37,6 +37,7 @@ class ReadingCache:
             path.unlink()
         self._settings = settings
         self._rows = sqlite3.connect(path, timeout=1)
+        # A cache may be lost with the power; each commit would wait for the disk otherwise.
         self._rows.execute("PRAGMA synchronous = OFF")
         self._rows.execute("CREATE TABLE IF NOT EXISTS readings (key BLOB PRIMARY KEY, words TEXT)")
 
@@ -68,6 +69,7 @@ def reading_cache(performer: Performer) -> ReadingCache | None:
     if home is None or manner.engine not in G2P_ENGINES.modules:
         return None  # nobody knows when an engine of another package changes
     plain = manner.plain()
+    # It was a set, whose order differs from process to process.
     plain["settings"]["labels"].sort()
     try:
         lexicon = manner.settings.file.read_bytes() if manner.settings.file else b""

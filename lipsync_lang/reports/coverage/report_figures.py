@@ -71,6 +71,8 @@ class CountFigures:
         for one in trigrams:
             if authored(one.layer, one.status):
                 first, middle, last = one.trigram.split("-")
+                # A trigram plays in place of both of its bigrams, so a drawn one covers an
+                # occurrence of each.
                 within[f"{first}-{middle}"] += one.count
                 within[f"{middle}-{last}"] += one.count
         total, running = int(counts.sum()), 0

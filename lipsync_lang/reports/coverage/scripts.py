@@ -83,6 +83,7 @@ def script(character: str) -> str:
     """
     if category(character) not in LETTER_CATEGORIES:
         return ""
+    # NFKC, since the names of full-width and mathematical letters begin with their style.
     return name(normalize("NFKC", character)[0], "").partition(" ")[0]
 
 
@@ -156,6 +157,7 @@ class OtherScripts:
         names = {letter: next(heard).phonemes for letter in letters}
         for phrase, sounds in zip(unmet, said, strict=True):
             spelled = [sound for c in phrase for sound in names.get(c, ())]
+            # `autojunk` would ignore frequent sounds of phrases of 200 and more.
             like = SequenceMatcher(None, sounds, spelled, autojunk=False).ratio()
             self._spells[phrase] = like >= SPELLED_SIMILARITY
 
@@ -210,6 +212,7 @@ class EntryWords:
 
     def tallies(self) -> tuple[EntryWord, ...]:
         """Return the words with the reason of each, most frequent first."""
+        # At the end, because the same word may be written small after its first capital.
         names = [one for one in self._names.tallies() if plain(one.what) not in self._small]
         share = sum(one.count for one in names) / max(self._within, MIN_JUDGED_WORDS)
         if share > MAX_NAMES_SHARE:

@@ -80,6 +80,7 @@ def _ranking(
                 counts[piece] += missing
                 serves.setdefault(piece, []).append(report)
     items: list[WorkItem] = []
+    # Rounded: sums of equal gains in another order must not decide the ranking.
     for piece in sorted(serves, key=lambda one: (-round(gains[one], 9), one)):
         reached += gains[piece]
         items.append(

@@ -87,6 +87,7 @@ def check_all(
     measures = load_measures()
     asked = {name: one.limit for name, one in measures.items()}
     asked["speed"] = performer.motion.speed_limit
+    # In order of precedence: the measure's own, the motion's, the packs', and the caller's.
     asked |= performer.compiled.checks["limits"]
     for name, value in (limits or {}).items():
         if name not in measures:

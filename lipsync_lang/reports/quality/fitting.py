@@ -135,6 +135,7 @@ def placed_columns(
     if not faces:
         raise AnimationError(f"{performer.character} has no rig; leave out `channels`")
     shapes = [placed(face, recording.names) for face, _ in faces]
+    # Of equal counts the poses win, which come first.
     best = max(range(len(faces)), key=lambda n: (len(shapes[n].shapes), -n))
     (face, gains), found = faces[best], shapes[best].shapes
     if not found:
@@ -153,6 +154,7 @@ def placed_columns(
         values = values / 100
         remarks.append(f"{recording.source}: its weights are up to 100 and are read as percentages")
     times, fps = even_times(recording.source, recording.times)
+    # By identity: `even_times` returns the same array if nothing is to be resampled.
     if times is not recording.times:
         values = np.column_stack([np.interp(times, recording.times, one) for one in values.T])
     return PlacedColumns(face, np.array(numbers), times, fps, values, gains, tuple(remarks))
@@ -170,6 +172,7 @@ def even_times(source: str, times: Floats) -> tuple[Floats, float]:
     """Return evenly spaced times, and their frames per second."""
     step = float(np.median(np.diff(times)))
     fps = min(1 / step, MAX_FPS)
+    # Times with few digits make 30 frames per second 29.99 or 30.01.
     fps = round(fps) if fps >= 1 and abs(fps - round(fps)) < UNEVEN_FRAMES else fps
     apart = np.abs(np.diff(times) * fps - 1)
     if apart.max() <= UNEVEN_FRAMES:

@@ -246,6 +246,7 @@ def scene_of(animations: "Sequence[Animation]", performer: "Performer") -> Measu
         track = performer.track(animation.schedule, line=line, styles=styles)
         tracks.append(track)
         own = animation.schedule.labels
+        # A track has silences of its own at both ends, which no label of the schedule has made.
         labels += [own[at] if at >= 0 else rest for at in track.source.tolist()]
     return MeasuredScene(
         np.concatenate([animation.times for animation in animations]),

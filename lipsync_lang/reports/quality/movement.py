@@ -115,6 +115,7 @@ def _flickers(scene: MeasuredScene) -> tuple[Ints, Ints]:
     rising = change[pose, frame] > 0
     line = scene.frame_line[frame]
     apart = (pose[1:] != pose[:-1]) | (line[1:] != line[:-1])
+    # Strokes end where the direction turns, and at the borders of poses and lines in one array.
     last = ((rising[1:] != rising[:-1]) | apart).nonzero()[0]
     begin = frame[np.concatenate(([0], last + 1))]
     last = np.concatenate((last, [len(pose) - 1]))

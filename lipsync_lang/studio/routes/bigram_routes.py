@@ -45,6 +45,7 @@ def matrix(workshop: Workshop, _: StudioRequest) -> Json:
     pairs: dict[str, Json] = {}
     for i, first in enumerate(compiled.phonemes):
         for j, second in enumerate(compiled.phonemes):
+            # Silence followed by silence is no bigram.
             if i == j == compiled.tables.silence:
                 continue
             origin = compiled.origins[int(compiled.tables.pairs[i, j])]
@@ -183,6 +184,7 @@ def _curves(packs: PairPacks, curves: Mapping[int, Floats]) -> Json:
 
 def _drafted(curves: Mapping[int, Floats], draft: Mapping[str, Any]) -> dict[int, Floats]:
     """Return neutral curves as the draft of a style plays them, without its posture."""
+    # A style may move poses that the neutral bigram leaves at rest.
     flat = np.array([[0.0, 0.0], [1.0, 0.0]])
     shifted = {pose: curves.get(pose, flat) for pose in np.flatnonzero(draft["offset"]).tolist()}
     return {

@@ -229,6 +229,7 @@ def _sent_model(request: StudioRequest) -> Iterator[Path]:
             )
         stem = _NOT_IN_A_NAME.sub("-", path.stem).strip("-") or "model"
         model = path.with_name(f"{stem}.glb")
+        # The name becomes a value in the character's pack, and a word of commands.
         replace_file(path, model)
         try:
             yield model

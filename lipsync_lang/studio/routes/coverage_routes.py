@@ -84,6 +84,7 @@ def _report_data(report: CoverageReport) -> Json:
     missing = [row for row in report.bigrams if not row.authored]
     status: dict[str, list[int]] = {}
     for row in report.bigrams:
+        # Trigrams may author a bigram whose own curve is a draft; it keeps the status of its curve.
         shown = row.authored or row.status == FITTED
         own = row.status if shown else DRAFTED if row.status else "gap"
         kinds = status.setdefault(own, [0, 0])

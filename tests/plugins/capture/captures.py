@@ -72,7 +72,7 @@ def changed_face(pair, performer, random, schedules):
     named = free.any(axis=1)
     dominance[named] += random.normal(0, 0.4, int(named.sum()))
     truth = replace(start, weights=weights, dominance=dominance)
-    return Performer(replace(pair.compiled, tables=face.moved(truth)), pair.compiled.motion)
+    return Performer(replace(pair.compiled, tables=face.tables_with(truth)), pair.compiled.motion)
 
 
 def rms(errors):

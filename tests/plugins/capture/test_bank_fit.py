@@ -98,7 +98,7 @@ def test_targets_gain_the_poses_that_captures_show():
     weights, dominance = face.start.weights.copy(), face.start.dominance.copy()
     weights[name, 0, pose], dominance[name, pose] = 0.5, 0.0
     truth = replace(face.start, weights=weights, dominance=dominance)
-    tables = replace(pair.compiled, tables=face.moved(truth))
+    tables = replace(pair.compiled, tables=face.tables_with(truth))
     fit = fit_captures(pair, performer, captured(Performer(tables, performer.motion), said))
     (item,) = [one for one in fit.proposal.items if one.item == "targets.s"]
     (step,) = item.value

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 def write(coverage: "Coverage", out: TextIO, options: FormOptions) -> None:
     """Write the document."""
     del options  # it is always whole
+    # Standard output of Windows may hold no IPA, which JSON can escape.
     holds_all = (getattr(out, "encoding", None) or "utf-8").lower().startswith("utf")
     json.dump(coverage.to_dict(), out, ensure_ascii=not holds_all, indent=2)
     out.write("\n")

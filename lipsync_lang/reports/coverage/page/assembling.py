@@ -127,6 +127,7 @@ def _matrix(document: Mapping[str, Any], reports: Iterable[ReportView]) -> list[
     rows: list[tuple[str, MatrixRow]] = []
     for report in reports:
         language, character = report.document["language"], report.document["character"]
+        # A language in several columns has several reports of one character, which share no cell.
         for name, row in rows:
             if (name, row.title) == (language, report.title) and character not in row.reports:
                 row.reports[character] = report

@@ -60,6 +60,7 @@ class ReportView:
     def stack(self) -> list[tuple[str, float]]:
         """Code and percentage of each status that occurs."""
         whole = sum(heard for _, heard in self.shares.values()) or 1
+        # There are more codes than statuses.
         shares = zip(STATE_CODES, self.shares.values(), strict=False)
         return [(code, 100 * heard / whole) for code, (_, heard) in shares if heard]
 
