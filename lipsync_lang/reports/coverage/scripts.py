@@ -29,6 +29,9 @@ from lipsync_lang.text.phonology.g2p.tokens import PAUSES, counts, pieces, plain
 MAX_TALLY_NAMES = 10_000
 """Maximum number of distinct names; later ones are dropped."""
 
+MAX_JUDGED_PHRASES = 10_000
+"""Maximum number of phrases to remember as spelled or not."""
+
 TextSpans = list[tuple[int, int]]
 """Start and stop of each part of a text."""
 
@@ -148,7 +151,7 @@ class OtherScripts:
 
     def _judge(self, phrases: set[str]) -> None:
         """Remember whether the voice spells each phrase."""
-        if len(self._spells) > MAX_TALLY_NAMES:
+        if len(self._spells) > MAX_JUDGED_PHRASES:
             self._spells.clear()
         unmet = sorted(phrases - self._spells.keys())
         letters = sorted({c for phrase in unmet for c in phrase if counts(c)})

@@ -78,7 +78,7 @@ def test_many_words_in_other_scripts_are_judged_as_few_are(packs, monkeypatch):
     texts = ["ta да mi", "ми ta", "mi им", "ta да"]
     whole = coverage(lines(*texts), "toy", "facefx")
     monkeypatch.setattr("lipsync_lang.reports.coverage.corpus.BATCH_LINES", 1)
-    monkeypatch.setattr("lipsync_lang.reports.coverage.scripts.MAX_TALLY_NAMES", 0)
+    monkeypatch.setattr("lipsync_lang.reports.coverage.scripts.MAX_JUDGED_PHRASES", 0)
     assert coverage(lines(*texts), "toy", "facefx") == whole
 
 
