@@ -7,7 +7,7 @@ drawn as a simple face in two dimensions. Every other pose set has no model of i
 weights move the FaceFX head: a fit over the targets of both sets finds the FaceFX poses that each
 of its poses is worth. The bars always show the weights of the pose set itself. With `--head`, a
 head that `lipsync-lang heads ict` made is drawn instead, as `human-head`. Needs the extras `speech`
-and `video`, and scipy. The pictures and films go into docs/images, or into another folder.
+and `video`. The pictures and films go into docs/images, or into another folder.
 """
 
 from __future__ import annotations

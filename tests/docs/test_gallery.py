@@ -64,7 +64,6 @@ def test_each_picture_has_a_small_film_with_sound():
 
 def test_every_pose_of_a_drawn_set_has_a_drawing():
     pytest.importorskip("PIL")
-    pytest.importorskip("scipy")
     for name, mouths in script()["DRAWN"].items():
         text = (DOCS.parent / "posesets" / name / "poseset.yaml").read_text("utf-8")
         pack = yaml.safe_load(text)
@@ -73,7 +72,6 @@ def test_every_pose_of_a_drawn_set_has_a_drawing():
 
 def test_the_head_stands_for_itself_as_it_is():
     pytest.importorskip("PIL")
-    pytest.importorskip("scipy")
     drawing = script()
     poses = ("open", "W", "ShCh", "PBM", "FV", "wide")
     gains = drawing["worth"](drawing["HEAD"], poses, poses)
@@ -83,7 +81,6 @@ def test_the_head_stands_for_itself_as_it_is():
 @pytest.mark.parametrize("name", ["arkit", "mpeg4", "oculus", "sapi"])
 def test_the_head_shuts_its_lips_for_another_pose_set(name):
     pytest.importorskip("PIL")
-    pytest.importorskip("scipy")
     schedule = ll.Schedule(("_", "m", "ɑː", "_"), [0, 0.2, 0.4, 0.7, 0.9])
     animation = ll.resolve("english", name).perform(schedule, fps=60)
     head = script()["lent"](animation, name)

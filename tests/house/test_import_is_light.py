@@ -16,6 +16,7 @@ HEAVY = {
     "jinja2",
     "numpy",
     "pydantic",
+    "scipy",
     "yaml",
     "matplotlib",
     "praatio",

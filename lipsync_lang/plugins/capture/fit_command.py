@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.base.errors import LipsyncError, count
-from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.base.terminal import progress
@@ -101,13 +100,10 @@ def _writer(text: str) -> Callable[[BinaryIO], object]:
 
 
 def _fitted(options: Namespace) -> "CaptureFit":
-    try:
-        from lipsync_lang.plugins.capture.fit_captures import fit_captures
-    except ImportError:
-        raise LipsyncError(f"a fit needs scipy: {install_line('capture')}") from None
     from lipsync_lang.packs.library import Library
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.plugins.capture.capture_reading import read_captures
+    from lipsync_lang.plugins.capture.fit_captures import fit_captures
     from lipsync_lang.plugins.capture.judging import judge_captures
     from lipsync_lang.resolver.retouch import OpenPair
 

@@ -95,7 +95,10 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
     try:
         import soundfile
     except (ImportError, OSError):  # OSError: the shared library of the package is missing
-        raise SpeechError(_missing("soundfile")) from None
+        line = install_line("audio")
+        raise SpeechError(
+            f"recordings need soundfile, which is not installed; get it with: {line}"
+        ) from None
     try:
         # libsndfile seeks in the file itself, without a buffer of ours: through a Python stream, a
         # header that points before the start of the file prints a traceback.
@@ -243,23 +246,14 @@ def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
 
 
 def resampled(audio: Audio, rate: int) -> Audio:
-    """Resample a sound; its duration is preserved to within one sample.
-
-    It is a `SpeechError` if scipy is missing.
-    """
+    """Resample a sound; its duration is preserved to within one sample."""
     if audio.rate == rate:
         return audio
-    try:
-        from scipy.signal import resample_poly
-    except ImportError:
-        raise SpeechError(_missing("scipy")) from None
+    from scipy.signal import resample_poly
+
     common = gcd(audio.rate, rate)
     samples = resample_poly(audio.samples.astype(np.float32), rate // common, audio.rate // common)
     return Audio(_whole(samples), rate)
-
-
-def _missing(name: str) -> str:
-    return f"recordings need {name}, which is not installed; get it with: {install_line('audio')}"
 
 
 def with_sound(

@@ -22,7 +22,7 @@ from lipsync_lang.sound.speech.sound import SPEECH_RATE, read_audio
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.phonology.align import align as match
 
-MISSING = [name for name in ("espeakng_loader", "dtaidistance", "scipy") if find_spec(name) is None]
+MISSING = [name for name in ("espeakng_loader", "dtaidistance") if find_spec(name) is None]
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"needs {' and '.join(MISSING)}")
 
 WARP = ALIGNERS["warp"]
