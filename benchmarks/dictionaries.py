@@ -24,10 +24,10 @@ from statistics import median
 from typing import Any, NamedTuple
 
 import json_figures
-import yaml
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.yaml.events import load_yaml
 from lipsync_lang.resolver.language_tables import notations_of
 from lipsync_lang.resolver.nearest_phonemes import among
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -172,7 +172,7 @@ def main() -> None:
     json_figures.add_option(parser)
     options = parser.parse_args()
     library = Library()
-    conventions = yaml.safe_load(CONVENTIONS.read_text("utf-8"))
+    conventions = load_yaml(CONVENTIONS.read_text("utf-8"))
     kept: dict[str, dict[str, Any]] = {}
     print(f"{'language':<20}{'words':>7}{'error':>8}{'closures':>10}{'rounding':>10}")
     for path in sorted(options.folder.glob("*.tsv")):

@@ -20,13 +20,13 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import yaml
 from PIL import Image, ImageDraw, ImageFont
 from scipy.optimize import nnls
 
 import lipsync_lang as ll
 from lipsync_lang.animations.writers.wav import write_samples
 from lipsync_lang.packs.finding import built_in
+from lipsync_lang.packs.yaml.events import load_yaml
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged, sweep
@@ -171,7 +171,7 @@ def _mouth(image: Image.Image, mouth: Mouth) -> None:
 
 def targets(name: str) -> dict[str, list[dict[str, float]]]:
     """Return the targets of a pose set: for each phoneme, one or two sets of weights."""
-    pack = yaml.safe_load((built_in() / "posesets" / name / "poseset.yaml").read_text("utf-8"))
+    pack = load_yaml((built_in() / "posesets" / name / "poseset.yaml").read_text("utf-8"))
     listed = {key: one if isinstance(one, list) else [one] for key, one in pack["targets"].items()}
     return {
         key: [{p: v for p, v in part.items() if p != "dominance"} for part in parts]

@@ -18,7 +18,7 @@ from pathlib import Path
 from statistics import mean, median
 from typing import Any
 
-import yaml
+from lipsync_lang.packs.yaml.events import load_yaml
 
 DOCS = Path(__file__).parent
 PAGE = DOCS / "explanation" / "how-good-is-it.md"
@@ -564,9 +564,7 @@ def written(text: str, block: Callable[[str], str]) -> str:
 
 def loaded() -> Page:
     """Read the kept figures."""
-    return Page(
-        json.loads(MEASURED.read_text("utf-8")), yaml.safe_load(PUBLISHED.read_text("utf-8"))
-    )
+    return Page(json.loads(MEASURED.read_text("utf-8")), load_yaml(PUBLISHED.read_text("utf-8")))
 
 
 def main() -> int:

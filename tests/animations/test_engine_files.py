@@ -10,7 +10,6 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-import yaml
 from face_models import face
 from file_bytes import bytes_of
 from lanes import swept
@@ -24,6 +23,7 @@ from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.animations.readers.live_link import fits, read_live_link
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.packs.yaml.events import load_yaml
 
 DENSE, SPARSE = 1e-5, ERROR + 1e-9
 
@@ -95,7 +95,7 @@ def clip_of(content):
     assert head == "%YAML 1.1"
     assert tag == "%TAG !u! tag:unity3d.com,2011:"
     assert start == "--- !u!74 &7400000"
-    return yaml.load(text, Loader=yaml.CSafeLoader)["AnimationClip"]
+    return load_yaml(text)["AnimationClip"]
 
 
 def from_unity(content, animation):

@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import yaml
 from file_bytes import bytes_of
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,6 +20,7 @@ from lipsync_lang.animations.keys import curves
 from lipsync_lang.animations.readers.glb import read_glb
 from lipsync_lang.animations.writers.blender import TEMPLATE
 from lipsync_lang.faces.rigs.splines import Spline, sample
+from lipsync_lang.packs.yaml.events import load_yaml
 
 LABELS = (
     *("HH", "AH0", "L", "OW1", "_", "P", "AA1", "P", "M", "AH0", "S"),
@@ -147,7 +147,7 @@ def test_keys_are_few(character, error, most):
 
 def unity(content, animation):
     text = content.decode().split("\n", 3)[3]
-    for row in yaml.load(text, Loader=yaml.CSafeLoader)["AnimationClip"]["m_FloatCurves"]:
+    for row in load_yaml(text)["AnimationClip"]["m_FloatCurves"]:
         keys = row["curve"]["m_Curve"]
         assert {key["tangentMode"] for key in keys} <= {0, 1}
         assert all((k["inSlope"] == k["outSlope"]) == (k["tangentMode"] == 0) for k in keys)

@@ -6,10 +6,11 @@ from pathlib import Path
 from socket import create_server
 
 import pytest
-import yaml
 from lanes import full
 from test_consumers import chromium, found, run
 from test_line_page import schedule
+
+from lipsync_lang.packs.yaml.events import load_yaml
 
 pytest.importorskip("starlette", reason="the studio needs Starlette")
 pytest.importorskip("uvicorn", reason="the studio needs uvicorn")
@@ -69,9 +70,9 @@ def test_a_bigram_is_drawn_undone_and_saved(tmp_path):
     assert (used["overflow"], used["narrow"]) == (0, 0)
     assert used["styles"][:2] == ["Style: neutral", "Style: angry"]
     assert used["styled"].endswith("banks/angry.yaml")
-    angry = yaml.safe_load((tmp_path / "posesets/crab/banks/angry.yaml").read_text("utf-8"))
+    angry = load_yaml((tmp_path / "posesets/crab/banks/angry.yaml").read_text("utf-8"))
     assert (angry["style"], list(angry["bigrams"])) == ("angry", ["bmp-ay"])
-    bank = yaml.safe_load((tmp_path / "posesets/crab/banks/common.yaml").read_text("utf-8"))
+    bank = load_yaml((tmp_path / "posesets/crab/banks/common.yaml").read_text("utf-8"))
     drawn = bank["bigrams"]["bmp-ay"]
     assert (drawn["status"], drawn["word"]) == ("approved", "aloud")
     shown = [point.split("time ")[1] for point in used["kept"]]

@@ -6,10 +6,11 @@ import sys
 from pathlib import Path
 
 import pytest
-import yaml
 from lanes import full
 from test_consumers import found, run
 from test_studio_browser import Studio
+
+from lipsync_lang.packs.yaml.events import load_yaml
 
 pytestmark = full
 
@@ -42,4 +43,4 @@ def test_the_studio_and_a_page_work_in_firefox(tmp_path):
     assert used["views"] == ["character", "words", "coverage", "language", "sentence"]
     assert used["exported"].startswith("Exported ")
     bank = project / "posesets/crab/banks/common.yaml"
-    assert [*yaml.safe_load(bank.read_text("utf-8"))["bigrams"]] == [PAIR]
+    assert [*load_yaml(bank.read_text("utf-8"))["bigrams"]] == [PAIR]

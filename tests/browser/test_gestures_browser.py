@@ -3,13 +3,13 @@
 from pathlib import Path
 
 import pytest
-import yaml
 from lanes import full
 from test_bigrams_browser import served
 from test_consumers import chromium, found, run
 from test_studio_gestures import line
 
 import lipsync_lang as ll
+from lipsync_lang.packs.yaml.events import load_yaml
 from lipsync_lang.studio.workshop import Workshop
 
 pytestmark = [full, pytest.mark.xdist_group("gestures")]
@@ -76,7 +76,7 @@ def test_a_gesture_is_added_at_a_word_undone_and_kept(used, nod, home):
     assert taken_away(placed, nod) == [{"gesture": "blink", "word": 1, "scale": 0.5}]
     assert used["undone"] == []
     assert sorted(used["again"]) == ["blink", "nod"]
-    kept = yaml.safe_load((home / "characters/facefx.yaml").read_text("utf-8"))["lines"]
+    kept = load_yaml((home / "characters/facefx.yaml").read_text("utf-8"))["lines"]
     assert kept["mama-tea"]["placed"] == placed
     built = ll.resolve("english", "facefx", paths=[home]).perform(
         line(), line="mama-tea", gestures="all"

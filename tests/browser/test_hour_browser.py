@@ -8,10 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
-import yaml
 from lanes import full
 from test_consumers import chromium, found
 from test_studio_browser import Studio
+
+from lipsync_lang.packs.yaml.events import load_yaml
 
 pytestmark = [full, pytest.mark.xdist_group("hour")]
 
@@ -106,7 +107,7 @@ def test_the_saved_files_state_what_was_done_and_no_more(hour):
     assert {name for name in before if before[name] != after[name]} == set()
     new = sorted(after.keys() - before.keys())
     assert new == ["characters/crab.yaml", "posesets/crab/banks/common.yaml"]
-    character, bank = (yaml.safe_load(after[name]) for name in new)
+    character, bank = (load_yaml(after[name]) for name in new)
     assert [*character["lines"]] == ["line_01"]
     line = character["lines"]["line_01"]
     assert {"bends", "emphasis", "phonemes", "styles", "times"} <= line.keys()

@@ -5,10 +5,10 @@ import runpy
 
 import numpy as np
 import pytest
-import yaml
 from places import ROOT
 
 import lipsync_lang as ll
+from lipsync_lang.packs.yaml.events import load_yaml
 
 DOCS = ROOT / "docs"
 NAMES = sorted(p.parent.name for p in DOCS.parent.glob("posesets/*/poseset.yaml"))
@@ -66,7 +66,7 @@ def test_every_pose_of_a_drawn_set_has_a_drawing():
     pytest.importorskip("PIL")
     for name, mouths in script()["DRAWN"].items():
         text = (DOCS.parent / "posesets" / name / "poseset.yaml").read_text("utf-8")
-        pack = yaml.safe_load(text)
+        pack = load_yaml(text)
         assert set(mouths) == {*pack["poses"], pack["neutral"]}
 
 

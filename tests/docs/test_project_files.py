@@ -5,14 +5,14 @@ import shlex
 from datetime import date
 
 import pytest
-import yaml
 from places import ROOT
 
 import lipsync_lang as ll
+from lipsync_lang.packs.yaml.events import load_yaml
 
 FORMS = sorted(ROOT.glob(".github/ISSUE_TEMPLATE/[!c]*.yml"))
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
-HOOKS = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text("utf-8"))["repos"][0]["hooks"]
+HOOKS = load_yaml((ROOT / ".pre-commit-config.yaml").read_text("utf-8"))["repos"][0]["hooks"]
 assert FORMS, "a sweep over nothing passes"
 assert PAGES, "a sweep over nothing passes"
 assert HOOKS, "a sweep over nothing passes"
@@ -35,7 +35,7 @@ def test_every_picture_is_described(page):
 
 
 def test_the_citation_names_this_version_and_the_paper():
-    told = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    told = load_yaml((ROOT / "CITATION.cff").read_text("utf-8"))
     assert {"cff-version", "message", "title", "authors", "version", "license"} <= told.keys()
     assert told["version"] == ll.__version__
     paper = told["preferred-citation"]
@@ -48,7 +48,7 @@ def test_the_citation_names_this_version_and_the_paper():
 
 @pytest.mark.parametrize("form", FORMS, ids=lambda form: form.stem)
 def test_issue_forms_are_forms(form):
-    told = yaml.safe_load(form.read_text("utf-8"))
+    told = load_yaml(form.read_text("utf-8"))
     assert {"name", "description", "body"} <= told.keys()
     assert {field["type"] for field in told["body"]} <= KINDS
     names = [field["id"] for field in told["body"]]

@@ -5,8 +5,8 @@ from pathlib import Path
 from random import Random
 
 import pytest
-import yaml
 from lanes import full, swept
+from ruamel.yaml import main
 from test_mutation import FILES, SLIPS, edited
 
 from lipsync_lang.packs.yaml.building import scan
@@ -19,9 +19,9 @@ PIECE = 400
 
 
 def slow(path, content):
-    """Scan as if PyYAML had no libyaml."""
+    """Scan as if there were no `ruamel.yaml.clib`."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.delattr(yaml, "CSafeLoader")
+        patch.setattr(main, "CParser", None)
         return scan(path, content)
 
 

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import pytest
-import yaml
 from packs_tree import plant, put
 
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.yaml.events import load_yaml
 
 LANGUAGE = "languages/ours.yaml"
 POSESET = "posesets/face/poseset.yaml"
@@ -51,7 +51,7 @@ outputs: "takes/{character}/{id}.csv"
 limits: {contacts: 0}
 """
 
-MISTAKES = yaml.safe_load(Path(__file__).with_name("mistakes.yaml").read_text("utf-8"))
+MISTAKES = load_yaml(Path(__file__).with_name("mistakes.yaml").read_text("utf-8"))
 assert MISTAKES, "a sweep over nothing passes"
 
 JARGON = ("while parsing", "while scanning", "<block", "mapping values", "could not find", "token")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 
-import yaml
+from lipsync_lang.packs.yaml.events import load_yaml
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from prose.markup import sentences_of_markup
@@ -64,7 +64,7 @@ class Finding:
 
 def rules() -> list[Rule]:
     """Read the vocabulary."""
-    entries = yaml.safe_load(VOCABULARY.read_text(encoding="utf-8"))
+    entries = load_yaml(VOCABULARY.read_text(encoding="utf-8"))
     return [
         Rule(
             name,

@@ -7,8 +7,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Literal
 
-import yaml
 from prose.texts import CODE, PLACEHOLDER, Sentence, mark, split
+from ruamel.yaml import YAML
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 FIELDS = {
     *("title", "caveats", "reason", "reasons", "why", "weak", "absent", "aside", "lost"),
@@ -44,7 +45,7 @@ def sentences_of_pack(path: Path) -> Iterator[Sentence]:
     """Read the comments of a pack, and its fields that hold prose."""
     yield from sentences_of_comments(path)
     fields = _SHOWN if path.suffix == ".json" else FIELDS
-    for document in yaml.compose_all(path.read_text(encoding="utf-8")):
+    for document in YAML(typ="safe").compose_all(path.read_text(encoding="utf-8")):
         for line, text in _fields(document, fields, prose=False):
             yield from split(path, line, CODE.sub(mark, text), running=text.endswith("."))
 
@@ -58,13 +59,13 @@ def _comments(text: str) -> Iterator[_Comment]:
             yield _Comment(number, match["words"], row if alone else "aside")
 
 
-def _fields(node: yaml.Node | None, fields: set[str], *, prose: bool) -> Iterator[tuple[int, str]]:
-    if isinstance(node, yaml.MappingNode):
+def _fields(node: Node | None, fields: set[str], *, prose: bool) -> Iterator[tuple[int, str]]:
+    if isinstance(node, MappingNode):
         for key, value in node.value:
             yield from _fields(value, fields, prose=prose or key.value in fields)
-    elif isinstance(node, yaml.SequenceNode):
+    elif isinstance(node, SequenceNode):
         for part in node.value:
             yield from _fields(part, fields, prose=prose)
-    elif isinstance(node, yaml.ScalarNode) and prose and " " in node.value:
+    elif isinstance(node, ScalarNode) and prose and " " in node.value:
         folded = node.style in ("|", ">")
         yield node.start_mark.line + 1 + folded, node.value

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-import yaml
+
+from lipsync_lang.packs.yaml.events import load_yaml
 
 pytest.importorskip("starlette", reason="the studio needs Starlette")
 
@@ -100,7 +101,7 @@ def test_a_gesture_by_hand_is_a_step_that_is_undone_kept_and_performed(caller, w
     assert rows(caller) == now
     seen = workshop.perform_shown()
     caller.post("save")
-    kept = yaml.safe_load((home / "characters/arkit.yaml").read_text("utf-8"))["lines"]["mama-tea"]
+    kept = load_yaml((home / "characters/arkit.yaml").read_text("utf-8"))["lines"]["mama-tea"]
     assert kept["placed"] == placed
     performer = ll.resolve("english", "arkit", paths=[home])
     built = performer.perform(line(), line="mama-tea", gestures="all")
@@ -122,7 +123,7 @@ def test_a_change_of_another_kind_leaves_the_entry_as_it_is(caller, workshop):
     shown(caller, [{"gesture": "nod", "at": 0.5}])
     caller.post("emphasis/0", {"level": 1})
     content = next(iter(workshop.desk.contents.values())).decode()
-    entry = yaml.safe_load(content)["lines"]["mama-tea"]
+    entry = load_yaml(content)["lines"]["mama-tea"]
     assert (entry["placed"], entry["emphasis"]) == ([{"gesture": "nod", "at": 0.5}], [[0, 1]])
 
 

@@ -11,12 +11,12 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError, ModelError, shortlist
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.heads.obj_files import ObjMesh, obj_comment, obj_mesh, obj_points
+from lipsync_lang.packs.yaml.events import load_yaml
 
 LIKELY = 0.7
 """Standard deviation of drawn identities, in those of the model; larger ones look less real."""
@@ -28,7 +28,7 @@ NAMED_MISSING_FILES = 3
 def read_recipe(name: str) -> Json:
     """Read a recipe by name."""
     text = files(__package__).joinpath("recipes", f"{name}.yaml").read_text("utf-8")
-    return yaml.safe_load(text)
+    return load_yaml(text)
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,18 @@
-"""Parse a YAML text into events with PyYAML: by libyaml, which its wheels carry, or without.
+"""Parse YAML with ruamel.yaml: by libyaml, if `ruamel.yaml.clib` is installed, or in Python.
 
-Both parsers know YAML 1.1. The texts that YAML 1.2 reads otherwise (tabs as indentation, unusual
-line breaks) are refused before they are parsed. See decision 0016.
+libyaml knows YAML 1.1. The texts that YAML 1.2 reads otherwise (tabs as indentation, unusual line
+breaks) are refused before they are parsed. See decision 0016.
 """
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
 Event = Any
-"""An event of PyYAML, with or without libyaml."""
+"""An event of ruamel.yaml, of either parser."""
+
+_WITHIN_A_WORD = re.compile(r"[:?][^\s,\[\]{}]")
+"""A sign that libyaml refuses within a word between brackets, as in `{source: https://...}`."""
 
 
 class YamlError(Exception):
@@ -30,19 +34,58 @@ class YamlError(Exception):
 
 def events(text: str) -> Iterator[Event]:
     """Yield the events of a text; raise `YamlError` where it cannot be read."""
-    import yaml
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-    # The C parser is fifteen times as fast.
-    parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
-        yield from iter(parser(text).get_event, None)
-    except yaml.MarkedYAMLError as error:
+        yield from _parsed(text)
+    except MarkedYAMLError as error:
         mark, context_mark = error.problem_mark or error.context_mark, error.context_mark
         place = (mark.line + 1, mark.column + 1) if mark is not None else None
         started = context_mark.line + 1 if context_mark is not None else None
         raise YamlError(place, _flat(error.problem), _flat(error.context), started) from None
-    except yaml.YAMLError as error:
+    except YAMLError as error:
         raise YamlError(None, _flat(str(error)), "", None) from None
+
+
+def load_yaml(text: str) -> Any:
+    """Load a text that this project has written itself, such as its table of faults.
+
+    Packs are read by `scan`, which knows places, and reads plain words as text.
+    """
+    from ruamel.yaml import YAML
+
+    return YAML(typ="safe").load(text)
+
+
+def _parsed(text: str) -> Iterator[Event]:
+    """Yield the events of libyaml, or of the parser in Python where that reads more.
+
+    libyaml may split a word before it refuses its sign, so its events are kept until then.
+    """
+    from ruamel.yaml import main
+    from ruamel.yaml.error import MarkedYAMLError
+
+    if main.CParser is None:
+        yield from _parsed_in_python(text)
+        return
+    found: list[Event] = []
+    parser = main.CParser(text)
+    try:
+        found.extend(iter(parser.get_event, None))
+    except MarkedYAMLError as error:
+        mark = error.problem_mark
+        if mark is not None and _WITHIN_A_WORD.match(text, mark.index):
+            yield from _parsed_in_python(text)
+            return
+        yield from found
+        raise
+    yield from found
+
+
+def _parsed_in_python(text: str) -> Iterator[Event]:
+    from ruamel.yaml import YAML
+
+    return YAML(typ="safe", pure=True).parse(text)
 
 
 def _flat(words: str | None) -> str:

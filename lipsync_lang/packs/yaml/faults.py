@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from lipsync_lang.base.errors import PackError
+from lipsync_lang.packs.yaml.events import load_yaml
 
 Severity = Literal["fault", "warning"]
 
@@ -28,11 +29,7 @@ class FaultCode:
 @cache
 def fault_codes() -> dict[str, FaultCode]:
     """Return the description of each code, from `fault_codes.yaml`."""
-    import yaml
-
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    with Path(__file__).with_name("fault_codes.yaml").open(encoding="utf-8") as file:
-        table = yaml.load(file, loader)  # noqa: S506 both loaders are safe
+    table = load_yaml(Path(__file__).with_name("fault_codes.yaml").read_text("utf-8"))
     return {code: FaultCode(**words) for code, words in table.items()}
 
 
