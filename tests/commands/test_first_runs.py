@@ -651,3 +651,11 @@ def test_the_voice_of_a_language_of_another_engine_is_checked(healthy, monkeypat
     assert [(one.part, one.state) for one in doctor_checks.voices()] == [("voice of odd", "ok")]
     engine.voices = dict
     assert [one.state for one in doctor_checks.voices()] == ["broken"]
+
+
+@pytest.mark.parametrize(("there", "told"), [(True, "libyaml"), (False, "13 times slower")])
+def test_the_doctor_says_how_packs_are_parsed(monkeypatch, there, told):
+    monkeypatch.setattr(doctor_checks, "find_spec", lambda _: there or None)
+    (part,) = doctor_checks._yaml()  # noqa: SLF001
+    assert told in part.told
+    assert (part.state == "ok") == there

@@ -18,7 +18,7 @@ _CLOSING_BRACKETS = {"[": "]", "{": "}"}
 _BAD_START = re.compile(
     "cannot start any token|comment or line break|alphabetic or numeric|indentation indic|directive"
 )
-"""Words of libyaml, and of PyYAML without it, about text that begins with a sign of YAML."""
+"""Words of libyaml, and of ruamel.yaml without it, about text that begins with a sign of YAML."""
 
 _BAD_ESCAPE = re.compile("escape c|hexadecimal|hexdecimal")
 
