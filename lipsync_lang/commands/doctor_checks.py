@@ -115,7 +115,9 @@ def _python() -> Iterator[CheckedPart]:
 
 @check
 def _yaml() -> Iterator[CheckedPart]:
-    if find_spec("_ruamel_yaml"):  # the module of `ruamel.yaml.clib`
+    from lipsync_lang.packs.yaml.events import parser_in_c
+
+    if parser_in_c():
         yield CheckedPart("YAML", OK, "libyaml", ALWAYS)
     else:
         told = f"packs are read 13 times slower without {package_line('ruamel.yaml.clib')}"

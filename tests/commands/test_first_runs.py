@@ -20,6 +20,7 @@ from lipsync_lang.commands import doctor, doctor_checks, parser
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, load_project
+from lipsync_lang.packs.yaml import events
 from lipsync_lang.production.builds.project_folder import project_files, starter
 from lipsync_lang.render import fonts
 from lipsync_lang.render.fonts import FoundFonts
@@ -655,7 +656,7 @@ def test_the_voice_of_a_language_of_another_engine_is_checked(healthy, monkeypat
 
 @pytest.mark.parametrize(("there", "told"), [(True, "libyaml"), (False, "13 times slower")])
 def test_the_doctor_says_how_packs_are_parsed(monkeypatch, there, told):
-    monkeypatch.setattr(doctor_checks, "find_spec", lambda _: there or None)
+    monkeypatch.setattr(events, "parser_in_c", lambda: there)
     (part,) = doctor_checks._yaml()  # noqa: SLF001
     assert told in part.told
     assert (part.state == "ok") == there

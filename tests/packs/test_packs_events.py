@@ -6,9 +6,9 @@ from random import Random
 
 import pytest
 from lanes import full, swept
-from ruamel.yaml import main
 from test_mutation import FILES, SLIPS, edited
 
+from lipsync_lang.packs.yaml import events
 from lipsync_lang.packs.yaml.building import scan
 from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES
 
@@ -21,7 +21,7 @@ PIECE = 400
 def slow(path, content):
     """Scan as if there were no `ruamel.yaml.clib`."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(main, "CParser", None)
+        patch.setattr(events, "parser_in_c", lambda: None)
         return scan(path, content)
 
 

@@ -6,6 +6,7 @@ breaks) are refused before they are parsed. See decision 0016.
 
 import re
 from collections.abc import Iterator
+from importlib import import_module
 from typing import Any
 
 Event = Any
@@ -57,19 +58,27 @@ def load_yaml(text: str) -> Any:
     return YAML(typ="safe").load(text)
 
 
+def parser_in_c() -> Any:
+    """Return the class of libyaml's parser; None without `ruamel.yaml.clib`."""
+    try:
+        return import_module("ruamel.yaml.cyaml").CParser
+    except ImportError:
+        return None
+
+
 def _parsed(text: str) -> Iterator[Event]:
     """Yield the events of libyaml, or of the parser in Python where that reads more.
 
     libyaml may split a word before it refuses its sign, so its events are kept until then.
     """
-    from ruamel.yaml import main
     from ruamel.yaml.error import MarkedYAMLError
 
-    if main.CParser is None:
+    libyaml = parser_in_c()
+    if libyaml is None:
         yield from _parsed_in_python(text)
         return
     found: list[Event] = []
-    parser = main.CParser(text)
+    parser = libyaml(text)
     try:
         found.extend(iter(parser.get_event, None))
     except MarkedYAMLError as error:
