@@ -20,12 +20,13 @@ from lipsync_lang.schedules.timing_readers import TIMING_READERS
 from lipsync_lang.sound.speech import ENGINES as SPEECH_ENGINES
 from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import RECOGNISERS
+from lipsync_lang.sound.speech.hearing.sphinx.folder import MODEL_READERS
 from lipsync_lang.text.lines.line_readers import LINE_READERS
 from lipsync_lang.text.phonology.g2p import G2P_ENGINES, RESPELLERS
 
 EVERY = (
     TIMING_READERS, LINE_READERS, ANIMATION_READERS, WRITERS, FORMS, G2P_ENGINES, RESPELLERS,
-    SPEECH_ENGINES, ALIGNERS, RECOGNISERS,
+    SPEECH_ENGINES, ALIGNERS, RECOGNISERS, MODEL_READERS,
 )  # fmt: skip
 every_kind = pytest.mark.parametrize("known", EVERY, ids=lambda known: known.group)
 

@@ -63,7 +63,7 @@ ROOMS = {
     "sound": ({"speech"}, {"listening"}),
     "reports": ({"coverage", "quality"},),
     "production": ({"builds", "live"},),
-    "plugins": ({"capture", "cluster", "mfa", "smartbody", "study"},),
+    "plugins": ({"capture", "cluster", "htk", "mfa", "smartbody", "study"},),
 }
 """Floors of rooms within a wing, from the ground up; "" is the modules beside the rooms."""
 

@@ -6,6 +6,8 @@ NO_TARGET = {
     "plugins/capture/accept_fit.py": "packs, which are a target; opens a pair by its name",
     "plugins/capture/capture_reading.py": "plain text; timings are targets",
     "plugins/capture/fit_command.py": "writes",
+    "plugins/htk/htk_files.py": "an acoustic model, which the user names",
+    "plugins/htk/htk_front_end.py": "settings beside it",
     "plugins/mfa/mfa_aligner.py": "what a program of the user's has written",
     "plugins/mfa/mfa_command.py": "what a program of the user's has written",
     "plugins/study/answer_server.py": "a page of our own, and answers, which are a target",

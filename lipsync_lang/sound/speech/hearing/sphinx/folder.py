@@ -1,7 +1,7 @@
 """Acoustic models by name or folder, with their phones in IPA, dictionary and language model."""
 
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib.util import find_spec
@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import SpeechError, did_you_mean
+from lipsync_lang.base.extensions import Extensions
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE, AcousticModel
-from lipsync_lang.sound.speech.hearing.sphinx.htk_files import HMMDEFS, read_htk
 from lipsync_lang.sound.speech.hearing.sphinx.sphinx_files import read_sphinx
 
 if TYPE_CHECKING:
@@ -22,6 +22,14 @@ MODEL_FOLDER = "models"
 
 WHISPER_FILE = "model.bin"
 """A file of Whisper's models, which may be in that folder, too, and of no acoustic model."""
+
+MODEL_READERS: Extensions[Callable[[Path], AcousticModel]] = Extensions(
+    "acoustic_models", "reader of acoustic models"
+)
+"""Readers of folders with acoustic models of other forms, by the file that tells the form."""
+
+model_reader = MODEL_READERS.register
+"""Decorator that registers a function as the reader of folders with a file."""
 
 LICENCE_FILES = ("LICENSE*", "LICENCE*", "COPYING*", "README*")
 """Patterns of files with a model's terms, the most telling first."""
@@ -136,12 +144,13 @@ class Models:
 
 @cache
 def read_model(folder: Path) -> AcousticModel:
-    """Read the acoustic model in a folder, of CMU Sphinx or HTK.
+    """Read the acoustic model in a folder, of CMU Sphinx or of a form that a plug-in reads.
 
     A file that is missing, truncated or of another kind is a `SpeechError`.
     """
     try:
-        return read_htk(folder) if (folder / HMMDEFS).is_file() else read_sphinx(folder)
+        other = next((name for name in MODEL_READERS if (folder / name).is_file()), None)
+        return MODEL_READERS[other](folder) if other else read_sphinx(folder)
     except OSError as error:
         raise SpeechError(f"{folder}: no acoustic model: {error.strerror or error}") from None
     except (struct.error, ValueError, IndexError, KeyError) as error:

@@ -16,17 +16,15 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import SpeechError
-from lipsync_lang.sound.speech.hearing.sphinx.features import (
-    FFT_POINTS,
-    HOP_SAMPLES,
-    FrontEnd,
-    voice_mean,
-)
+from lipsync_lang.sound.speech.hearing.sphinx.features import HOP_SAMPLES, FrontEnd, voice_mean
 from lipsync_lang.sound.speech.hearing.sphinx.sphinx_files import refused, same_value
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 
 FRAME_SAMPLES = 400
 """Frame window in samples."""
+
+FFT_POINTS = 512
+"""Size of the Fourier transform: the next power of two."""
 
 CONFIG = "config"
 """The file of HTK's settings beside a model."""

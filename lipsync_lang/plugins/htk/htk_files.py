@@ -14,17 +14,14 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Singles
 from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.plugins.htk.htk_front_end import CONFIG, HtkFrontEnd, kept_features
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     STATES,
     AcousticModel,
     Phone,
     gaussian_factors,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.htk_front_end import (
-    CONFIG,
-    HtkFrontEnd,
-    kept_features,
-)
+from lipsync_lang.sound.speech.hearing.sphinx.folder import model_reader
 
 HMMDEFS = "hmmdefs"
 """The file of models."""
@@ -198,6 +195,7 @@ class _Definitions:
         return np.array([float(self._next()) for _ in range(prod(shape))]).reshape(shape)
 
 
+@model_reader(HMMDEFS)
 def read_htk(folder: Path) -> AcousticModel:
     """Read monophones; features or models of another kind are a `SpeechError`."""
     found = _Definitions(folder / HMMDEFS)

@@ -1,0 +1,1 @@
+"""Acoustic models of HTK: monophones, and the features that they hear."""
