@@ -14,6 +14,7 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.edits import corrected
+from lipsync_lang.performing.gaps import refuse_gaps, without_gaps
 from lipsync_lang.performing.played_pair import LineDelivery, OwnSettings, PlayedPair
 from lipsync_lang.performing.style_drafts import with_drafts
 from lipsync_lang.pipeline.drive import drive
@@ -210,6 +211,7 @@ class Performer(PlayedPair):
         """
         from lipsync_lang.performing.stream import Stream
 
+        refuse_gaps(self)
         return Stream(
             self, checked_rate(fps), notation=notation, styles=styles, dials=dials, stress=stress,
             emphasis=emphasis, late=late, gestures=gestures,
@@ -250,6 +252,7 @@ class Performer(PlayedPair):
         """
         from lipsync_lang.sound.listening.listener import open_listener
 
+        refuse_gaps(self)
         tables, motion, labels = self.compiled.tables, self.motion, self.labels
         return open_listener(
             tables.papers if motion.thresholds == "paper" else tables,
@@ -450,7 +453,8 @@ def _animate(
     if moving:
         from lipsync_lang.performing import gesturing
     out = []
-    for schedule, sounds, line in zip(schedules, read, names, strict=True):
+    for asked_for, sounds, line in zip(schedules, read, names, strict=True):
+        schedule = without_gaps(performer, asked_for, sounds)
         settings = {"line": line, **asked}
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
         if kept is not None and not (said.blends or said.overlays or said.bends):

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 
 OwnSettings = Mapping[str, Any]
 """Options of `Performer.perform` that are the same for all schedules, by name."""
+
+Gaps = Literal["error", "rest"]
+"""Treatments of bigrams without curves."""
 
 
 class LineDelivery(NamedTuple):
@@ -117,9 +120,12 @@ class PlayedPair:
     """True if shades have their own curves; None means True, except with the paper's thresholds."""
     cleaning: Cleaning = AS_WRITTEN
     """Values of placeholders in texts, and the parts of texts that are not spoken."""
+    gaps: Gaps = "error"
+    """Treatment of bigrams of a line that have no curves."""
 
     def __post_init__(self) -> None:
         refuse_other("unknown", self.unknown, Unknown)
+        refuse_other("gaps", self.gaps, Gaps)
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle only the fields; cached properties are computed again after loading."""

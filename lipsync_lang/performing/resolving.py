@@ -1,27 +1,21 @@
 """Resolution of a language and a character into a performer.
 
 Each ordered pair of common phonemes of the language is looked up in the layers that the package
-`resolver` lists. Pairs without a match are gaps. They are errors by default, or rest on request.
+`resolver` lists. Pairs without a match are gaps. A line that has one is an error by default; on
+request it is at rest there.
 """
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal
 
-from lipsync_lang.base.errors import PackError, refuse_other, shortlist
+from lipsync_lang.base.errors import refuse_other
 from lipsync_lang.packs.finding import Paths, is_model, located
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.played_pair import Gaps
 from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.settings import motion_with
-
-Gaps = Literal["error", "rest"]
-"""Treatments of bigrams without a match."""
-
-
-MAX_SHOWN_GAPS = 12
-"""Bigrams in a message."""
 
 
 def resolve(  # noqa: PLR0913 two names, and options by keyword
@@ -43,7 +37,7 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     character : name or file of a character, or of a pose set for its default character; or a model
         (.glb, .vrm, .gltf), with the pose set and rig that fit its shapes best
     paths : one or several folders with priority in pack searches
-    gaps : treatment of bigrams without a match: `error` or `rest`
+    gaps : treatment of bigrams without a match that a line has: `error`, or `rest` with a remark
     unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` for IPA, by its
         phonetic features; `Performer.automatic` names such labels, and others are an error
     motion : name of a preset, or changed settings of `Motion`
@@ -78,15 +72,8 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     else:
         (language, character), folders = located(paths, language=language, character=character)
         compiled = _pair(language, character, folders, cache=cache)
-    report = compiled.report
-    if report.gaps and gaps != "rest":
-        shown = shortlist(report.gaps, MAX_SHOWN_GAPS)
-        raise PackError(
-            f"{report.character} has no curves for {len(report.gaps)} bigrams of "
-            f"{report.language}: {shown}. Give {report.poseset} targets for their phonemes, "
-            "or perform gaps as rest (`gaps='rest'`)"
-        )
-    return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders, shades)
+    moved = motion_with(compiled.motion, motion)
+    return Performer(compiled, moved, unknown, folders, shades, gaps=gaps)
 
 
 def _pair(

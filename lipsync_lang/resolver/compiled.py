@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from lipsync_lang.base.errors import count
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.text.phonology.labels import Value
@@ -90,8 +91,17 @@ class Report:
             told = ", ".join(f"{number} {status}" for status, number in statuses.items())
             lines.append(f"style {style}: {told}; the rest is neutral")
         if self.gaps:
-            lines.append(f"gaps: {', '.join(self.gaps)}")
+            lines += [f"{count(len(self.gaps), 'bigram')} without curves:", *_gap_lines(self.gaps)]
         return "\n".join([*lines, *self.warnings])
+
+
+def _gap_lines(gaps: tuple[str, ...]) -> list[str]:
+    """List bigrams by their first phoneme, one line each."""
+    after: dict[str, list[str]] = {}
+    for pair in gaps:
+        first, _, second = pair.partition("-")
+        after.setdefault(first, []).append(second)
+    return [f"  {first}-  {' '.join(seconds)}" for first, seconds in after.items()]
 
 
 def _layer_lines(layers: dict[str, dict[str, int]]) -> list[str]:

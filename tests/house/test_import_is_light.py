@@ -17,7 +17,7 @@ HEAVY = {
     "numpy",
     "pydantic",
     "scipy",
-    "yaml",
+    "ruamel.yaml",
     "matplotlib",
     "praatio",
     "espeakng_loader",

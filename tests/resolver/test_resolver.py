@@ -138,7 +138,7 @@ def test_gaps_are_an_error_that_names_them_or_rest_as_the_caller_says(tmp_path):
         "targets: {aa: {gill: 1}, d: {gill: 0.2}}\n",
     )
     with pytest.raises(PackError, match=r"no curves for 437 bigrams of english: ah-ah, .*targets"):
-        resolve("english", "eel", paths=[tmp_path], cache=False)
+        resolve("english", "eel", paths=[tmp_path], cache=False).stream()
     performer = resolve("english", "eel", paths=[tmp_path], cache=False, gaps="rest")
     assert len(performer.report.gaps) == 437
     assert performer.report.layers["draft"] == {"drafted": 4}
