@@ -13,7 +13,7 @@ DATA ?= data
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: findings help demo test test-rest test-all test-windows sanitize test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel extras clean
+.PHONY: atheris findings help demo test test-rest test-all test-windows sanitize test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel extras clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -85,13 +85,25 @@ test-lowest: pyproject.toml ## run the quick tests with the lowest versions allo
 	  --requirement $(LOWEST)/versions.txt --editable .
 	$(LOWEST)/bin/python -m pytest -n auto --dist worksteal -m "not full" -W default::DeprecationWarning
 
-consumers: tests/browser/package.json ## fetch what reads GLB in the tests (npm); a browser is not fetched
+consumers: $(CONSUMERS)/fetched ## fetch what reads GLB in the tests (npm); a browser is not fetched
+
+$(CONSUMERS)/fetched: tests/browser/package.json
 	mkdir -p $(CONSUMERS)
 	cp tests/browser/package.json $(CONSUMERS)/
 	npm install --silent --no-audit --no-fund --prefix $(CONSUMERS)
+	touch $@
 
-usd: $(VENV)/ready ## fetch the library of USD, which reads .usda in the tests (pip, 209 MB)
+usd: $(VENV)/usd ## fetch the library of USD, which reads .usda in the tests (pip, 209 MB)
+
+$(VENV)/usd: | $(VENV)/ready
 	$(PIP) usd-core
+	touch $@
+
+atheris: $(VENV)/atheris ## fetch what lets coverage guide the fuzzing (pip, Linux)
+
+$(VENV)/atheris: | $(VENV)/ready
+	$(PIP) atheris
+	touch $@
 
 lint: $(VENV)/ready ## check style
 	$(BIN)/ruff check .
