@@ -5,15 +5,23 @@ The templates take a report as its view, with all names and figures.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import groupby
 from typing import Any
 
 from markupsafe import Markup
 
+from lipsync_lang.base.errors import count
 from lipsync_lang.base.presentation.pages import CHART_HEIGHT, PageEnvironment
-from lipsync_lang.base.presentation.percentages import ranked_text
-from lipsync_lang.base.presentation.wording import count, folder, gathered, hours, listed, percent
+from lipsync_lang.base.presentation.wording import (
+    NBSP,
+    folder,
+    gathered,
+    hours,
+    listed,
+    percentage_text,
+    ranked_text,
+)
 from lipsync_lang.reports.coverage.page import charts
 from lipsync_lang.reports.coverage.page.states import (
     LAYER_MEANINGS,
@@ -43,7 +51,7 @@ PARTS = (
 
 PAGE_ENVIRONMENT = PageEnvironment(__package__, "templates")
 PAGE_ENVIRONMENT.globals |= {
-    "percent": percent,
+    "percent": partial(percentage_text, space=NBSP),
     "ranked_text": ranked_text,
     "hours": hours,
     "status": status,
@@ -110,7 +118,7 @@ class ReportView:
     def stack_description(self) -> str:
         """The shares of the statuses in words."""
         names = (name for name, (_, heard) in self.shares.items() if heard)
-        shares = (percent(share) for _, share in self.stack)
+        shares = (percentage_text(share, NBSP) for _, share in self.stack)
         return ", ".join(map(" ".join, zip(shares, names, strict=True))) or "no bigrams"
 
     @cached_property
@@ -228,7 +236,7 @@ def _addition(shared: Mapping[str, Any] | None) -> str:
         return "–"
     if not shared["bigrams"]:
         return "nothing"
-    return f"{count(shared['bigrams'], 'bigram')} with {', '.join(shared['phonemes'])}"
+    return f"{count(shared['bigrams'], 'bigram', space=NBSP)} with {', '.join(shared['phonemes'])}"
 
 
 def _matrix(document: Mapping[str, Any], reports: Iterable[ReportView]) -> list[MatrixRow]:
