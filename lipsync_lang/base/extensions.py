@@ -119,6 +119,15 @@ class Extensions(Mapping[str, T]):
         if self.origin is not None:
             self.journal.append((self, name))
 
+    def drop(self, module: str) -> None:
+        """Forget what `module` registered."""
+        for name in [name for name, origin in self.origins.items() if origin == _top(module)]:
+            del self.known[name], self.origins[name]
+
+    def beside(self, module: str) -> set[str]:
+        """Return the names that others than `module` registered."""
+        return {name for name in self if self.origins[name] != _top(module)}
+
     def register(self, name: str) -> Callable[[T], T]:
         """Register the decorated function under a name."""
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import name_folders, refuse_outside
-from lipsync_lang.packs.project import FILE, NARRATOR, find_project, load_project
+from lipsync_lang.packs.project import FILE, NARRATOR, find_project
 from lipsync_lang.packs.speaker_faces import OTHERS, stated_faces
 
 if TYPE_CHECKING:
@@ -38,8 +38,10 @@ def fill(options: Namespace) -> None:
         name_folders((find_project() or Path(FILE).absolute()).parent, named)
     path = find_project() if getattr(options, "in_project", False) else None
     if path is not None:
+        from lipsync_lang.production.builds.timing_formats import open_project
+
         _log.info("project %s", path)
-        _take(options, load_project(path), path.parent)
+        _take(options, open_project(path), path.parent)
     if getattr(options, "fps", 0) is None:
         options.fps = USUAL_FPS
     if getattr(options, "offset", "") is None:

@@ -145,7 +145,8 @@ def _packs() -> Iterator[CheckedPart]:
 
 @check
 def _project() -> Iterator[CheckedPart]:
-    from lipsync_lang.packs.project import find_project, load_project
+    from lipsync_lang.packs.project import find_project
+    from lipsync_lang.production.builds.timing_formats import open_project
 
     path = find_project()
     if path is None:
@@ -153,7 +154,7 @@ def _project() -> Iterator[CheckedPart]:
         yield CheckedPart("project", MISSING, made)
         return
     try:
-        load_project(path)
+        open_project(path)
     except LipsyncError as error:
         yield CheckedPart("project", BROKEN, f"{error}; then run: lipsync-lang validate", PROJECT)
         return

@@ -1,8 +1,10 @@
 """Commands that list voices and formats."""
 
+import sys
 from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json
@@ -40,13 +42,20 @@ def voices(options: Namespace) -> int:
 
 
 def formats(options: Namespace) -> int:
-    """Print every registered reader and writer."""
+    """Print every registered reader and writer, and the formats of the project."""
     from lipsync_lang.animations.animation_readers import ANIMATION_READERS
     from lipsync_lang.animations.animation_writers import WRITERS
     from lipsync_lang.base.presentation.text_table import columns
+    from lipsync_lang.packs.project import find_project
+    from lipsync_lang.production.builds.timing_formats import open_project
     from lipsync_lang.schedules.timing_readers import TIMING_READERS
     from lipsync_lang.text.lines.line_readers import LINE_READERS
 
+    if (project := find_project()) is not None:
+        try:
+            open_project(project)
+        except LipsyncError as error:  # the other formats are there all the same
+            print(f"{error}\nrun: lipsync-lang validate", file=sys.stderr)
     kinds: tuple[tuple[str, Formats[Any]], ...] = (
         ("read", TIMING_READERS),
         ("lines", LINE_READERS),

@@ -10,7 +10,7 @@ from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.parser import lacking
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path, option, repeated
-from lipsync_lang.packs.project import FILE, load_project
+from lipsync_lang.packs.project import FILE
 
 
 @command("new")
@@ -106,6 +106,7 @@ def _of_table(options: Namespace) -> int:
     from lipsync_lang.production.builds.new_project import new_project
     from lipsync_lang.production.builds.project_folder import starter
     from lipsync_lang.production.builds.script import read_script
+    from lipsync_lang.production.builds.timing_formats import open_project
 
     path, here = Path(FILE), Path.cwd()
     if path.exists():
@@ -122,7 +123,7 @@ def _of_table(options: Namespace) -> int:
     try:
         # The draft is read like any project, so that its faults are told while the table is at
         # hand.
-        planned = read_script(load_project(path), paths=options.path)
+        planned = read_script(open_project(path), paths=options.path)
     except LipsyncError as error:
         print(f"{error}\ncorrect the script, then run: lipsync-lang build", file=sys.stderr)
         return FAULTS

@@ -7,6 +7,7 @@ A file's content tells its format, before its suffix does: many programs write `
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 
 from lipsync_lang.base.errors import ScheduleError
@@ -161,7 +162,8 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     elif start == "<":
         _ = source.xml
     if named:
-        titles = "".join(f"\n  {one.name}: {one.title}" for one in named)
+        ordered = sorted(named, key=attrgetter("name"))
+        titles = "".join(f"\n  {one.name}: {one.title}" for one in ordered)
         raise source.fault(f"has none of the formats that end in '{source.path.suffix}':{titles}")
     known = ", ".join(TIMING_READERS.suffixes())
     raise source.fault(f"no reader for this suffix; known: {known} (`lipsync-lang formats`)")

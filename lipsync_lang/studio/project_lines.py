@@ -11,10 +11,10 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.packs.project import load_project
 from lipsync_lang.production.builds.planned_line import PlannedLine
 from lipsync_lang.production.builds.script import read_script
 from lipsync_lang.production.builds.timing import schedules
+from lipsync_lang.production.builds.timing_formats import open_project
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
@@ -45,7 +45,7 @@ class ProjectLines:
         self._lines, self._characters = {}, set()
         if self._file is None:
             return
-        project = load_project(self._file)
+        project = open_project(self._file)
         if not project.model.lines:
             return
         for line in read_script(project, paths=self._paths):

@@ -2,9 +2,9 @@
 
 import re
 from pathlib import PureWindowsPath
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from lipsync_lang.base.files.names import fault_of_name
@@ -132,6 +132,61 @@ class GlbFields(Strict):
     `CHARACTER-DIGEST.face.bin` beside the GLB files, which hold the animation and refer to it."""
 
 
+class TimingRecords(Strict):
+    """A list of records in JSON, and the names of their fields."""
+
+    records: str = ""
+    """Path of the list, such as `result.words`: lists on the way stand for all their objects, with
+    `[0]` for the first alone. By default the outermost objects."""
+    text: Text
+    """Field with the label of a phoneme, or with a word."""
+    start: Text
+    """Field with the start."""
+    end: Text | None = None
+    """Field with the end."""
+    duration: Text | None = None
+    """Field with the duration, instead of `end`."""
+    unnamed: bool = False
+    """True if a record without a text is silence."""
+
+    @model_validator(mode="after")
+    def _one_length(self) -> Self:
+        if (self.end is None) == (self.duration is None):
+            what = "records need `end` or `duration`, and only one of them"
+            raise PydanticCustomError("P115", what, {"field": "start"})
+        return self
+
+
+class TimingFormat(Strict):
+    """A format of timings in JSON, for `--read-as` and by its content."""
+
+    title: Text | None = None
+    """Title in `formats`, of one line."""
+    phonemes: TimingRecords | None = None
+    """The timed phonemes."""
+    words: TimingRecords | None = None
+    """The timed words."""
+    unit: Literal["s", "ms", "ticks"] = "s"
+    """Unit of the times; `ticks` last 100 ns."""
+    rate: Annotated[float, Field(gt=0, le=1e9)] | None = None
+    """Units of the times in a second, such as frames, instead of `unit`."""
+    notation: Text | None = None
+    """Notation of the phonemes."""
+    mentions: tuple[Text, ...] = ()
+    """Fields that tell the format, of which a file has one. By default the fields of its first
+    record."""
+
+    @model_validator(mode="after")
+    def _some_list(self) -> Self:
+        if self.phonemes is None and self.words is None:
+            what = "the format has no records: give `phonemes`, `words` or both"
+            raise PydanticCustomError("P115", what, {"field": "unit"})
+        if self.rate is not None and "unit" in self.model_fields_set:
+            what = "the format has `unit` and `rate`: give only one of them"
+            raise PydanticCustomError("P115", what, {"field": "rate"})
+        return self
+
+
 class Project(PackModel):
     """Defaults for the commands of a folder; an option of the command line wins."""
 
@@ -192,6 +247,8 @@ class Project(PackModel):
     """True to adapt the acoustic model of each language to its recordings before aligning them."""
     timings: RecordingPath | None = None
     """The timed phonemes of a line. By default the file beside the recording."""
+    timing_formats: dict[Name, TimingFormat] = Field(default_factory=dict)
+    """Formats of timings in JSON, by name, which other services write."""
     cast: dict[Text, Annotated[tuple[Name, ...], OrOne, Field(min_length=1)]] = Field(
         default_factory=dict
     )

@@ -43,6 +43,7 @@ from lipsync_lang.production.builds.timing import (
     attempt,
     schedules,
 )
+from lipsync_lang.production.builds.timing_formats import use_timing_formats
 from lipsync_lang.reports.quality.figures import Quality
 from lipsync_lang.resolver.cache import compiler
 from lipsync_lang.schedules.schedule import DOUBTFUL, Schedule
@@ -111,6 +112,8 @@ class LineMaker:
 
     def __call__(self, batch: LineBatch, pairs: Mapping[str, PairNeeds]) -> list[MadeLine]:
         """Make the lines of a batch, in order; `pairs` has the needs of each character."""
+        # A worker has opened no project.
+        use_timing_formats(self.settings.timing_formats or {})
         self._folders.clear()  # a worker outlives a build, and folders may go or become links
         first = {line.name: line for line in reversed(batch.lines)}
         contents: dict[str, dict[str, str]] = {name: {} for name in first}

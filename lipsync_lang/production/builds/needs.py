@@ -15,6 +15,7 @@ import numpy as np
 from lipsync_lang.base.version import __version__
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.builds.digests import VALUE_BYTES, digest, file_digest, joined
+from lipsync_lang.production.builds.timing_formats import TimingFormats
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.text.phonology.g2p.tokens import plain
 
@@ -57,6 +58,8 @@ class BuildSettings(NamedTuple):
     offset: float = 0.0
     face_once: bool = False
     """True if the lines of a character share the data of its model."""
+    timing_formats: TimingFormats | None = None
+    """Formats of timings that the project states, as plain fields by name."""
 
 
 class PairNeeds:
@@ -190,6 +193,8 @@ class PairNeeds:
                 chosen.face_once,
                 chosen.gestures,
                 chosen.idle,
+                # Nothing without formats, so that lines of older builds stay up to date.
+                *filter(None, [chosen.timing_formats]),
             ),
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
             "model": digest(self.model_digest),

@@ -24,7 +24,7 @@ import numpy as np
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.base.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.base.files.writing import replace_file
+from lipsync_lang.base.files.renaming import replace_file
 from lipsync_lang.packs.checking.voices import check_voices
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project
@@ -44,6 +44,11 @@ from lipsync_lang.production.builds.script import read_script
 from lipsync_lang.production.builds.script_faults import PlanningError, ScriptFaults
 from lipsync_lang.production.builds.script_files import PlanRemark
 from lipsync_lang.production.builds.timing import TIMERS
+from lipsync_lang.production.builds.timing_formats import (
+    check_timing_formats,
+    open_project,
+    timing_formats,
+)
 from lipsync_lang.resolver.cache import compiler, folder
 from lipsync_lang.resolver.language_tables import manner_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
@@ -200,7 +205,7 @@ class ProjectBuild:
             raise LipsyncError(
                 f"this folder has no {FILE}; `lipsync-lang new NAME` makes a folder with one"
             )
-        pack = load_project(found)
+        pack = open_project(found)
         project, folder = pack.model, found.absolute().parent
         chosen = Selection() if selection is None else selection
         faults = ScriptFaults(pack)
@@ -218,7 +223,7 @@ class ProjectBuild:
         once = project.glb.face == "once"
         settings = BuildSettings(
             fps, dict(project.limits), tts, project.gestures, project.idle or 0.0,
-            project.offset or 0.0, once,
+            project.offset or 0.0, once, timing_formats(project),
         )  # fmt: skip
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))
@@ -326,8 +331,9 @@ class ProjectBuild:
 
 def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
     """Return what keeps a project from being built, and warnings, as a build finds them."""
-    found: list[Fault] = []
     pack = load_project(file)
+    if found := [*check_timing_formats(pack)]:
+        return found
 
     def keep(remark: str | Fault) -> None:
         found.extend([remark] if isinstance(remark, Fault) else [])
