@@ -67,7 +67,7 @@ def main() -> None:
         frames = seconds * 60
         print(f"Python: {(perf_counter() - began) / frames * 1e6:.0f} us a character and frame")
         program = Path(folder, "players")
-        header = Path(ll.__file__).parent / "players"
+        header = Path(ll.__file__).parent / "faces/players"
         source = Path(__file__).with_suffix(".c")
         made = ["cc", "-O2", "-std=c11", f"-I{header}", str(source), "-o", str(program)]
         subprocess.run(made, check=True)  # noqa: S603 a compiler of our own

@@ -118,7 +118,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         if file.abs_src_path and not _wanted(Path(file.abs_src_path)):
             files.remove(file)
     pages = [Path(page.abs_src_path) for page in files.documentation_pages()]
-    for page in [*pages, *sorted(ROOT.glob("*.md"))]:
+    for page in [*pages, *sorted(ROOT.glob("*.md")), ROOT / "findings/README.md"]:
         if not page.is_relative_to(DOCS):
             _add(page, files, config)
         for linked in links(page):

@@ -91,6 +91,6 @@ def refuse_other(name: str, value: object, choices: object) -> None:
         raise LipsyncError(f"`{name}` is {value!r}; it is one of {listed}")
 
 
-def count(number: int, noun: str) -> str:
+def count(number: int, noun: str, nouns: str = "", *, space: str = " ") -> str:
     """Return a number with its noun: `1 line`, `1,240 lines`."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+    return f"{number:,}{space}{noun if number == 1 else nouns or noun + 's'}"

@@ -9,7 +9,7 @@ from lipsync_lang.performing.played_pair import PlayedPair
 from lipsync_lang.pipeline.track import lay_track
 
 if TYPE_CHECKING:
-    from lipsync_lang.performing.label_reader import LabelSounds
+    from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.schedules.schedule import Schedule
 
 MAX_SHOWN_GAPS = 12

@@ -17,7 +17,7 @@ from weakref import finalize
 from lipsync_lang.base.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.base.files import atomic, read_input
 from lipsync_lang.base.files.locking import claim
-from lipsync_lang.base.files.renaming import replace_file
+from lipsync_lang.base.files.writing import replace_file
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
 from lipsync_lang.packs.yaml.faults import shown

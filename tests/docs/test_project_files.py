@@ -11,7 +11,7 @@ import lipsync_lang as ll
 from lipsync_lang.packs.yaml.events import load_yaml
 
 FORMS = sorted(ROOT.glob(".github/ISSUE_TEMPLATE/[!c]*.yml"))
-PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("findings/*.md")])
 HOOKS = load_yaml((ROOT / ".pre-commit-config.yaml").read_text("utf-8"))["repos"][0]["hooks"]
 assert FORMS, "a sweep over nothing passes"
 assert PAGES, "a sweep over nothing passes"

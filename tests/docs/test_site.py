@@ -31,7 +31,7 @@ def loaded(name):
 
 
 HOOKS, DOCSTRINGS = loaded("hooks"), loaded("docstrings")
-PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("findings/*.md")])
 assert PAGES, "a sweep over nothing passes"
 
 

@@ -43,6 +43,7 @@ from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.text.lines.line_readers import LINE_READERS as LINES
 from lipsync_lang.text.lines.line_readers import read_lines
 from lipsync_lang.text.phonology.g2p.lexicon import read_lexicon
+from lipsync_lang.text.phonology.g2p.orthography_profile import read_profile
 
 HERE = Path(__file__).parent
 PLUG_INS = HERE.parent / "plugins" / "fuzz"
@@ -109,6 +110,7 @@ def _found() -> Iterator[Target]:
     yield Target("models/drawn", _drawn)
     yield Target("sound/recording", read_audio)
     yield Target("words/lexicon", read_lexicon)
+    yield Target("words/profile", read_profile)
     yield Target("words/inventory", lambda path: read_inventory(path, "1"))
     yield Target("words/coverage", read_document)
     if PLUG_INS.is_dir():  # the wing can be removed

@@ -39,9 +39,9 @@ from lipsync_lang.faces.rigs.container import (
     read_chunk,
     write_parts,
 )
-from lipsync_lang.faces.rigs.model import Mesh, Model, known_model, movable_nodes, numbers, some
+from lipsync_lang.faces.rigs.model import Model, known_model, movable_nodes, numbers, some
 from lipsync_lang.faces.rigs.read_outs import still_shapes
-from lipsync_lang.faces.rigs.shape_matching import Placement, on_mesh
+from lipsync_lang.faces.rigs.shape_matching import on_mesh
 from lipsync_lang.faces.rigs.transforms import parts, product, turns
 
 FLOAT_COMPONENT = 5126
@@ -96,9 +96,7 @@ def _model(path: Path, channels: tuple[Channel, ...]) -> Model:
     return known_model(path, bones=any(channel.node is not None for channel in channels))
 
 
-@lru_cache(maxsize=64)
-def _placing(channels: tuple[Channel, ...], mesh: Mesh) -> Placement:
-    return on_mesh(channels, mesh)
+_placing = lru_cache(maxsize=64)(on_mesh)
 
 
 @binary_writer("glb", suffix=".glb", remarks=unplaced, refuse=animated_model)

@@ -3,7 +3,7 @@
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
@@ -15,17 +15,12 @@ MOST_PROCESSES = 61 if sys.platform == "win32" else 10_000
 """Maximum number of processes of a pool, which is the limit on Windows."""
 
 
-def child_pool(
-    count: int, begin: Callable[..., None] | None = None, *values: object
-) -> ProcessPoolExecutor:
-    """Return a pool of fresh processes, which start alike on every system.
+def child_pool(count: int) -> ProcessPoolExecutor:
+    """Return a pool of some fresh processes, or fewer where the system allows no more.
 
-    Parameters
-    ----------
-    count : of processes, fewer where the system allows no more
-    begin, values : a function that each process calls first, and its arguments
+    They start alike on every system.
     """
-    return _ChildPool(min(count, MOST_PROCESSES), get_context("spawn"), _begin, (begin, values))
+    return _ChildPool(min(count, MOST_PROCESSES), get_context("spawn"), _begin)
 
 
 class _ChildPool(ProcessPoolExecutor):
@@ -37,7 +32,7 @@ class _ChildPool(ProcessPoolExecutor):
             return super().submit(*work, **named)
 
 
-def _begin(then: Callable[..., None] | None, values: tuple[object, ...]) -> None:
+def _begin() -> None:
     """Prepare a process: its parent alone answers to Ctrl-C, and it ends with its parent."""
     for name in ("SIGINT", "SIGBREAK"):  # Windows sends both to all processes of a console
         if hasattr(signal, name):
@@ -45,8 +40,6 @@ def _begin(then: Callable[..., None] | None, values: tuple[object, ...]) -> None
     parent = parent_process()
     if parent is not None:
         Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-    if then is not None:
-        then(*values)
 
 
 @contextmanager

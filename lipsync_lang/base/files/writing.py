@@ -3,11 +3,14 @@
 Every writer gets a seekable stream. Its bytes go to a temporary file beside the target, or into
 memory if the target is a device, a pipe or standard output. When all outputs are written, the
 files are renamed into place, and then the streams are written.
+
+On Windows, a file is renamed also while a virus scanner reads it.
 """
 
 import os
 import stat
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -15,16 +18,38 @@ from pathlib import Path
 from typing import IO, Any, BinaryIO, cast
 
 from lipsync_lang.base.errors import OutputError
-from lipsync_lang.base.files.renaming import replace_file
 from lipsync_lang.base.files.signals import undisturbed
 from lipsync_lang.base.files.targets import STANDARD_STREAM, descriptor, file_behind, read_only
 from lipsync_lang.base.files.temporary import sweep, temporary_name
+
+PAUSES_SECONDS = (0.02, 0.05, 0.1, 0.2, 0.4)
+"""Pauses between attempts on Windows; scanners read a new file for less than their sum."""
 
 IN_USE = (5, 32)
 """Windows error codes for a file in use by another program: access denied, sharing violation."""
 
 MAX_SPOOLED_BYTES = 16 * 2**20
 """Maximum number of bytes in memory for a device or a pipe; more are kept on disk."""
+
+
+def replace_file(source: Path, target: Path) -> None:
+    """Rename a file, maybe over another, or a folder to a free name.
+
+    Windows refuses that while any program has a file of them open. A virus scanner opens each new
+    file for a moment, so the rename is attempted again there.
+    """
+    for seconds in PAUSES_SECONDS if sys.platform == "win32" else ():
+        try:
+            source.replace(target)
+        except PermissionError:
+            time.sleep(seconds)
+        else:
+            return
+    try:
+        source.replace(target)
+    except OSError as error:
+        error.filename = str(target)  # its user has never seen the temporary file
+        raise
 
 
 @contextmanager

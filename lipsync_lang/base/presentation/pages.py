@@ -6,14 +6,16 @@ Pages load no other files; their content security policy forbids it.
 import re
 from base64 import b64encode
 from collections.abc import Mapping
+from functools import partial
 from hashlib import sha256
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, PrefixLoader, StrictUndefined
 from jinja2.ext import Extension
 from markupsafe import Markup
 
+from lipsync_lang.base.errors import count
 from lipsync_lang.base.files.xml_text import xml_text
-from lipsync_lang.base.presentation.wording import count
+from lipsync_lang.base.presentation.wording import NBSP
 
 CHART_HEIGHT = 1000
 """Height of a chart in its own units; it stretches."""
@@ -42,7 +44,7 @@ class PageEnvironment(Environment):
             undefined=StrictUndefined,
         )
         self.filters["commas"] = "{:,}".format
-        self.globals["count"] = count
+        self.globals["count"] = partial(count, space=NBSP)
 
     def page(
         self, template: str, values: Mapping[str, object], style: str = "", script: str = ""

@@ -1,20 +1,64 @@
-"""Format of numbers and lists in the page; a no-break space separates number and unit."""
+"""Wording of numbers and lists in reports and pages.
+
+A percentage has one decimal, and a row of a ranking has two. `100 %` means all, and `0 %` means
+nothing: nearly all is `99.9 %`, and nearly nothing is `under 0.1 %`. JSON and CSV hold four
+decimals by the same rule.
+"""
 
 from collections.abc import Iterable, Sequence
 from os.path import commonprefix
 
-from lipsync_lang.base.presentation.percentages import percentage_text
-
 NBSP = "\N{NO-BREAK SPACE}"
+"""A no-break space; in pages it separates number and unit."""
+
 MAX_LISTED_NAMES = 3
 """Maximum number of names in a list."""
 
 TENTHS = 10
 
+WHOLE_PERCENT = 100.0
 
-def percent(share: float) -> str:
-    """Write a percentage."""
-    return percentage_text(share, NBSP)
+DOCUMENT_DECIMALS = 4
+LEAST_STEP = 1e-4
+LEAST, MOST = 0.05, 99.95
+"""Bounds beyond which one decimal would show nothing, or all."""
+
+
+def percent(part: float, whole: float) -> float:
+    """Return part of whole in percent, as documents hold it; 0 if the whole is 0.
+
+    >>> percent(2, 3), percent(999_999_999, 1_000_000_000), percent(1, 1_000_000_000)
+    (66.6667, 99.9999, 0.0001)
+    """
+    return rounded(WHOLE_PERCENT * part / whole, is_all=part >= whole) if whole else 0.0
+
+
+def rounded(percentage: float, *, is_all: bool) -> float:
+    """Round a percentage as documents hold it: 100 if it is all, and 0 if it is nothing."""
+    whole = round(percentage, DOCUMENT_DECIMALS)
+    if is_all or percentage <= 0:
+        return whole
+    return min(max(whole, LEAST_STEP), WHOLE_PERCENT - LEAST_STEP)
+
+
+def percentage_text(percentage: float, space: str = " ") -> str:
+    """Write a percentage, with a `space` between number and unit.
+
+    >>> [percentage_text(one) for one in (0, 0.01, 27.94, 38, 99.99, 100)]
+    ['0 %', 'under 0.1 %', '27.9 %', '38.0 %', '99.9 %', '100 %']
+    """
+    if percentage in (0, WHOLE_PERCENT):
+        number = f"{percentage:.0f}"
+    elif percentage < LEAST:
+        number = "under 0.1"
+    else:
+        number = "99.9" if MOST <= percentage < WHOLE_PERCENT else f"{percentage:.1f}"
+    return f"{number}{space}%"
+
+
+def ranked_text(percentage: float) -> str:
+    """Write the percentage of a row of a ranking, without its unit."""
+    return f"{percentage:.2f}"
 
 
 def hours(time: float) -> str:
@@ -24,11 +68,6 @@ def hours(time: float) -> str:
         return f"{minutes}{NBSP}min"
     shown = f"{time:,.0f}" if time >= TENTHS else f"{time:.1f}".removesuffix(".0")
     return f"{shown}{NBSP}h"
-
-
-def count(number: int, noun: str, nouns: str = "") -> str:
-    """Format a number with its noun: `1 bigram`, `1,240 bigrams`."""
-    return f"{number:,}{NBSP}{noun if number == 1 else nouns or noun + 's'}"
 
 
 def listed(names: Sequence[str], shown: int = MAX_LISTED_NAMES) -> str:

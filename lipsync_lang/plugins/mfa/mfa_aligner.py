@@ -23,7 +23,7 @@ import numpy as np
 
 from lipsync_lang.base.errors import ScheduleError, SpeechError, shortlist
 from lipsync_lang.plugins.mfa.mfa_command import MfaModels, run_mfa
-from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Audio, Schedule, Word
+from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Audio, Schedule
 from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, aligner
 from lipsync_lang.sound.speech.hearing.engine_names import engine_and_model
@@ -144,7 +144,7 @@ def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> S
     small = text.lower()
     # Some capitals have small forms of two letters, which would shift all places after them.
     small = small if len(small) == len(text) else text
-    words: list[Word] = []
+    words = []
     at = 0
     for word in (w for w in read.words if w.stop <= len(labels)):
         start = small.find(word.text.lower(), at)

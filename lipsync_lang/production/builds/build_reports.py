@@ -18,14 +18,13 @@ from urllib.parse import quote
 
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.base.arrays import Ints
-from lipsync_lang.base.errors import LipsyncError, OutputError
+from lipsync_lang.base.errors import LipsyncError, OutputError, count
 from lipsync_lang.base.files.quoting import shell_command
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.base.files.writing import atomic, cannot_write
 from lipsync_lang.base.presentation.junit import JunitCase, JunitSuite, junit_text
 from lipsync_lang.base.presentation.pages import CHART_HEIGHT, PageEnvironment
-from lipsync_lang.base.presentation.percentages import percent, percentage_text
-from lipsync_lang.base.presentation.wording import NBSP, count
+from lipsync_lang.base.presentation.wording import NBSP, percent, percentage_text
 from lipsync_lang.production.builds.build_run import BuildOutcome
 from lipsync_lang.production.builds.build_tally import (
     BINS,
@@ -385,7 +384,8 @@ def figure_bars(figure: FigureTally) -> Bars:
     """Draw the distances of the lines from a limit."""
     unit = figure.unit
     words = (
-        f"{count(figure.judged - figure.over, 'line')} within the limit, {figure.over:,} over; "
+        f"{count(figure.judged - figure.over, 'line', space=NBSP)} within the limit, "
+        f"{figure.over:,} over; "
         f"the worst {_number(figure.worst)} {unit}".rstrip()
     )
     known = figure.limit
@@ -406,7 +406,8 @@ def confidence_bars(counts: Ints, aligned: int) -> Bars:
         if number
     ]
     half = counts[: BINS // 2].sum()
-    words = f"{count(aligned, 'line')} aligned with recordings, {half:,} of them below 50{NBSP}%"
+    lines = count(aligned, "line", space=NBSP)
+    words = f"{lines} aligned with recordings, {half:,} of them below 50{NBSP}%"
     path, _ = _paths(counts, BINS)
     ends = (("0", 0.0), (f"50{NBSP}%", 0.5), (f"100{NBSP}%", 1.0))
     return Bars("Confidence", words, path, "", None, ends, f"{words}: {', '.join(parts)}")

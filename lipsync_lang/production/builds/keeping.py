@@ -7,8 +7,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from lipsync_lang.base.files.renaming import replace_file
 from lipsync_lang.base.files.signals import undisturbed
+from lipsync_lang.base.files.writing import replace_file
 from lipsync_lang.production.builds.archives import StandingOutputs, rewrite, split_archive
 from lipsync_lang.production.builds.making import MadeLine
 from lipsync_lang.production.builds.planned_line import BuiltLine, JudgedFigure, PlannedLine

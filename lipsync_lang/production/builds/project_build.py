@@ -24,7 +24,7 @@ import numpy as np
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.base.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.base.files.renaming import replace_file
+from lipsync_lang.base.files.writing import replace_file
 from lipsync_lang.packs.checking.voices import check_voices
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project

@@ -18,9 +18,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.names import fault_of_name
 from lipsync_lang.base.files.reach import name_folders
-from lipsync_lang.base.files.renaming import replace_file
 from lipsync_lang.base.files.temporary import temporary_name
-from lipsync_lang.base.files.writing import cannot_write
+from lipsync_lang.base.files.writing import cannot_write, replace_file
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.yaml.value_text import on_one_line

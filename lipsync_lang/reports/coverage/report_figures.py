@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from lipsync_lang.base.arrays import Ints
-from lipsync_lang.base.presentation.percentages import percent
+from lipsync_lang.base.presentation.wording import percent
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.reports.coverage import plan
 from lipsync_lang.reports.coverage.corpus import Count, Pages

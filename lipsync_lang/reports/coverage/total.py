@@ -11,7 +11,7 @@ languages. Languages have equal weights by default, because each player hears on
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 
-from lipsync_lang.base.presentation.percentages import WHOLE_PERCENT, rounded
+from lipsync_lang.base.presentation.wording import WHOLE_PERCENT, rounded
 from lipsync_lang.reports.coverage import plan
 from lipsync_lang.reports.coverage.report import (
     AuthoredShare,

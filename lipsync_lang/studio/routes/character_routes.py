@@ -13,7 +13,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError, ModelError
 from lipsync_lang.base.files import write_all
-from lipsync_lang.base.files.renaming import replace_file
+from lipsync_lang.base.files.writing import replace_file
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.model import Model, read_model
 from lipsync_lang.faces.rigs.recognise import Match, find, recognise

@@ -21,7 +21,7 @@ from lanes import full
 from test_house import modules, wing
 
 import lipsync_lang as ll
-from lipsync_lang.base.files import atomic, child_processes, renaming, temporary
+from lipsync_lang.base.files import atomic, child_processes, temporary, writing
 from lipsync_lang.base.files.locking import claim
 from lipsync_lang.base.files.quoting import shell_command
 from lipsync_lang.cli import main
@@ -146,9 +146,9 @@ def test_every_rename_tries_again_while_a_scanner_reads():
             and isinstance(node.func, ast.Attribute)  # `replace` alone is that of dataclasses
         )
     ]
-    renaming_only = [one for one in found if not one.startswith("base/files/renaming.py")]
+    elsewhere = [one for one in found if not one.startswith("base/files/writing.py")]
     assert found, "a sweep over nothing passes"
-    assert renaming_only == []
+    assert elsewhere == []
 
 
 # Single pieces
@@ -175,8 +175,8 @@ def test_a_file_that_a_scanner_reads_is_replaced_a_moment_later(tmp_path, monkey
         real(*paths)
 
     monkeypatch.setattr(os, "replace", replace)
-    monkeypatch.setattr(renaming.time, "sleep", lambda _: None)
-    renaming.replace_file(new, old)
+    monkeypatch.setattr(writing.time, "sleep", lambda _: None)
+    writing.replace_file(new, old)
     assert (old.read_text("utf-8"), refusals) == ("new", [])
 
 
@@ -236,7 +236,7 @@ def test_a_file_that_stays_open_elsewhere_is_told(tmp_path, monkeypatch):
         raise error
 
     monkeypatch.setattr(os, "replace", replace)
-    monkeypatch.setattr(renaming.time, "sleep", lambda _: None)
+    monkeypatch.setattr(writing.time, "sleep", lambda _: None)
     path = tmp_path / "lines.csv"
     path.write_text("old", "utf-8")
     with pytest.raises(ll.OutputError, match="open in another program"), \

@@ -12,7 +12,7 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.faces.players.takes import Archive, Player, TakesError
 
-PLAYERS = ROOT / "lipsync_lang" / "players"
+PLAYERS = ROOT / "lipsync_lang/faces/players"
 HERE = TESTS / "faces/players"
 POSES = ("open", "wide", "mündchen", "nod", "jaw", "still")
 RANGES = {"nod": 40}

@@ -14,9 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lanes import full, swept
 
-from lipsync_lang.base.presentation.percentages import percent as exact
-from lipsync_lang.base.presentation.percentages import percentage_text
-from lipsync_lang.base.presentation.wording import count, folder, gathered, hours, listed, percent
+from lipsync_lang.base.errors import count
+from lipsync_lang.base.presentation.wording import (
+    NBSP,
+    folder,
+    gathered,
+    hours,
+    listed,
+    percent,
+    percentage_text,
+)
 from lipsync_lang.reports.coverage.page import page
 
 SOUNDS = [
@@ -335,13 +342,13 @@ def test_headings_go_down_a_step_at_a_time_and_every_picture_has_words(document)
 
 def facts(one):
     """Yield the texts that the parts of a report must contain, with the part."""
-    yield "summary", percent(one["authored"]["percent"])
+    yield "summary", percentage_text(one["authored"]["percent"], NBSP)
     yield "summary", hours(one["left"]["hours"])
-    yield "summary", count(one["left"]["bigrams"], "bigram")
+    yield "summary", count(one["left"]["bigrams"], "bigram", space=NBSP)
     yield from (("summary", f"{number:,}") for number in one["needed"].values())
-    yield "summary", count(one["occurrences"], "bigram")
+    yield "summary", count(one["occurrences"], "bigram", space=NBSP)
     yield from (("next", name) for name in one["next_hour"]["bigrams"])
-    yield "next", percent(one["next_hour"]["percent"])
+    yield "next", percentage_text(one["next_hour"]["percent"], NBSP)
     yield from (("phonemes", f"{name}{number:,}") for name, number in one["phonemes"].items())
     yield from (("unused", name) for name in one["unused"])
     for sentence in one["sentences"]:
@@ -413,7 +420,7 @@ def test_the_matrix_has_every_pair():
     ]
     assert [int(cell.attributes["data-report"]) for cell in cells] == list(range(9))
     for cell, one in zip(cells, document["reports"], strict=True):
-        assert percent(one["authored"]["percent"]) in cell.text
+        assert percentage_text(one["authored"]["percent"], NBSP) in cell.text
         assert f"{hours(one['left']['hours'])} left" in cell.text
 
 
@@ -447,10 +454,8 @@ def test_the_top_says_what_to_do_next():
     best = max(
         MADE["some"]["reports"], key=lambda one: one["next_hour"]["percent"] * one["occurrences"]
     )
-    assert (
-        f"Draw these 12 bigrams next: they are {percent(best['next_hour']['percent'])}"
-        in header.text
-    )
+    share = percentage_text(best["next_hour"]["percent"], NBSP)
+    assert f"Draw these 12 bigrams next: they are {share}" in header.text
     assert all(name in header.text for name in best["next_hour"]["bigrams"])
     assert "English and Spanish add nothing; Mandarin adds 43\xa0bigrams with yu." in header.text
 
@@ -556,13 +561,13 @@ def test_ten_languages_on_five_characters_stay_small():
 )  # fmt: skip
 def test_shares_are_written_by_one_rule(share, text):
     assert percentage_text(share) == text
-    assert percent(share) == text.replace(" %", "\xa0%")
+    assert percentage_text(share, NBSP) == text.replace(" %", "\xa0%")
 
 
 @given(st.integers(0, 10**9), st.integers(1, 10**9))
 def test_all_is_a_hundred_percent_and_nothing_else_is(part, whole):
     part = min(part, whole)
-    share = exact(part, whole)
+    share = percent(part, whole)
     assert (share == 100, share == 0) == (part == whole, part == 0)
     assert share == pytest.approx(100 * part / whole, abs=1e-4)
     assert (percentage_text(share) == "100 %") == (part == whole)

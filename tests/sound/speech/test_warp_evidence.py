@@ -5,7 +5,7 @@ import pytest
 
 from lipsync_lang.schedules import Audio, Schedule, Word
 from lipsync_lang.sound.speech.hearing.align.bending import Fit, SpokenVoice
-from lipsync_lang.sound.speech.hearing.align.warp_evidence import (
+from lipsync_lang.sound.speech.hearing.align.warping import (
     WarpEvidence,
     confidence_of,
     evidence,

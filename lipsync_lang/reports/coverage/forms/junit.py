@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TextIO
 
 from lipsync_lang.base.presentation.junit import JunitCase, JunitSuite, junit_text
-from lipsync_lang.base.presentation.percentages import percentage_text
+from lipsync_lang.base.presentation.wording import percentage_text
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
 from lipsync_lang.reports.coverage.forms.text import headline
 

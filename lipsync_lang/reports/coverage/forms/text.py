@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
 from lipsync_lang.base.errors import count, shortlist
-from lipsync_lang.base.presentation.percentages import percentage_text, ranked_text
 from lipsync_lang.base.presentation.text_table import columns
+from lipsync_lang.base.presentation.wording import percentage_text, ranked_text
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
 from lipsync_lang.reports.coverage.plan import affordable
 from lipsync_lang.reports.coverage.report import (
