@@ -25,19 +25,6 @@ def refuse_outside(path: Path, folder: Path, others: Sequence[Path] = ()) -> Non
         )
 
 
-def refuse_links(folder: Path) -> None:
-    """Raise an error if a folder that a user typed, or a file in it, is a link out of it.
-
-    A folder that is typed from the current one may be a link that came with a project.
-    """
-    here = Path.cwd()
-    if _is_below(os.path.abspath(folder), [here]):  # noqa: PTH100 as it is written
-        refuse_outside(folder, here)
-    for path in folder.rglob("*"):
-        if path.is_symlink():
-            refuse_outside(path, folder)
-
-
 def is_reached(path: Path, folder: Path, others: Sequence[Path] = ()) -> bool:
     """Return True if a path is in a project's folder, in others, or in one that the user named."""
     homes = [folder, *others]

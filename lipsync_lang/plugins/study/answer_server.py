@@ -31,7 +31,6 @@ from starlette.routing import Route
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.base.files.reach import refuse_links
 from lipsync_lang.commands.local_server import listening
 from lipsync_lang.plugins.study.study_file import (
     MAX_ANSWERS_BYTES,
@@ -43,6 +42,7 @@ from lipsync_lang.plugins.study.study_file import (
     faults_against,
     parsed,
     read_study,
+    refuse_links,
 )
 from lipsync_lang.plugins.study.study_maker import PAGE
 from lipsync_lang.plugins.study.study_page import UNPOSTED, origin_of

@@ -6,6 +6,7 @@ submission each.
 """
 
 import json
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from hashlib import blake2b
@@ -16,6 +17,7 @@ from pydantic import Field, StringConstraints, ValidationError
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import read_input
+from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.models.fields import Strict
 
 STUDY_NAME = "study.json"
@@ -134,6 +136,19 @@ class Submission(Strict):
     """Answers to the questions about the rater, by key."""
     answers: Annotated[tuple[PairAnswer, ...], Field(max_length=2 * MAX_PAIRS)]
     """Choices in the order of time."""
+
+
+def refuse_links(folder: Path) -> None:
+    """Raise an error if a folder that a user typed, or a file in it, is a link out of it.
+
+    A folder that is typed from the current one may be a link that came with a project.
+    """
+    here = Path.cwd()
+    if Path(os.path.abspath(folder)).is_relative_to(here):  # noqa: PTH100 as it is written
+        refuse_outside(folder, here)
+    for path in folder.rglob("*"):
+        if path.is_symlink():
+            refuse_outside(path, folder)
 
 
 def read_study(path: Path) -> Study:

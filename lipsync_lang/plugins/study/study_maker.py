@@ -9,7 +9,6 @@ from typing import BinaryIO
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import LipsyncError, shortlist
 from lipsync_lang.base.files import write_all
-from lipsync_lang.base.files.reach import refuse_links
 from lipsync_lang.base.files.writing import cannot_write
 from lipsync_lang.plugins.study.methods import Method, StudyCharacter, lacks, spoilt
 from lipsync_lang.plugins.study.study_clips import Clip, render_clips
@@ -20,6 +19,7 @@ from lipsync_lang.plugins.study.study_file import (
     StudyPair,
     as_text,
     read_study,
+    refuse_links,
     study_digest,
 )
 from lipsync_lang.plugins.study.study_lines import (
