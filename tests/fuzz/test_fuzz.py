@@ -84,7 +84,6 @@ HAVE_TARGETS = {
     "reports/coverage/changes.py",
     "text/lines/line_readers.py",
     "text/lines/gettext.py",
-    "text/lines/timings.py",
     "text/lines/xlsx.py",
     "packs/library.py",
     "packs/yaml/building.py",

@@ -175,9 +175,7 @@ def test_some_rooms_know_nearly_nothing(name):
     assert not {there for there in known if not {there, wing(there)} & allowed}
 
 
-RINGS = {
-    "animations", "text/lines", "text/phonology",
-}  # fmt: skip
+RINGS = {"animations"}
 """Rooms with modules that import one another in a ring, if only for their types.
 
 An animation saves and shows itself, so its module and its writers know each other.

@@ -19,9 +19,8 @@ from lipsync_lang.base.files import argument_path
 from lipsync_lang.base.files.names import folded_name
 from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
-from lipsync_lang.text.lines.line_readers import LineFile
+from lipsync_lang.text.lines.line_readers import LineFile, is_timed
 from lipsync_lang.text.lines.table import open_table
-from lipsync_lang.text.lines.timings import is_timed
 
 TEXT_SUFFIXES = (".txt", ".lab")
 """Suffixes of texts beside a capture, the most likely first."""

@@ -23,8 +23,8 @@ from lipsync_lang.production.builds.script_files import (
     ScriptLanguage,
     ScriptRow,
 )
-from lipsync_lang.text.lines.line_readers import LineFile
-from lipsync_lang.text.lines.timings import TIMING_SUFFIXES, is_timed
+from lipsync_lang.text.lines.line_readers import LineFile, is_timed
+from lipsync_lang.text.lines.timings import TIMING_SUFFIXES
 
 SHOWN_EXAMPLES = 3
 """Maximum number of examples in a remark."""

@@ -21,6 +21,9 @@ from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
 MAX_PIPED_BYTES = 64 * MIB_BYTES
 """Maximum size of a script from a pipe, which is held in memory; files have no limit."""
 
+SCHEDULE_FORMAT = "schedule"
+"""Format of the lines that are files of timings."""
+
 Remark = Callable[[str], None]
 """Receiver of remarks that are not faults."""
 
@@ -108,8 +111,6 @@ def reader(
 @cache
 def by_suffix() -> dict[str, LineReader]:
     """Return the reader of each suffix; text formats win over timed phonemes."""
-    from lipsync_lang.text.lines.timings import SCHEDULE_FORMAT
-
     known: dict[str, LineReader] = {}
     for one in sorted(LINE_READERS.values(), key=lambda one: one.name == SCHEDULE_FORMAT):
         for suffix in one.suffixes:
@@ -196,8 +197,6 @@ def heads(
 
     Standard input, which can be read only once, is left out.
     """
-    from lipsync_lang.text.lines.timings import is_timed
-
     found: dict[Path, list[str]] = {}
     for path, _ in line_files(paths, lambda _: None):
         opens = None if path == STANDARD_STREAM else _format_of(path).table
@@ -206,6 +205,22 @@ def heads(
             if not is_timed(source):
                 found[path] = opens(source).head
     return found
+
+
+def is_timed(source: LineFile) -> bool:
+    """Test whether a file begins like a format of timed phonemes with its suffix."""
+    from lipsync_lang.schedules.timing_file import HEAD_BYTES, TimingFile
+    from lipsync_lang.schedules.timing_readers import TIMING_READERS
+
+    kinds = [one for one in TIMING_READERS.ending(source.path) if not one.script]
+    if not kinds:
+        return False
+    try:
+        with source.open() as stream:
+            begins = TimingFile(source.path, stream.read(HEAD_BYTES))
+    except OSError:
+        return False
+    return any(one.sniff(begins) for one in kinds)
 
 
 def _format_of(path: Path) -> LineReader:
@@ -241,8 +256,6 @@ def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line
 
     A file is read by its suffix, or as timings if it begins like them.
     """
-    from lipsync_lang.text.lines.timings import SCHEDULE_FORMAT, is_timed
-
     for path, among_others in files:
         source = stated.at(path)
         try:

@@ -3,30 +3,15 @@
 from collections.abc import Iterator
 
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import HEAD_BYTES, TimingFile, timing_bytes
+from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
 from lipsync_lang.schedules.timing_readers import TIMING_READERS, timings_of
 from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import LineFile, reader
-
-SCHEDULE_FORMAT = "schedule"
+from lipsync_lang.text.lines.line_readers import SCHEDULE_FORMAT, LineFile, reader
 
 TIMING_SUFFIXES = tuple(
     sorted({s for one in TIMING_READERS.values() if not one.script for s in one.suffixes})
 )
 """Suffixes of timings that are not read as scripts."""
-
-
-def is_timed(source: LineFile) -> bool:
-    """Test whether a file begins like a format of timed phonemes with its suffix."""
-    kinds = [one for one in TIMING_READERS.ending(source.path) if not one.script]
-    if not kinds:
-        return False
-    try:
-        with source.open() as stream:
-            begins = TimingFile(source.path, stream.read(HEAD_BYTES))
-    except OSError:
-        return False
-    return any(one.sniff(begins) for one in kinds)
 
 
 @reader(SCHEDULE_FORMAT, suffixes=TIMING_SUFFIXES)

@@ -4,12 +4,12 @@ What an engine gives are words with labels of one notation. Which engine reads a
 what its labels stand for, is the language pack's word.
 """
 
+from lipsync_lang.text.phonology.g2p.corrections import engine
 from lipsync_lang.text.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
     RESPELLERS,
     Settings,
     SpokenWord,
-    engine,
 )
 
 __all__ = ["G2P_ENGINES", "RESPELLERS", "Settings", "SpokenWord", "engine"]

@@ -13,11 +13,19 @@ contexts see the labels as the engine gave them.
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
-from itertools import accumulate
+from itertools import accumulate, starmap, zip_longest
 from typing import NamedTuple
 
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.text.phonology.g2p.contexts import Context, Surroundings
-from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, SpokenWord
+from lipsync_lang.text.phonology.g2p.g2p_engines import (
+    G2P_ENGINES,
+    Correction,
+    G2PEngine,
+    MissingReaderError,
+    Settings,
+    SpokenWord,
+)
 from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.labels import SAME, normalise
@@ -42,6 +50,29 @@ class _CompiledCorrection(NamedTuple):
             and (self.spelled is None or bool(self.spelled.pattern.search(written)))
             and (self.next_word is None or self.next_word.fits(following, 0))
         )
+
+
+def engine(name: str, settings: Settings) -> G2PEngine:
+    """Make the engine of a language, whose labels are corrected as its pack states.
+
+    Raise `SpeechError` for an engine that is unknown, not installed, or lacks the language.
+    """
+    try:
+        read = G2P_ENGINES.find(name, SpeechError)(settings)
+    except MissingReaderError:
+        if settings.otherwise is None:
+            raise
+        read = G2P_ENGINES.find(settings.otherwise, SpeechError)(settings)
+    if not settings.corrections:
+        return read
+    mend = corrector(settings.corrections)
+
+    def corrected(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
+        for words in read(texts):
+            firsts = (word.labels[:1] for word in words[1:])
+            yield tuple(starmap(mend, zip_longest(words, firsts, fillvalue=())))
+
+    return corrected
 
 
 def corrector(corrections: Iterable[Correction]) -> Callable[..., SpokenWord]:

@@ -1,8 +1,7 @@
 """Engines that convert text to phonemes, and their common interface."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import starmap, zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -128,31 +127,6 @@ RESPELLERS: Extensions[Respeller] = Extensions(
     modules={name: f"{_HERE}.{name}" for name in ("kana", "niqqud", "tashkeel")},
 )
 """Functions that respell text, by name."""
-
-
-def engine(name: str, settings: Settings) -> G2PEngine:
-    """Make the engine of a language.
-
-    Raise `SpeechError` for an engine that is unknown, not installed, or lacks the language.
-    """
-    try:
-        read = G2P_ENGINES.find(name, SpeechError)(settings)
-    except MissingReaderError:
-        if settings.otherwise is None:
-            raise
-        read = G2P_ENGINES.find(settings.otherwise, SpeechError)(settings)
-    if not settings.corrections:
-        return read
-    from lipsync_lang.text.phonology.g2p.corrections import corrector
-
-    mend = corrector(settings.corrections)
-
-    def corrected(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
-        for words in read(texts):
-            firsts = (word.labels[:1] for word in words[1:])
-            yield tuple(starmap(mend, zip_longest(words, firsts, fillvalue=())))
-
-    return corrected
 
 
 def respeller(name: str) -> Respeller:
