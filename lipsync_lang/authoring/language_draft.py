@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from itertools import chain, islice
 from pathlib import Path
+from textwrap import wrap
 from typing import NamedTuple
 
 from lipsync_lang.authoring.new_pack import (
@@ -29,6 +30,7 @@ from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.files.reading import MIB_BYTES, read_input, utf8_text
 from lipsync_lang.packs.finding import FOLDERS, IPA
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import Sounds
 from lipsync_lang.packs.yaml.value_text import as_scalar
 from lipsync_lang.resolver.nearest_phonemes import among_all
 from lipsync_lang.text.phonology.g2p import Settings, engine
@@ -55,6 +57,9 @@ EMPTY_TESTS = """
 # Words with the IPA of a dictionary or a grammar, and the expected common phonemes:
 #  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}
 tests: []"""
+
+LIST_WIDTH = 96
+"""Maximum length of a line that lists labels."""
 
 
 class Inventory(NamedTuple):
@@ -222,7 +227,8 @@ def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> Lang
     mapped = {n for near in found.values() for n, _ in near.value}
     parents = {common.shades[n].like if n in common.shades else n for n in mapped}
     added, order = sorted(parents - {*common.base}), [*common.phonemes, *common.shades]
-    parts = _head(wanted, inventory, added), _body(sounds, found, order)
+    body = _body(sounds, found, order, common.usual.get(IPA, {}))
+    parts = _head(wanted, inventory, added), body
     content = pack_bytes([*chain(*parts, _inventory(inventory, found)), EMPTY_TESTS])
     doubtful = sum(map(_doubtful, found.values()))
     return LanguageDraft(path, {path: content} | outputs, doubtful, len(found))
@@ -273,22 +279,34 @@ def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str
     yield ""
 
 
-def _body(sounds: FoundSounds, found: Mapping[str, Nearest], order: Sequence[str]) -> Iterator[str]:
-    """Yield the lines of the map and of the examples, doubtful labels first."""
+def _body(
+    sounds: FoundSounds,
+    found: Mapping[str, Nearest],
+    order: Sequence[str],
+    usual: Mapping[str, Sounds],
+) -> Iterator[str]:
+    """Yield the lines of the map and of the examples, doubtful labels first.
+
+    A label that is not doubtful is listed alone if its mapping is the usual one.
+    """
     seen = [label for label, near in found.items() if near.value]
     doubtful = [label for label in seen if _doubtful(found[label])]
     doubtful.sort(key=lambda label: -found[label].distance)
     sure = [label for label in seen if not _doubtful(found[label])]
     sure.sort(key=lambda label: [order.index(name) for name, _ in found[label].value])
     yield "notations:"
-    yield f"  {IPA}:"
+    yield f"  {IPA}: {{"
     if doubtful:
         yield "    # Doubtful: no common phoneme lists these labels; each has the nearest one"
         yield from (_entry(label, found[label]) for label in doubtful)
         yield ""
     if sure:
-        yield "    # Listed by common phonemes"
-        yield from (_entry(label, found[label]) for label in sure)
+        yield "    # Listed by common phonemes; a label alone has its usual mapping"
+        alone = [one for one in sure if one in usual and usual[one].value == found[one].value]
+        listed = " ".join(f"{as_scalar(label)}," for label in alone)
+        yield from wrap(listed, LIST_WIDTH, initial_indent=" " * 4, subsequent_indent=" " * 4)
+        yield from (_entry(label, found[label]) for label in sure if label not in alone)
+    yield "  }"
     examples = {label: word for label, word in sounds.words.items() if word}
     if examples:
         yield ""
@@ -307,7 +325,7 @@ def _entry(label: str, near: Nearest) -> str:
         value = f"{{to: {value}, shares: [{parts}]}}"
     told = [f"loses {', '.join(near.losses)}"] if near.losses else []
     told += [f"not IPA: {' '.join(near.unknown)}"] if near.unknown else []
-    entry = f"    {as_scalar(label)}: {value}"
+    entry = f"    {as_scalar(label)}: {value},"
     return f"{entry:<19} # {'; '.join(told)}" if told else entry
 
 

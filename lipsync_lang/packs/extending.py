@@ -3,17 +3,53 @@
 from typing import TYPE_CHECKING
 from unicodedata import normalize
 
+from lipsync_lang.base.errors import did_you_mean
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.models import Language
-    from lipsync_lang.packs.pack import Pack
+    from collections.abc import Callable
+
+    from lipsync_lang.packs.models import Language, Phonemes
 
 REPLACED_FIELDS = ("g2p", "tts", "audio", "automatic", "gesture_words")
 """Fields that a child replaces as a whole, or inherits."""
 
 MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")
 """Mappings that are merged; a child's entry replaces its parent's."""
+
+
+def with_usual(
+    pack: "Pack[Language]", common: "Callable[[], Pack[Phonemes]]"
+) -> "tuple[Pack[Language], list[Fault]]":
+    """Return a language with the usual mapping of each label that states none, and its faults."""
+    from lipsync_lang.packs.models import USUAL
+
+    notations = pack.model.notations
+    bare = [
+        (name, label)
+        for name, table in notations.items()
+        for label, sounds in table.items()
+        if sounds is USUAL
+    ]
+    if not bare:
+        return pack, []
+    usual = common().model.usual
+    faults = []
+    for name, label in bare:
+        known = usual.get(name, {})
+        if label not in known:
+            near = did_you_mean(label, known)
+            hint = near if near.startswith("did") else "write its common phonemes after it"
+            what = f"'{label}' has no usual mapping in '{name}'"
+            faults.append(pack.fault(("notations", name, label), "P238", what, hint, key=True))
+    if faults:
+        return pack, faults
+    filled = {
+        name: {label: usual[name][label] if one is USUAL else one for label, one in table.items()}
+        for name, table in notations.items()
+    }
+    return Pack(pack.model.model_copy(update={"notations": filled}), pack.sources), []
 
 
 def merge(parent: "Language", child: "Language") -> "Language":

@@ -99,11 +99,14 @@ class Library(Finder):
     def extended(self, path: Path) -> "Pack[models.Language]":
         """Load a language with all that it inherits; raise `PackFaults` for an unsound parent."""
         from lipsync_lang.packs.automatic import automatic
-        from lipsync_lang.packs.extending import merge
+        from lipsync_lang.packs.extending import merge, with_usual
 
         line: list[Pack[models.Language]] = []
         while True:
-            pack = cast("Pack[models.Language]", self.load(path, "language", path.stem))
+            stated = cast("Pack[models.Language]", self.load(path, "language", path.stem))
+            pack, faults = with_usual(stated, self.common)
+            if faults:
+                raise self.failing(*faults)
             line.append(pack)
             parent = pack.model.extends
             if parent is None:

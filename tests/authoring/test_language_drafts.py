@@ -266,7 +266,7 @@ def test_columns_stand_below_each_other_in_every_script():
 
 def test_a_remark_beside_a_long_label_has_its_space():
     found = Nearest((("aa", 0.5), ("ih", 0.5)), ("length",), 0.2, ())
-    assert _entry("a long label", found) == "    a long label: [aa, ih] # loses length"
+    assert _entry("a long label", found) == "    a long label: [aa, ih], # loses length"
 
 
 def test_a_hint_for_a_sound_names_the_mouth_that_a_draft_gives_it(folder, cli):

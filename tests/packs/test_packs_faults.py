@@ -204,6 +204,8 @@ BAD = [
     Bad("phoneme in a bank", BANK, "  p-yu:", "  p-q:", (("P202", 8, "p-q:"),)),
     Bad("added but unknown", CHILD, "words:", "adds: {zz: null}\nwords:",
         (("P202", 10, "zz: nul"),)),
+    Bad("no usual mapping", CHILD, "  own: {x: yu}", "  own: {x: yu, z}\n  ipa: {tʃx}",
+        (("P238", 9, "z}"), ("P238", 10, "tʃx}")), "common phonemes"),
     Bad("of another language", BANK, "language: null", "language: child\nstyle: angry", ()),
     Bad("pose set unknown", ANNA, "poseset: face", "poseset: fce", (("P203", 4, "fce"),), "'face'"),
     Bad("bank of another", BANK, "poseset: face", "poseset: crab", (("P204", 4, "crab"),), "move"),

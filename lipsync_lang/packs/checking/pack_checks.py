@@ -46,6 +46,10 @@ def check_phonemes(common: Pack[Phonemes]) -> Iterator[Fault]:
             loc = ("phonemes", label, "like")
             yield from _phoneme(common, loc, phoneme.like, known - {label})
     yield from _shades(common)
+    for name, table in model.usual.items():
+        for label, sounds in table.items():
+            loc = ("usual", name, label)
+            yield from _phonemes(common, loc, sounds.to, with_shades(known, model))
     everywhere = {*model.base, model.silence}
     for name, notation in model.visemes.items():
         for label, sounds in notation.labels.items():

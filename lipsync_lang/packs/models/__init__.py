@@ -6,7 +6,14 @@ from lipsync_lang.packs.models.check_models import Checks, ReadOut
 from lipsync_lang.packs.models.fields import PackModel
 from lipsync_lang.packs.models.gesture_models import Gesture, GesturePose, GestureWords
 from lipsync_lang.packs.models.ipa_models import Decision, Ipa
-from lipsync_lang.packs.models.language_models import Language, Phonemes, Shade, SoundFields, Sounds
+from lipsync_lang.packs.models.language_models import (
+    USUAL,
+    Language,
+    Phonemes,
+    Shade,
+    SoundFields,
+    Sounds,
+)
 from lipsync_lang.packs.models.motion_models import MotionFields
 from lipsync_lang.packs.models.pose_models import (
     AtMost,
@@ -28,6 +35,7 @@ from lipsync_lang.packs.models.rig_models import RigChannel, RigPack
 
 __all__ = [
     "MODELS",
+    "USUAL",
     "AtMost",
     "BankPack",
     "BigramCurves",

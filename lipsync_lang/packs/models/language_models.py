@@ -32,6 +32,7 @@ from lipsync_lang.packs.models.text_models import (
     WordTable,
     check_contexts,
 )
+from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.text.phonology.labels import Value
 
 SoundClass = Literal[
@@ -112,6 +113,18 @@ class Sounds(Strict):
 
 ShortSounds = Short(labels_as_sounds, forms=sound_forms)
 
+USUAL = Sounds.model_construct(to=())
+"""Stands for the usual mapping of a label, until `extending.with_usual` puts it in: this object is
+meant, and not any that is equal to it, which is mute."""
+
+
+def _usual_or_stated(value: Data) -> Data:
+    return USUAL if value is None else labels_as_sounds(value)
+
+
+OrUsual = Short(_usual_or_stated, forms=lambda full: [*sound_forms(full), {"type": "null"}])
+"""Accepts null as the usual mapping of a label."""
+
 
 class Visemes(Strict):
     """A notation of mouth shapes, available in every language."""
@@ -143,6 +156,8 @@ class Phonemes(PackModel):
     """Default seconds by class, if neither a voice nor the language gives timings."""
     text: SharedText | None = None
     """Written forms that languages share: interjections, and letters of vowels."""
+    usual: dict[Text, dict[Label, Annotated[Sounds, ShortSounds]]] = Field(default={})
+    """For each notation, the usual mapping of labels; a language lists those that it has."""
     visemes: dict[Text, Visemes] = Field(default={})
     """Notations of mouth shapes instead of sounds. They lose information, and are never chosen
     automatically."""
@@ -369,8 +384,9 @@ class Language(PackModel):
     """Seconds by class, if no voice gives timings."""
     silence: tuple[str, ...] = ()
     """Labels of silence, beyond those of the common pack."""
-    notations: dict[Text, dict[Label, Annotated[Sounds, ShortSounds]]] = Field(default={})
-    """For each notation, the common phonemes of each label."""
+    notations: dict[Text, dict[Label, Annotated[Sounds, OrUsual]]] = Field(default={})
+    """For each notation, the common phonemes of each label. A label without any has its `usual`
+    mapping in the common pack."""
     stress_digits: tuple[Text, ...] = ()
     """Notations whose labels may end in a digit of stress: 0 none, 1 primary, 2 secondary."""
     words: WordTable = Field(default={})

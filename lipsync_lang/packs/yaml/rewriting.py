@@ -52,7 +52,8 @@ class EntrySpan:
     start: int
     """Start of the key, of an item in brackets, or of an item's dash."""
     after: int
-    """End of the colon or the dash; where a block's value has no character, one can be put here."""
+    """End of the colon, the dash, or a key alone; where a value has no character, one can be put
+    here."""
     value: Span
 
 
@@ -96,11 +97,13 @@ class _Walk:
         """Add the entries of a mapping; return the end of its last event."""
         key = next(self.events)
         while key.__class__.__name__ != "MappingEndEvent":
-            colon = self._skip(key.end_mark.index)
-            if key.__class__.__name__ != "ScalarEvent" or self.text[colon : colon + 1] != ":":
+            end = self._skip(key.end_mark.index)
+            colon = self.text[end : end + 1] == ":"
+            if key.__class__.__name__ != "ScalarEvent" or not (colon or span.flow):
                 raise _unusual()
-            value = self.value(next(self.events), colon + 1)
-            span.entries.append(EntrySpan(key.value, key.start_mark.index, colon + 1, value))
+            after = end + 1 if colon else key.end_mark.index  # a key alone, as in `{a, b}`
+            value = self.value(next(self.events), after)
+            span.entries.append(EntrySpan(key.value, key.start_mark.index, after, value))
             key = next(self.events)
         return int(key.end_mark.index)
 
@@ -233,7 +236,8 @@ class _Edits:
             self._delete_lines(span.start, span.end)
         else:
             empty = within is not None and span.start == span.end == within.after
-            self.put(span.start, span.end, f" {line}" if empty else line)
+            colon = ":" if keyed and self.text[span.start - 1 : span.start] != ":" else ""
+            self.put(span.start, span.end, f"{colon} {line}" if empty else line)
 
     def _mapping(
         self, span: Span, before: Items, after: Items, new: Data, within: EntrySpan | None

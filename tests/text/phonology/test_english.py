@@ -65,6 +65,9 @@ def load(name):
 COMMON = load("common")
 RESTS = (*COMMON["silence_labels"], *COMMON["noise_labels"])
 ENGLISH = load("english")
+for name, table in ENGLISH["notations"].items():
+    usual = COMMON["usual"].get(name, {})
+    table.update({label: usual[label] for label, entry in table.items() if entry is None})
 
 
 def sequence(entry):
