@@ -193,6 +193,7 @@ class Finder:
         """Find the first pack of a name; if there is none, a face's in other letters."""
         found = [self._list(root.path, kind).get(name) for root in self.roots]
         if kind != "language" and not any(found):
+            # reversed: of two faces whose names differ in case alone, the first folder's counts
             spelled = {folded_language(one.name): one.name for one in reversed(self.names(kind))}
             own = spelled.get(folded_language(name), name)
             found = [self._list(root.path, kind).get(own) for root in self.roots]
@@ -203,6 +204,7 @@ class Finder:
         home = self._first("poseset", poseset)
         for root in self.roots if home is not None else ():
             folder = root.path / FOLDERS["poseset"] / poseset
+            # a pose set that was named by its file may lie in a folder of another name
             folder = home.parent if root.path == home else folder
             for path in yaml_files(folder / kind, self.unsaved).values():
                 self.refuse_outside(path)
@@ -219,6 +221,7 @@ class Finder:
         names: dict[str, Path] = {}
         for root in self.roots:
             for own, path in self._list(root.path, "language").items():
+                # a shadowed language must not answer: the pack over it may have another tag
                 if self._first("language", own) == path:
                     names.setdefault(folded_language(own), path)
                     for answer in answers_of(path):
@@ -341,6 +344,7 @@ def beside(pack: Path, name: str, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) 
 def built_in() -> Path:
     """Return the folder of the built-in packs."""
     package = Path(__file__).resolve().parents[1]
+    # a wheel carries the packs; in a clone they stand beside the package
     carried = package / "data"
     return carried if (carried / FOLDERS["language"]).is_dir() else package.parent
 
@@ -355,6 +359,7 @@ def location(entry_point: EntryPoint) -> Path | None:
     if spec is None:
         return None
     folders = [Path(f) for f in spec.submodule_search_locations or ()]
+    # a module in one file has no folders to search, and its packs lie beside it
     if not folders and spec.origin and not rest:
         folders = [Path(spec.origin).parent]
     found = (folder.joinpath(*rest) for folder in folders)
@@ -385,6 +390,7 @@ def _is_there(path: Path, unsaved: Mapping[Path, bytes]) -> bool:
 
 def _kind(path: Path, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) -> str:
     """Return the kind that a pack's file states; empty if it states or is none."""
+    # a pattern, since reading each file of a large folder as YAML takes seconds
     try:
         found = _KIND_FIELD.search(unsaved[path] if path in unsaved else read_bytes(path))
     except PackError:

@@ -149,6 +149,7 @@ class SplicedText:
         for loc, value in changes:
             made = made._spliced(loc, plain(value))
         if made is not self:
+            # a sound bank of 441 bigrams needs no second look at the 440 that stay
             entries = {loc[1] for loc, _ in changes if loc[:1] == (INDEPENDENT,) != loc}
             _refuse_faults(made, entries if self.sound else set())
         return made if made is self else replace(made, sound=True)
@@ -219,6 +220,7 @@ def _refuse_faults(pack: SplicedText, entries: Collection[str | int]) -> None:
     source = pack.only(entries) if entries else YamlSource(pack.path, pack.data)
     _, faults = validated(source, name=pack_name(pack.path))
     if faults or len(pack.content) > MAX_PACK_BYTES:
+        # once more from the text, because data alone have no places
         _, faults = validated(scan(pack.path, pack.content), name=pack_name(pack.path))
         raise PackFaults(faults)
 
@@ -282,6 +284,7 @@ def plain(value: Any) -> Data:
         return {str(key): plain(one) for key, one in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, str):
         return tuple(plain(one) for one in value)
+    # numpy's float64 is a float, and would be written as `np.float64(0.5)`
     return float(value) if isinstance(value, float) else value
 
 

@@ -148,6 +148,7 @@ def guessed_rate(
     middle = median(lengths) if lengths else 0.0
     if middle <= longest:
         return None, ()
+    # by logarithms, because units differ by factors
     rate = min(LIKELY_RATES, key=lambda one: abs(log(middle / one / typical)))
     unit = "milliseconds" if rate == MILLISECONDS_PER_SECOND else f"frames at {rate:g} a second"
     told = (
@@ -175,6 +176,7 @@ def _without_gaps(source: TimingFile, rows: Iterable[LabelRow]) -> list[LabelRow
     for stated in rows:
         row = stated
         middle = (row.start + end) / 2
+        # a program that rounds each time by itself: both neighbours give half
         rounded = SNAP_SECONDS < abs(row.start - end) <= ROUNDING_SECONDS
         if filled and rounded and filled[-1].start < middle:
             filled[-1] = filled[-1]._replace(end=middle)
@@ -197,6 +199,7 @@ def _shared(rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
     for row in rows:
         waiting = ahead and ahead[-1][-1].end == ahead[-1][0].start == row.start
         ahead += [[*ahead.pop(), row] if waiting else [row]]
+    # the last sounds have none after them, and share the time of the one before
     groups: list[list[LabelRow]] = []
     for group in ahead:
         late = groups and group[-1].end == group[0].start == groups[-1][-1].end
@@ -242,6 +245,7 @@ def _told(row: LabelRow) -> str:
 
 
 def _append(rows: list[LabelRow], row: LabelRow) -> None:
+    # two silences side by side would be a bigram of their own
     if rows and rows[-1].label == row.label == SILENCE:
         row = row._replace(start=rows.pop().start)
     rows.append(row)
@@ -292,4 +296,5 @@ def until_next(
             told = [f"{last_one}; it is given {TYPICAL_SOUND_SECONDS:g} s"]
     ends = [start for _, start, _ in ordered[1:]] + [end]
     rows = [LabelRow(one[0], one[1], stop, one[2]) for one, stop in zip(ordered, ends, strict=True)]
+    # of several labels at one time, all but the last have no length
     return [row for row in rows if row.end > row.start], told

@@ -172,6 +172,7 @@ class TimingFile:
         """The file as XML; raises an error if it is not XML, or declares entities."""
         from xml.etree import ElementTree as ET
 
+        # its line ends stay, so that faults keep their lines
         text = DOCTYPE.sub(lambda found: "\n" * found[0].count("\n"), self.text, count=1)
         declared = re.search(r"<!(DOCTYPE|ENTITY)", text)
         if declared:
@@ -179,6 +180,7 @@ class TimingFile:
             what = f"has a <!{declared[1]}>, which is never read; remove it from the file"
             raise self.fault(what, line)
         try:
+            # the text is decoded already, and a stated encoding would contradict that
             return ET.fromstring(re.sub(r"^\s*<\?xml.*?\?>", "", text, flags=re.DOTALL))  # noqa: S314 no entities
         except ET.ParseError as error:
             what = f"not XML: {error.msg.split(':')[0]}; correct the file, or export it again"
@@ -188,6 +190,7 @@ class TimingFile:
         """Return a number from JSON, or one in quotes, as a time; other values are errors."""
         if isinstance(value, str) and QUOTED.fullmatch(value):
             value = float(value)
+        # True is a number too, and NaN fails every comparison
         if (
             isinstance(value, bool)
             or not isinstance(value, (int, float))
@@ -272,6 +275,7 @@ def timing_bytes(path: Path) -> bytes:
 def _encoding(content: bytes) -> str:
     if marked := marked_encoding(content):
         return marked
+    # UTF-16 without a mark: every second byte of a plain letter is 0
     if content[1:2] == b"\0" and content[:1] != b"\0":
         return "utf-16-le"
     if content[:1] == b"\0" and content[1:2] != b"\0":

@@ -39,6 +39,7 @@ def read_emu(source: TimingFile) -> Timings:
             rows = []
             for item in items:
                 start = source.number(item.get("sampleStart"))
+                # EMU counts the steps from the first sample to the last
                 end = start + source.number(item.get("sampleDur")) + 1
                 span = spans[str(item.get("id"))] = start / rate, end / rate
                 rows.append(LabelRow(_label(source, item, name), *span))
@@ -48,7 +49,7 @@ def read_emu(source: TimingFile) -> Timings:
 
 
 def _label(source: TimingFile, item: Json, name: str) -> str:
-    """Return an item's label of a name, or else its first."""
+    """Return the label that an item has under the name of its level, or its first label."""
     found = source.objects(item, "labels", EMU_FORM)
     labels = {str(one.get("name")): one.get("value") for one in found}
     value = labels.get(name, next(iter(labels.values()), ""))
@@ -85,6 +86,7 @@ def _reach(
     source: TimingFile, ids: list[str], below: dict[str, list[str]], spans: dict[str, TimeSpan]
 ) -> None:
     """Add the time of the segments below each item, and below those on the way."""
+    # a stack of its own, because links of a damaged file may nest without end
     waiting, entered, left = ids[::-1], set[str](), set[str]()
     while waiting:
         at = waiting[-1]

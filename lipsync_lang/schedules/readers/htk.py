@@ -67,10 +67,12 @@ def read_htk(source: TimingFile) -> Schedule:
             shown = f"{line.strip()[:40]!r} is not a start, an end and a label"
             raise source.fault(shown if numbered else TRANSCRIPT, number)
         start, end = source.time(found[1], number), source.time(found[2], number)
+        # HTK counts in whole units; a point is WaveSurfer's
         if "." in found[1] + found[2]:
             rate = 1.0
         context = CONTEXT.fullmatch(found[3])
         whole = found[3].removesuffix((context and context["state"]) or "")
+        # HTS has a row for each of five states of a phone
         if context and context["state"] and rows and whole == state:
             rows[-1] = rows[-1]._replace(end=end)
             continue
@@ -97,6 +99,7 @@ def _utterance(source: TimingFile) -> NumberedLines:
     for number, line in lines[1:]:
         text = line.strip()
         if text.startswith('"'):
+            # this class splits at both slashes: the file may come from any system
             into = parts.setdefault(PureWindowsPath(text.strip('"')).stem, [])
         elif text != ".":
             into.append((number, line))

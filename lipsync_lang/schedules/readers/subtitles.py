@@ -90,6 +90,7 @@ def read_subtitles(source: TimingFile) -> Timings:
     for rows, times in _whole(source):
         line = rows[0][0]
         start, end = (_seconds(source, one, line) for one in times)
+        # captions that roll show each row twice: below when it is said, and above after that
         fresh = [row for row in rows if not (rolling and _plain(row[1]) in before)]
         before = {_plain(text) for _, text in rows}
         repeated += len(rows) - len(fresh)

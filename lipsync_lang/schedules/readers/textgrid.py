@@ -19,6 +19,7 @@ from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import Tier, read_tiers
 
+# possessive throughout: a long line without a quote must not be tried in every division
 TEXTGRID_TOKEN = re.compile(
     r"""
     [\s=]*+ (?: [^\s="<!+\-\d][^\s=]*+ [\s=]++ )*+    # words for people
@@ -119,6 +120,7 @@ class _Tokens:
     def count(self, what: str) -> int:
         """Return a whole number."""
         text = self.take("number", what)
+        # `int` refuses thousands of digits by an error of its own
         if not text.isdecimal() or len(text) > MAX_COUNT_DIGITS:
             raise self.fault(f"expected {what} here, not {text[:40]}; save it again in Praat")
         return int(text)

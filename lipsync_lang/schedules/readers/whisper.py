@@ -113,6 +113,7 @@ def _part(source: TimingFile, item: Json) -> RecognisedPart:
     text = next((item[name] for name in TEXT_FIELDS if isinstance(item.get(name), str)), "")
     pair: list[Any] = [item.get("start"), item.get("end")]
     if isinstance(item.get("timestamp"), list):
+        # the last chunk of a pipeline may lack its end
         pair = [*item["timestamp"], None, None][:2]
     elif isinstance(item.get("offsets"), dict):
         pair = [item["offsets"].get("from"), item["offsets"].get("to")]
@@ -120,5 +121,6 @@ def _part(source: TimingFile, item: Json) -> RecognisedPart:
     sure = next((item[name] for name in CONFIDENCES if name in item), None)
     speaker = item.get("speaker")
     sure = float(sure) if isinstance(sure, (int, float)) and 0 <= sure <= 1 else None
+    # laughter and music are written like words
     text = "" if item.get("type") == "audio_event" else text
     return RecognisedPart(text, start, end, sure, speaker if isinstance(speaker, str) else "")
