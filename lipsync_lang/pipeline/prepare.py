@@ -92,6 +92,10 @@ class StageValues:
     reach: dict[str, Reach]
     """Frames on which each stage depends, by its name."""
 
+    def __getstate__(self) -> dict[str, object]:
+        """Return the fields, without the copy of the kernel: only its own process can use it."""
+        return {name: value for name, value in vars(self).items() if not name.startswith("_")}
+
     @property
     def halo(self) -> float:
         """Frames on either side on which a frame depends in all stages together."""
