@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.base.errors import LipsyncError, count
+from lipsync_lang import LipsyncError
+from lipsync_lang.base.errors import count
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json
 from lipsync_lang.commands.registry import Add, command

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang import LipsyncError
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Character
 from lipsync_lang.packs.pack import Pack

@@ -17,10 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lipsync_lang import Performer, Schedule
 from lipsync_lang.base.arrays import Floats, Ints
-from lipsync_lang.performing.performer import Performer
 from lipsync_lang.plugins.capture.fit_lines import EDGE_SECONDS, CapturedLine, resampled
-from lipsync_lang.schedules.schedule import Schedule
 
 CLOCK_FPS = 50.0
 """Frames per second of the comparison."""

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 
+from lipsync_lang import LipsyncError
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.animations.readers.json import ANIMATION_MARK
-from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.base.files import argument_path
 from lipsync_lang.base.files.names import folded_name
 from lipsync_lang.plugins.capture.fit_file import SetAside

@@ -14,6 +14,14 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
+from lipsync_lang import (
+    AnimationError,
+    LipsyncError,
+    Performer,
+    Schedule,
+    ScheduleError,
+    TimedWords,
+)
 from lipsync_lang.animations.animation_readers import (
     ANIMATION_READERS,
     Recording,
@@ -21,23 +29,15 @@ from lipsync_lang.animations.animation_readers import (
 )
 from lipsync_lang.animations.readers.csv import read_table
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.base.errors import (
-    AnimationError,
-    LipsyncError,
-    ScheduleError,
-    did_you_mean,
-    shortlist,
-)
+from lipsync_lang.base.errors import did_you_mean, shortlist
 from lipsync_lang.base.files.reading import input_text
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import ReadOut
-from lipsync_lang.performing.performer import Performer
 from lipsync_lang.plugins.capture.capture_files import HEAD_OF_CAPTURE, CaptureFiles, find_captures
 from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.plugins.capture.fit_lines import CapturedLine, resampled
 from lipsync_lang.reports.quality.fitting import even_times, placed_columns
-from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.schedules.timed_words import TimedWords
+from lipsync_lang.schedules.schedule import SILENCE
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import timings_of
 

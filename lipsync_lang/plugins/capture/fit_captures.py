@@ -18,10 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from lipsync_lang import LipsyncError, Performer
 from lipsync_lang.base.arrays import Bools, Floats
-from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.banks.draft import TIMES
-from lipsync_lang.performing.performer import Performer
 from lipsync_lang.plugins.capture.fit_file import (
     VALUE_DECIMALS,
     FitFold,

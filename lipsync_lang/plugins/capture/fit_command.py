@@ -8,7 +8,8 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from lipsync_lang.base.errors import LipsyncError, count
+from lipsync_lang import LipsyncError
+from lipsync_lang.base.errors import count
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.base.terminal import progress
@@ -100,8 +101,8 @@ def _writer(text: str) -> Callable[[BinaryIO], object]:
 
 
 def _fitted(options: Namespace) -> "CaptureFit":
+    from lipsync_lang import Performer
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.performing.performer import Performer
     from lipsync_lang.plugins.capture.capture_reading import read_captures
     from lipsync_lang.plugins.capture.fit_captures import fit_captures
     from lipsync_lang.plugins.capture.judging import judge_captures

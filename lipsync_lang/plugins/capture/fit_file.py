@@ -26,7 +26,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.base.errors import PackError
+from lipsync_lang import PackError, PackFaults
 from lipsync_lang.base.files import read_input
 from lipsync_lang.packs.models.fields import (
     BigramKey,
@@ -43,7 +43,7 @@ from lipsync_lang.packs.models.pose_models import AnticipateSeconds, Softness, T
 from lipsync_lang.packs.models.validation import validated_as
 from lipsync_lang.packs.splicing import plain
 from lipsync_lang.packs.yaml.building import read_yaml
-from lipsync_lang.packs.yaml.faults import PackFaults, shown
+from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, Data
 from lipsync_lang.pipeline.motion import SLOW_SPEED
 

@@ -11,8 +11,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from lipsync_lang import LipsyncError
 from lipsync_lang.base.arrays import Ints
-from lipsync_lang.base.errors import LipsyncError, shortlist
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.base.files.child_processes import child_pool
 from lipsync_lang.plugins.capture.fit_lines import FitLine
 from lipsync_lang.plugins.capture.fit_steps import fit_bigrams, fit_motion, fit_targets

@@ -11,12 +11,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from lipsync_lang import Motion, Performer, Schedule
 from lipsync_lang.base.arrays import Bools, Floats, Ints
-from lipsync_lang.performing.performer import Performer
-from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.tables import Tables
-from lipsync_lang.schedules.schedule import Schedule
 
 GAP_SHARE = 1e-6
 """Minimum share of a lost value between two samples; a smaller one is rounding."""

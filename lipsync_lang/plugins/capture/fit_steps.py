@@ -33,9 +33,10 @@ from scipy import sparse
 from scipy.optimize import minimize_scalar
 from scipy.sparse.linalg import lsmr
 
+from lipsync_lang import Motion
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.packs.banks.draft import TIMES, Target, shape
-from lipsync_lang.pipeline.motion import SLOW_SPEED, Motion
+from lipsync_lang.pipeline.motion import SLOW_SPEED
 from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.plugins.capture.fit_lines import FitLine

@@ -11,9 +11,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from lipsync_lang import Motion
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.packs.banks.draft import PASSIVE, TIMES, Target, draft, shape
-from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.plugins.capture.fit_lines import FitLine
 from lipsync_lang.resolver.layers import PairPacks

@@ -17,9 +17,8 @@ from statistics import median
 
 import numpy as np
 
+from lipsync_lang import AnimationError, LipsyncError, Performer
 from lipsync_lang.base.arrays import Bools
-from lipsync_lang.base.errors import AnimationError, LipsyncError
-from lipsync_lang.performing.performer import Performer
 from lipsync_lang.plugins.capture.capture_clock import (
     NEAR_SECONDS,
     SEARCHED_OFFSETS_SECONDS,

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang import LipsyncError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files.writing import marker
 from lipsync_lang.production.builds.workers import Job, LostBatch, Parcel, cluster

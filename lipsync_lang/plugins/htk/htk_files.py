@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lipsync_lang import SpeechError
 from lipsync_lang.base.arrays import Floats, Singles
-from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.plugins.htk.htk_front_end import CONFIG, HtkFrontEnd, kept_features
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     STATES,

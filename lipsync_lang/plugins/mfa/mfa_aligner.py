@@ -21,10 +21,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from lipsync_lang.base.errors import ScheduleError, SpeechError, shortlist
+from lipsync_lang import Audio, Schedule, ScheduleError, SpeechError, read_schedule
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.plugins.mfa.mfa_command import MfaModels, run_mfa
-from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Audio, Schedule
-from lipsync_lang.schedules.timing_readers import read_schedule
+from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS
 from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, aligner
 from lipsync_lang.sound.speech.hearing.engine_names import engine_and_model
 from lipsync_lang.sound.speech.results import batches, each, tried

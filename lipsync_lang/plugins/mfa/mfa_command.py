@@ -15,7 +15,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from lipsync_lang.base.errors import SpeechError, did_you_mean
+from lipsync_lang import SpeechError
+from lipsync_lang.base.errors import did_you_mean
 
 PROGRAM = "mfa"
 

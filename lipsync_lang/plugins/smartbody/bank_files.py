@@ -40,7 +40,7 @@ from io import StringIO
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
-from lipsync_lang.base.errors import PackError
+from lipsync_lang import PackError
 from lipsync_lang.packs.yaml.faults import visible
 
 MAX_SCRIPT_BYTES = 10_000_000

@@ -19,7 +19,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lipsync_lang.base.errors import LipsyncError, did_you_mean, shortlist
+from lipsync_lang import LipsyncError
+from lipsync_lang.base.errors import did_you_mean, shortlist
 from lipsync_lang.packs.banks.write import NEUTRAL, BankBigrams, done, write_bank
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import visible

@@ -5,7 +5,7 @@ from argparse import Namespace
 from itertools import groupby
 from pathlib import Path
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang import LipsyncError
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path, option, repeated

@@ -30,7 +30,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang import LipsyncError
 from lipsync_lang.commands.local_server import listening
 from lipsync_lang.plugins.study.study_file import (
     MAX_ANSWERS_BYTES,

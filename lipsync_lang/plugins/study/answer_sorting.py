@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from lipsync_lang.base.errors import LipsyncError, shortlist
+from lipsync_lang import LipsyncError
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.plugins.study.comparisons import Choice
 from lipsync_lang.plugins.study.study_file import (
     MAX_PAIRS,

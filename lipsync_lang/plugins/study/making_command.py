@@ -9,8 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lipsync_lang import LipsyncError
 from lipsync_lang.animations.rates import parse_rate
-from lipsync_lang.base.errors import LipsyncError, count
+from lipsync_lang.base.errors import count
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files import argument_path
 from lipsync_lang.base.files.reading import input_text
@@ -29,7 +30,7 @@ from lipsync_lang.commands.shared_options import (
 )
 
 if TYPE_CHECKING:
-    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang import Performer
     from lipsync_lang.plugins.study.methods import Method, StudyCharacter
     from lipsync_lang.plugins.study.study_maker import StudyPlan
 MAX_CONSENT_BYTES = 100_000
@@ -215,7 +216,7 @@ def _plan(options: Namespace) -> "StudyPlan":
 
 def _cast(options: Namespace, name: str) -> "StudyCharacter":
     """Return a character with its performers for the methods."""
-    from lipsync_lang.performing.resolving import resolve as resolve_pair
+    from lipsync_lang import resolve as resolve_pair
     from lipsync_lang.plugins.study.methods import StudyCharacter, with_bank
 
     def resolved(character: str | Path) -> "Performer":

@@ -10,18 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
+from lipsync_lang import Animation, LipsyncError, Performer, Schedule, TimedWords, read_timings
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
-from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.base.files import read_input
 from lipsync_lang.packs.library import Library
-from lipsync_lang.performing.performer import Performer
 from lipsync_lang.plugins.study.study_lines import files_by_stem, only_file
 from lipsync_lang.reports.quality.baselines import BASELINES
 from lipsync_lang.reports.quality.fitting import on_model, read_for
-from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timed_words import TimedWords
-from lipsync_lang.schedules.timing_readers import read_timings
 
 OURS = "ours"
 """Method of the performer itself."""

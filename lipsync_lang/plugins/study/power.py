@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from lipsync_lang import LipsyncError
 from lipsync_lang.base.arrays import Floats, Ints
-from lipsync_lang.base.errors import LipsyncError
 
 POWER_FORMAT = "lipsync-lang study power 1"
 MIN_CHANCE = 0.0001

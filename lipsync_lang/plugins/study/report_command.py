@@ -6,7 +6,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.base.errors import LipsyncError, OutputError, did_you_mean
+from lipsync_lang import LipsyncError, OutputError
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
 from lipsync_lang.commands.registry import Add, command

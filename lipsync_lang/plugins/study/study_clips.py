@@ -12,8 +12,7 @@ from hashlib import blake2b
 from io import BytesIO
 from pathlib import Path
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.base.errors import OutputError
+from lipsync_lang import Animation, OutputError
 from lipsync_lang.base.files import atomic
 from lipsync_lang.production.builds.workers import LostBatch, run_batches
 

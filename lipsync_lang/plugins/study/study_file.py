@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import Field, StringConstraints, ValidationError
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang import LipsyncError
 from lipsync_lang.base.files import read_input
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.models.fields import Strict

@@ -11,10 +11,9 @@ from itertools import combinations, product
 from pathlib import Path
 from typing import NamedTuple
 
-from lipsync_lang.base.errors import LipsyncError, shortlist
-from lipsync_lang.performing.performer import Performer
+from lipsync_lang import LipsyncError, Performer, Schedule
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.plugins.study.study_file import MAX_PAIRS, ClipSide, StudyPair
-from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.text.lines import Line
 
 MAX_STUDY_LINES = 10_000

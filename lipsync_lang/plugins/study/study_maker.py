@@ -6,8 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.base.errors import LipsyncError, shortlist
+from lipsync_lang import Animation, LipsyncError
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.base.files import write_all
 from lipsync_lang.base.files.writing import cannot_write
 from lipsync_lang.plugins.study.methods import Method, StudyCharacter, lacks, spoilt

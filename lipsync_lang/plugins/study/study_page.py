@@ -14,7 +14,7 @@ from importlib.resources import files
 from typing import Any
 from urllib.parse import urlsplit
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang import LipsyncError
 from lipsync_lang.plugins.study.study_clips import of_one_size
 from lipsync_lang.plugins.study.study_file import QUESTIONS, Study
 

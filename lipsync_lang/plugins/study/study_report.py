@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang import LipsyncError
 from lipsync_lang.plugins.study.answer_sorting import (
     SortedAnswers,
     SortingRules,
