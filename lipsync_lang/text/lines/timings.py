@@ -16,7 +16,7 @@ TIMING_SUFFIXES = tuple(
 
 @reader(SCHEDULE_FORMAT, suffixes=TIMING_SUFFIXES)
 def read(source: LineFile) -> Iterator[Line]:
-    """Timed phonemes or words, in every readable format of timings; a file is a line."""
+    """Read a file of timings, in any format that is known, as one line that is timed."""
     content = timing_bytes(source.path) if source.content is None else source.content
     found = timings_of(TimingFile(source.path, content, encoding=source.encoding))
     for remark in found.remarks:

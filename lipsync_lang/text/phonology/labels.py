@@ -133,7 +133,7 @@ class Notation:
         if known is not None:
             return known
         if label not in self._alike:
-            self._alike[label] = self.likely(label)
+            self._alike[label] = self.by_likeness(label)
         return self._alike[label]
 
     def text(self, label: str) -> str | None:
@@ -149,8 +149,8 @@ class Notation:
             text, rest = text + self.signs[sign], rest[len(sign) :]
         return text
 
-    def likely(self, label: str) -> Value | None:
-        """Return a value by likeness for a label missing from the table; None if unknown."""
+    def by_likeness(self, label: str) -> Value | None:
+        """Return the value of the most similar label of the table; None if none is similar."""
         text = self.text(label)
         if text is None or sum(sign in TONE for sign in text) > MAX_TONE_SIGNS:
             return None  # a number

@@ -66,8 +66,8 @@ class OwnWords:
             (len(one) for others in forms.endings.values() for one in others), default=0
         )
 
-    def find(self, text: str, tokens: Iterable[TextPiece]) -> FoundWords:
-        """Return the own words of a text that is cut into tokens."""
+    def found_in(self, text: str, tokens: Iterable[TextPiece]) -> FoundWords:
+        """Find the words that the pack reads itself; `tokens` are the pieces of the text."""
         found = FoundWords([], {})
         for piece in tokens:
             word = plain(piece.text)
@@ -88,7 +88,7 @@ class OwnWords:
 
     def respelled(self, text: str) -> str:
         """Return a text with the spellings of its own words."""
-        return respelled(text, self.find(text, pieces(text)).respelled)
+        return respelled(text, self.found_in(text, pieces(text)).respelled)
 
     def _find(self, written: str) -> OwnWord | None:
         word = plain(written)

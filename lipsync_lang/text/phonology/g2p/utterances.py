@@ -100,7 +100,7 @@ class Utterances:
 
     def has_entry(self, word: str) -> bool:
         """Return True for a word that the pack reads its own way."""
-        own = self._own.find(word, pieces(word))
+        own = self._own.found_in(word, pieces(word))
         return bool(own.said or own.respelled)
 
     def ordinary(self, text: str) -> bool:
@@ -110,7 +110,7 @@ class Utterances:
     def cut(self, text: str) -> list[UtterancePart]:
         """Cut a text into parts; together they are the text."""
         tokens = list(pieces(text))
-        own = self._own.find(text, tokens)
+        own = self._own.found_in(text, tokens)
         expanded = [
             one._replace(read=self._own.respelled(one.read)) for one in self._expansions.find(text)
         ]
