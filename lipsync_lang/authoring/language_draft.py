@@ -1,4 +1,4 @@
-"""Draft of a language pack from a voice, an Epitran code, a lexicon or an inventory.
+"""Draft of a language pack from a voice, an Epitran code, a table of spellings or an inventory.
 
 A draft is valid without manual edits. It maps each label to the nearest common phonemes by visible
 articulatory features; doubtful labels are listed first, with their lost features. Tests are left
@@ -35,6 +35,7 @@ from lipsync_lang.packs.yaml.value_text import as_scalar
 from lipsync_lang.resolver.nearest_phonemes import among_all
 from lipsync_lang.text.phonology.g2p import Settings, engine
 from lipsync_lang.text.phonology.g2p.lexicon import read_lexicon
+from lipsync_lang.text.phonology.g2p.orthography_profile import read_profile
 from lipsync_lang.text.phonology.labels import normalise
 from lipsync_lang.text.phonology.nearest import Nearest
 
@@ -147,7 +148,7 @@ def _of(row: Mapping[str, str], names: tuple[str, ...]) -> str:
 
 @dataclass(frozen=True)
 class LanguageWish(PackWish):
-    """Request for a new language: voice, code, lexicon or inventory, at least one of them."""
+    """Request for a new language, with at least one source of its sounds."""
 
     tag: str | None = None
     voice: str | None = None
@@ -156,6 +157,8 @@ class LanguageWish(PackWish):
     """Epitran code for transcription."""
     lexicon: Path | None = None
     """Path of a pronunciation lexicon for transcription."""
+    profile: Path | None = None
+    """Path of an orthography profile for transcription."""
     inventory: Path | None = None
     """Path of a phoneme inventory."""
     inventory_id: str | None = None
@@ -208,19 +211,19 @@ def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> Lang
     read = None
     if wanted.epitran:
         read = engine("epitran", Settings(wanted.name, code=wanted.epitran))
-    elif wanted.voice and not wanted.lexicon:
+    elif wanted.voice and not (wanted.lexicon or wanted.profile):
         read = engine("espeak", Settings(wanted.name, voice=wanted.voice))
     for word in chain.from_iterable(read([*wanted.texts, *NUMBERS]) if read else ()):
         # Phrases and digits are unsuitable as example words.
         single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
         sounds.add(word.labels, word.text if single else "")
+    for word, labels in _spelled(wanted):
+        sounds.add(labels, word)
     outputs: dict[Path, bytes | Path] = {}
-    if wanted.lexicon is not None:
-        for spelling, labels in read_lexicon(wanted.lexicon).items():
-            sounds.add(labels, spelling)
-        copy = path.with_name(path.stem + wanted.lexicon.suffix)
-        if copy.resolve() != wanted.lexicon.resolve():
-            outputs[copy] = wanted.lexicon
+    for beside in filter(None, (wanted.lexicon, wanted.profile)):
+        copy = path.with_name(path.stem + beside.suffix)
+        if copy.resolve() != beside.resolve():
+            outputs[copy] = beside
     among = among_all(library)
     found = {label: among.nearest(label) for label in sounds.words}
     common = library.common().model
@@ -234,15 +237,27 @@ def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> Lang
     return LanguageDraft(path, {path: content} | outputs, doubtful, len(found))
 
 
+def _spelled(wanted: LanguageWish) -> Iterator[tuple[str, Sequence[str]]]:
+    """Yield the words of a lexicon, and the sounds of a profile without a word, with the labels."""
+    if wanted.lexicon is not None:
+        yield from read_lexicon(wanted.lexicon).items()
+    if wanted.profile is not None:
+        yield from (("", labels) for labels in read_profile(wanted.profile).sounds.values())
+
+
 def _refuse(wanted: LanguageWish) -> None:
-    if not any((wanted.voice, wanted.epitran, wanted.lexicon, wanted.inventory)):
-        what = "a new language needs a source: --voice, --epitran, --lexicon or --inventory"
+    readers = {
+        "--epitran": wanted.epitran, "--lexicon": wanted.lexicon, "--profile": wanted.profile,
+    }  # fmt: skip
+    given = [option for option, value in readers.items() if value]
+    if not (given or wanted.voice or wanted.inventory):
+        what = f"a new language needs a source: --voice, {', '.join(readers)} or --inventory"
         raise LipsyncError(what)
     if wanted.epitran and not wanted.texts:
         what = "Epitran has no list of its sounds; give sample lines for it to read: --text FILE"
         raise LipsyncError(what)
-    if wanted.epitran and wanted.lexicon:
-        raise LipsyncError("--epitran and --lexicon both read text; give only one of them")
+    if len(given) > 1:
+        raise LipsyncError(f"{' and '.join(given)} read the same text; give only one of them")
 
 
 def _doubtful(near: Nearest) -> bool:
@@ -265,6 +280,9 @@ def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str
     if wanted.lexicon:
         file = f"{wanted.name}{wanted.lexicon.suffix}"
         yield f"g2p: {{engine: lexicon, file: {as_scalar(file)}, notation: {IPA}}}"
+    elif wanted.profile:
+        file = f"{wanted.name}{wanted.profile.suffix}"
+        yield f"g2p: {{engine: phonemizer, file: {as_scalar(file)}, notation: {IPA}}}"
     elif wanted.epitran:
         yield f"g2p: {{engine: epitran, code: {as_scalar(wanted.epitran)}, notation: {IPA}}}"
     elif wanted.voice:

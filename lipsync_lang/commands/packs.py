@@ -41,6 +41,10 @@ def _add_languages(add: Add) -> None:
         "words and their IPA phonemes: word, tab, phonemes separated by spaces", type=Path,
     )  # fmt: skip
     option(
+        new, "--profile FILE", "an orthography profile: graphemes and their IPA phonemes",
+        type=Path,
+    )  # fmt: skip
+    option(
         new, "--inventory FILE", "the PHOIBLE table, or IPA phonemes separated by spaces", type=Path
     )
     option(new, "--inventory-id ID", "PHOIBLE inventory number, or an ISO 639-3 code or name")
@@ -158,8 +162,9 @@ def _new_language(library: "Library", options: Namespace) -> "PackDraft":
         raise LipsyncError("name the new language: languages new NAME --voice sw")
     wanted = LanguageWish(
         options.name, tag=options.tag, title=options.title, voice=options.voice,
-        epitran=options.epitran, lexicon=options.lexicon, inventory=options.inventory,
-        inventory_id=options.inventory_id, texts=lines_of(options.text) if options.text else (),
+        epitran=options.epitran, lexicon=options.lexicon, profile=options.profile,
+        inventory=options.inventory, inventory_id=options.inventory_id,
+        texts=lines_of(options.text) if options.text else (),
     )  # fmt: skip
     with working(f"drafting {options.name}"):
         return draft(library, wanted)

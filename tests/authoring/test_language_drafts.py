@@ -129,6 +129,18 @@ def test_a_draft_of_a_lexicon_takes_it_along(folder, cli):
     assert cli("validate", "languages/nordic.yaml").code == 0
 
 
+def test_a_draft_of_a_profile_takes_it_along(folder, cli):
+    pytest.importorskip("phonemizer", reason="the phonemizer extra is not installed")
+    profile = folder / "graphemes.tsv"
+    profile.write_text("Grapheme\tIPA\na\ta\nsh\tʃ\nts\tt s\nh\tNULL\n", "utf-8")
+    ended = cli("languages", "new", "valley", "--profile", profile, "--tag", "art-x-valley")
+    assert ended.code == 0, ended.err
+    assert (folder / "languages" / "valley.tsv").read_bytes() == profile.read_bytes()
+    assert {*Library().language("valley").model.notations["ipa"]} == {"ʃ", "t", "s", "a"}
+    assert "ʃ a t s a" in cli("transcribe", "shahtsa", "-l", "valley").out
+    assert cli("validate", "languages/valley.yaml").code == 0
+
+
 @full
 def test_a_draft_of_a_voice_hears_its_numbers(folder, cli):
     pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
@@ -160,6 +172,8 @@ def test_a_draft_of_a_code_reads_by_it(folder, cli):
         (["taken", "--inventory", "i.txt"], "already exists"),
         (["new", "--inventory", "none.txt"], "cannot be read"),
         (["new", "--epitran", "xho-Latn"], "give sample lines"),
+        (["new", "--lexicon", "i.txt", "--profile", "i.txt"], "read the same text"),
+        (["new", "--profile", "i.txt"], "Grapheme"),
         (["new", "--lexicon", "i.txt", "--epitran", "xho-Latn", "--text", "i.txt"], "one of them"),
     ],
 )

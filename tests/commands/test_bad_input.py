@@ -403,7 +403,7 @@ def test_motion_out_of_range_is_refused(value, performer):
         ("a.xyz", "a.xyz: no writer for '.xyz'; use one of .*\\.csv, "),
         ("a", "a: has no suffix; use one of .*\\.csv, "),
         ("nul\0.csv", "cannot be written: .*embedded null .*; name another place"),
-        ("a.wav", "no sound to write: here has no audio; speak text instead, or omit the"),
+        ("a.wav", "no sound to write: here has no audio; speak text in a language with a voice"),
     ],
 )
 def test_outputs_that_cannot_be_written_are_told(name, message, performer, tmp_path):

@@ -16,7 +16,8 @@ def write_wav(animation: Animation, out: BinaryIO) -> None:
     audio = animation.schedule.audio
     if audio is None:
         what = f"there is no sound to write: {animation.schedule.source} has no audio"
-        raise OutputError(f"{what}; speak text instead, or omit the .wav")
+        cure = "speak text in a language with a voice (`tts` in its pack)"
+        raise OutputError(f"{what}; {cure}, or omit the .wav")
     write_samples(audio.samples, audio.rate, out)
 
 

@@ -16,7 +16,7 @@ TIMING_SUFFIXES = tuple(
 
 @reader(SCHEDULE_FORMAT, suffixes=TIMING_SUFFIXES)
 def read(source: LineFile) -> Iterator[Line]:
-    """Read a file of timings, in any format that is known, as one line that is timed."""
+    """Timings of phonemes or words, in every format that is read: a file is one line."""
     content = timing_bytes(source.path) if source.content is None else source.content
     found = timings_of(TimingFile(source.path, content, encoding=source.encoding))
     for remark in found.remarks:
