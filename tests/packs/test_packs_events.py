@@ -126,9 +126,11 @@ def test_a_fault_of_a_large_text_is_located():
     ],
 )
 def test_a_sign_within_a_word_between_brackets_is_read(text, data):
-    scanned = scan(HERE, text.encode())
-    assert not scanned.faults
-    assert scanned.data == data
+    for words in range(20):  # events that were yielded before are not yielded again
+        before = "".join(f"n{n}: [{'x, ' * n}]\n" for n in range(words))
+        scanned = scan(HERE, f"{before}{text}\nend: x".encode())
+        assert not scanned.faults
+        assert scanned.data == {f"n{n}": ("x",) * n for n in range(words)} | data | {"end": "x"}
 
 
 # Aliases

@@ -5,8 +5,10 @@ breaks) are refused before they are parsed. See decision 0016.
 """
 
 import re
+from collections import deque
 from collections.abc import Iterator
 from importlib import import_module
+from itertools import islice
 from typing import Any
 
 Event = Any
@@ -14,6 +16,10 @@ Event = Any
 
 _WITHIN_A_WORD = re.compile(r"[:?][^\s,\[\]{}]")
 """A sign that libyaml refuses within a word between brackets, as in `{source: https://...}`."""
+
+
+_HELD_BACK = 8
+"""Number of events that are kept back: libyaml splits a word before it refuses its sign."""
 
 
 class YamlError(Exception):
@@ -69,7 +75,8 @@ def parser_in_c() -> Any:
 def _parsed(text: str) -> Iterator[Event]:
     """Yield the events of libyaml, or of the parser in Python where that reads more.
 
-    libyaml may split a word before it refuses its sign, so its events are kept until then.
+    Events are yielded as they are parsed: the time of libyaml grows with the square of the depth of
+    brackets, and whoever reads the events stops at a depth.
     """
     from ruamel.yaml.error import MarkedYAMLError
 
@@ -77,18 +84,21 @@ def _parsed(text: str) -> Iterator[Event]:
     if libyaml is None:
         yield from _parsed_in_python(text)
         return
-    found: list[Event] = []
-    parser = libyaml(text)
+    given, held = 0, deque[Event]()
     try:
-        found.extend(iter(parser.get_event, None))
+        for event in iter(libyaml(text).get_event, None):
+            held.append(event)
+            if len(held) > _HELD_BACK:
+                given += 1
+                yield held.popleft()
     except MarkedYAMLError as error:
         mark = error.problem_mark
         if mark is not None and _WITHIN_A_WORD.match(text, mark.index):
-            yield from _parsed_in_python(text)
+            yield from islice(_parsed_in_python(text), given, None)
             return
-        yield from found
+        yield from held
         raise
-    yield from found
+    yield from held
 
 
 def _parsed_in_python(text: str) -> Iterator[Event]:
