@@ -75,8 +75,7 @@ def parser_in_c() -> Any:
 def _parsed(text: str) -> Iterator[Event]:
     """Yield the events of libyaml, or of the parser in Python where that reads more.
 
-    Events are yielded as they are parsed: the time of libyaml grows with the square of the depth of
-    brackets, and whoever reads the events stops at a depth.
+    Events are yielded as they are parsed, so that a reader who has seen enough stops the parser.
     """
     from ruamel.yaml.error import MarkedYAMLError
 
