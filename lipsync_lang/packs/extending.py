@@ -52,6 +52,26 @@ def with_usual(
     return Pack(pack.model.model_copy(update={"notations": filled}), pack.sources), []
 
 
+def with_alike(pack: "Pack[Language]", common: "Callable[[], Pack[Phonemes]]") -> "Pack[Language]":
+    """Return a language with the other spellings of each abbreviation that is first of its list."""
+    text = pack.model.text
+    known = text.abbreviations if text else {}
+    shared = common().model.text if known else None
+    if text is None or shared is None:
+        return pack
+    others = {
+        other: known[first]
+        for first, *alike in shared.alike
+        if first in known
+        for other in alike
+        if other not in known
+    }
+    if not others:
+        return pack
+    text = text.model_copy(update={"abbreviations": {**known, **others}})
+    return Pack(pack.model.model_copy(update={"text": text}), pack.sources)
+
+
 def merge(parent: "Language", child: "Language") -> "Language":
     """Merge a child into its parent; a child that takes its parent's name keeps its tests."""
     stated = child.model_fields_set

@@ -99,7 +99,7 @@ class Library(Finder):
     def extended(self, path: Path) -> "Pack[models.Language]":
         """Load a language with all that it inherits; raise `PackFaults` for an unsound parent."""
         from lipsync_lang.packs.automatic import automatic
-        from lipsync_lang.packs.extending import merge, with_usual
+        from lipsync_lang.packs.extending import merge, with_alike, with_usual
 
         line: list[Pack[models.Language]] = []
         while True:
@@ -107,7 +107,7 @@ class Library(Finder):
             pack, faults = with_usual(stated, self.common)
             if faults:
                 raise self.failing(*faults)
-            line.append(pack)
+            line.append(with_alike(pack, self.common))
             parent = pack.model.extends
             if parent is None:
                 break

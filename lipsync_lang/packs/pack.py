@@ -51,6 +51,10 @@ class Pack(Generic[M]):
         """The pack's own name and, for a language, those it extends."""
         return tuple(source.data["name"] for source in self.sources)
 
+    def states(self, loc: Loc) -> bool:
+        """Return True for a value that a file of the pack states."""
+        return any(source.known(loc) == len(loc) for source in self.sources)
+
     def where(self, loc: Loc, *, key: bool = False) -> FilePlace:
         """Return the place of the value at `loc`, or of its key, in the file that states it."""
         source = max(self.sources, key=lambda s: s.known(loc))

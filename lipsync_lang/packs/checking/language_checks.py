@@ -10,6 +10,7 @@ from lipsync_lang.base.errors import SpeechError, did_you_mean
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA, beside
+from lipsync_lang.packs.models.text_models import LanguageText, parts_of
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.packs.yaml.source import Loc
@@ -72,23 +73,35 @@ def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:
     text = language.model.text
     if text is None:
         return
-    tables, lists = text.number_rules, text.lists
+    tables = text.number_rules
     for table, rules in tables.items():
         for number, words in rules.items():
             for name in set(named_rules(words)) - tables.keys():
                 at = ("text", "number_rules", table, number)
                 yield language.unknown(at, "P236", "rules of numbers", name, tables)
-    known = tables.keys() | text.numbers.keys()
     for spelling, words in text.abbreviations.items():
         loc = ("text", "abbreviations", spelling)
-        for name in set(re.findall(r"\{(\w+)\}", spelling)) - lists.keys():
-            yield language.unknown(loc, "P236", "list of words", name, lists, key=True)
-        places = [str(1 + n) for n, _ in enumerate(re.findall("#+|[~*]", spelling))]
-        for number, table in re.findall(r"\{(\d)(?::([\w-]+))?\}", words):
-            if number not in places:
-                yield language.unknown(loc, "P236", "place of the spelling", number, places)
-            if table and table not in known:
-                yield language.unknown(loc, "P236", "list of numbers", table, known)
+        if language.states(loc):  # others have the words and the faults of the first of their list
+            yield from _abbreviation(language, loc, spelling, words, text)
+
+
+def _abbreviation(
+    language: Pack[models.Language],
+    loc: Loc,
+    spelling: str,
+    words: str,
+    text: LanguageText,
+) -> Iterator[Fault]:
+    """Check that an abbreviation names lists and tables of the language, and its own numbers."""
+    places, named = parts_of(spelling)
+    for name in set(named) - text.lists.keys():
+        yield language.unknown(loc, "P236", "list of words", name, text.lists, key=True)
+    known = text.number_rules.keys() | text.numbers.keys()
+    for number, table in re.findall(r"\{(\d)(?::([\w-]+))?\}", words):
+        if number not in places:
+            yield language.unknown(loc, "P236", "place of the spelling", number, places)
+        if table and table not in known:
+            yield language.unknown(loc, "P236", "list of numbers", table, known)
 
 
 def _own_labels(model: models.Language) -> Iterator[tuple[Loc, Sequence[str]]]:

@@ -1,9 +1,10 @@
 """Models of written forms that packs read themselves: interjections, abbreviations, numerals."""
 
+import re
 from collections.abc import Mapping
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from lipsync_lang.packs.models.fields import (
@@ -16,7 +17,7 @@ from lipsync_lang.packs.models.fields import (
     labels_as_sounds,
     sound_forms,
 )
-from lipsync_lang.packs.yaml.source import Data
+from lipsync_lang.packs.yaml.source import BETWEEN_SPELLINGS, Data
 from lipsync_lang.text.phonology.g2p.contexts import ContextError, compile_context
 
 
@@ -102,14 +103,52 @@ class Numerals(Strict):
     """Numerals that are words too, such as the English `I`: no numeral before a small letter."""
 
 
+def _each_spelling(value: Data) -> Data:
+    """Give each of the spellings that share a key an entry of its own."""
+    if not isinstance(value, Mapping):
+        return value
+    found: dict[str, Data] = {}
+    for key, words in value.items():
+        for spelling in key.split(BETWEEN_SPELLINGS):
+            if spelling in found:
+                what = "'{spelling}' is written for other words above"
+                hint = "leave it out here, or there"
+                context = {"spelling": spelling, "hint": hint, "at": key}
+                raise PydanticCustomError("P119", what, context)
+            found[spelling] = words
+    return found
+
+
+def parts_of(spelling: str) -> tuple[list[str], list[str]]:
+    """Return the numbers of the places in the spelling of an abbreviation, and its lists of words.
+
+    >>> parts_of("# {month} ####")
+    (['1', '2'], ['month'])
+    """
+    places = [str(1 + n) for n, _ in enumerate(re.findall("#+|[~*]", spelling))]
+    return places, re.findall(r"\{(\w+)\}", spelling)
+
+
+def _read_alike(spellings: tuple[str, ...]) -> tuple[str, ...]:
+    """Refuse spellings that the words of the first do not fit."""
+    for number, spelling in enumerate(spellings):
+        if parts_of(spelling) != parts_of(spellings[0]):
+            what = "'{spelling}' has other numbers or lists than '{first}'"
+            told = {"spelling": spelling, "first": spellings[0], "at": number}
+            raise PydanticCustomError("P119", what, told)
+    return spellings
+
+
 class LanguageText(Strict):
     """Written forms of a language that its engine would misread."""
 
     interjections: InterjectionTable = Field(default={})
     """The sounds of interjections by their shortest spelling. A letter may be repeated more often,
     and a spelling that is one part twice, such as `haha`, as a whole. Null removes a shared one."""
-    abbreviations: dict[Text, str] = Field(default={})
-    """The words for abbreviations and signs. `#` in a spelling is a number, `##` a number of two
+    abbreviations: Annotated[dict[Text, str], Short(_each_spelling)] = Field(default={})
+    """The words for abbreviations and signs. Spellings with ` | ` between them are read alike, and
+    those that the common pack lists under `alike` are too, where a pack states the first of them.
+    `#` in a spelling is a number, `##` a number of two
     digits, `~` a Roman numeral, and `*` two or more letters of a word: `"1 *a": "una {1}a"`. `{1}`
     in the words is the first of them, and `{1:ordinal}` its word in a list of `numbers`. A number
     and a full stop, `#.`, stand before a small letter. Words with a full stop at their end end a
@@ -174,6 +213,9 @@ class SharedText(Strict):
     nearby: dict[Label, tuple[Label, ...]] = Field(default={})
     """For a label that a language does not have, others in order; a sound without any is left
     out."""
+    alike: tuple[Annotated[tuple[Text, ...], AfterValidator(_read_alike)], ...] = ()
+    """Spellings of one abbreviation. A language that states the first has the others, too, unless
+    it states them itself."""
     foreign_voice: str = ""
     """The voice of eSpeak NG for words in Latin letters, in languages in which `letters` names each
     of these, and whose engine is no voice itself. Its sounds go to the nearest labels."""
@@ -181,3 +223,14 @@ class SharedText(Strict):
     """Names in IPA, such as `dʒ o n`, by the tags of the languages that read them their own way,
     such as `en` or `de en`. Every other language whose `g2p` writes IPA reads them so, except packs
     that state the name themselves. A name with a capital needs one in texts."""
+
+    @model_validator(mode="after")
+    def _alike_once(self) -> Self:
+        known: set[str] = set()
+        for number, spellings in enumerate(self.alike):
+            for spelling in spellings:
+                if spelling in known:
+                    at = {"spelling": spelling, "field": "alike", "at": number}
+                    raise PydanticCustomError("P119", "'{spelling}' is listed twice", at)
+                known.add(spelling)
+        return self

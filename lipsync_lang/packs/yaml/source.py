@@ -34,6 +34,9 @@ class Position(NamedTuple):
 
 FILE_START = Position(1, 1)
 
+BETWEEN_SPELLINGS = " | "
+"""Between spellings that share a key, and so a value."""
+
 
 class SourceMark(NamedTuple):
     """The place of a value, and the marks of the values inside.
@@ -126,6 +129,8 @@ def _step(
     """Go one step down from a value; return (place of key or item, mark, data), or None."""
     inner = mark.inner
     if isinstance(inner, dict):
+        if step not in inner:
+            step = next((key for key in inner if step in key.split(BETWEEN_SPELLINGS)), "")
         found = inner.get(step) if isinstance(step, str) else None
         return (*found, data[step]) if found else None
     if inner is None:
