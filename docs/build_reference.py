@@ -757,6 +757,41 @@ def shipped(formats: Formats[F]) -> list[F]:
     return [one for name, one in formats.items() if formats.origins[name] == PROGRAM]
 
 
+DOCUMENTED_FORMS = (
+    (
+        "cslu",
+        "the header, the frames and the labels of a `.phn`",
+        "`formats.txt` of the Portland Cellular Corpus (LDC2008S01); labels by Hieronymus, "
+        '"ASCII Phonetic Symbols for the World\'s Languages: Worldbet" (1993)',
+    ),
+    (
+        "facefx",
+        "lists of phonemes and words; `FLAP` and `SHORTSIL` are in every table of FaceFX as well",
+        "[FaceFX, phonlist command]"
+        "(https://facefx.github.io/documentation/doc/phonlist-command); the enumeration of its "
+        "phonemes, versions of 2002 to 2009",
+    ),
+    (
+        "sapi",
+        "numbers of phonemes, and marks of stress and of boundaries",
+        "[American English Phoneme Representation]"
+        "(https://learn.microsoft.com/en-us/previous-versions/windows/desktop/ee431828(v=vs.85)), "
+        "[Phoneme event of SpVoice]"
+        "(https://learn.microsoft.com/en-us/previous-versions/windows/desktop/ee125626(v=vs.85)), "
+        "[PhonemeReachedEventArgs]"
+        "(https://learn.microsoft.com/en-us/dotnet/api/"
+        "system.speech.synthesis.phonemereachedeventargs)",
+    ),
+    (
+        "cereproc",
+        "events of phonemes and words; no voice of CereProc was run",
+        "header `cerevoice_eng.h` and example `basictts` of the CereVoice SDK; phones by the relay "
+        "of SmartBody, whose replies `bml` reads",
+    ),
+)
+"""Formats that were read by their documents alone, the part read, and its source."""
+
+
 def formats() -> str:
     """List what can be read and written."""
     read = [
@@ -774,6 +809,11 @@ def formats() -> str:
                 "See [schedules as JSON](schedule-json.md) and "
                 "[use your own timings](../how-to/use-your-own-timings.md)."
             ),
+            (
+                "Some programs were not at hand. Their formats are read by their documents, and "
+                "tests hold a file of each documented form:"
+            ),
+            table(("name", "read", "from"), DOCUMENTED_FORMS),
             "## Read: lines of a script, to be counted",
             table(
                 ("name", "suffix", "content"),

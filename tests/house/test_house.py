@@ -282,6 +282,8 @@ EXEMPT = {
     ("*/papagayo.py", "preston-blair"): "the notation that the format is in",
     ("*/polly.py", "polly"): "the program's format and its notation have one name",
     ("*/rhubarb.py", "rhubarb"): "the program's format and its notation have one name",
+    ("*/cereproc.py", "cereproc"): "the program's format and its notation have one name",
+    ("*/facefx.py", "facefx"): "the program's format and its pose set have one name",
     ("*/sapi.py", "sapi*"): "the program's format and its notation have one name",
     ("*/smartbody.py", "smartbody"): "the name of the format",
     ("schedules/readers/bml.py", "smartbody"): "the notation that the format is in",

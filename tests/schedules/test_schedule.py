@@ -200,6 +200,7 @@ WORDLESS = {
     "ctm": "a line is a phone or a word, and does not say which",
     "esps": "words are in another file",
     "timit": "words are in another file",
+    "cslu": "words are in another file",
     "rhubarb": "the program hears words, but does not write them",
     "sapi": "words are other events",
     "mbrola": "phonemes are all that there is",
@@ -208,6 +209,7 @@ WORDLESS = {
 """Formats whose example file has no words."""
 
 UNITS = {
+    "cslu": 1e3,
     "azure": 1e7,
     "azure-recognition": 1e7,
     "bournemouth": 1e3,

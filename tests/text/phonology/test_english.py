@@ -153,6 +153,12 @@ def test_the_shades_of_english_are_those_that_common_sounds_mean():
         assert [phoneme for phoneme, _ in NOTATIONS["ipa"].find(first)] == [name]
 
 
+MARKS = {"sapi": ["-", "!", "&", ",", ".", "?", "1", "2"], "sapi-ids": [*"12345689"]}
+"""Labels of boundaries and stress, which have no sound, by notation."""
+
+SILENT_NUMBER = "7"
+
+
 @pytest.mark.parametrize("name", ["arpabet", "sapi"])
 @pytest.mark.parametrize(("phoneme", "mouth", "word"), ROWS)
 def test_table_1_is_the_papers(name, phoneme, mouth, word):
@@ -162,15 +168,28 @@ def test_table_1_is_the_papers(name, phoneme, mouth, word):
         assert ENGLISH["examples"][label] == word
 
 
-def test_sapi_is_table_1_and_nothing_else():
-    sapi = ENGLISH["notations"]["sapi"]
+def test_sapi_is_table_1_and_marks_without_a_sound():
+    sapi = {p: to for p, to in ENGLISH["notations"]["sapi"].items() if p not in MARKS["sapi"]}
     assert dict(zip(sapi, mouths(sapi.values()), strict=True)) == {p: m for p, m, _ in ROWS}
+    for name, marks in MARKS.items():
+        assert [ENGLISH["notations"][name][mark] for mark in marks] == [()] * len(marks)
+
+
+def test_the_numbers_of_sapi_are_its_phonemes_in_order():
+    names, numbers = ENGLISH["notations"]["sapi"], ENGLISH["notations"]["sapi-ids"]
+    spoken = sorted(name for name in names if name not in MARKS["sapi"])
+    assert {str(at): names[name] for at, name in enumerate(spoken, 10)} == {
+        at: to for at, to in numbers.items() if at not in {*MARKS["sapi-ids"], SILENT_NUMBER}
+    }
+    assert common("sapi-ids", [SILENT_NUMBER]) == ["_"]
 
 
 @pytest.mark.parametrize("name", NOTATIONS)
 def test_every_label_is_text_and_maps_to_phonemes_there_are(name):
     for label, entry in ENGLISH["notations"][name].items():
         assert isinstance(label, str), label
+        if label in MARKS.get(name, ()) or (name, label) == ("sapi-ids", SILENT_NUMBER):
+            continue
         assert sequence(entry), label
         assert set(sequence(entry)) <= {*COMMON["base"], *COMMON["shades"]}, label
     assert spelling_conflicts(NOTATIONS[name].table) == []
@@ -179,7 +198,8 @@ def test_every_label_is_text_and_maps_to_phonemes_there_are(name):
 @pytest.mark.parametrize("name", NOTATIONS)
 def test_every_mouth_is_reached(name):
     reached = chain.from_iterable(map(sequence, ENGLISH["notations"][name].values()))
-    assert set(mouths(reached)) == set(COMMON["base"])
+    silent = {"_"} if name == "sapi-ids" else set()
+    assert set(mouths(reached)) == {*COMMON["base"], *silent}
 
 
 IPA = "æ ʌ ə ɑː ɔː eɪ ɛ ɝ ɪ iː w uː ʊ oʊ aʊ ɔɪ aɪ h ɹ l s z ʃ tʃ dʒ ʒ j θ ð f v d t n ŋ k ɡ p b m"

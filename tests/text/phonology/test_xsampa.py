@@ -96,7 +96,7 @@ def test_silence_is_silence_in_it(label):
 def test_a_table_of_that_name_is_taken_instead():
     tables = {IPA: {"s": SILENT}, "x-sampa": {"tS": SILENT}}
     known = ready(tables, (), SILENT, IPA, SPELLING)
-    assert [*known] == [IPA, "x-sampa", "praat"]
+    assert [*known] == [IPA, "x-sampa", "praat", "worldbet"]
     assert not known["x-sampa"].signs
 
 
