@@ -761,32 +761,40 @@ DOCUMENTED_FORMS = (
     (
         "cslu",
         "the header, the frames and the labels of a `.phn`",
-        "`formats.txt` of the Portland Cellular Corpus (LDC2008S01); labels by Hieronymus, "
-        '"ASCII Phonetic Symbols for the World\'s Languages: Worldbet" (1993)',
+        (
+            "`formats.txt` of the Portland Cellular Corpus (LDC2008S01); labels by Hieronymus, "
+            '"ASCII Phonetic Symbols for the World\'s Languages: Worldbet" (1993)'
+        ),
     ),
     (
         "facefx",
-        "lists of phonemes and words; `FLAP` and `SHORTSIL` are in every table of FaceFX as well",
-        "[FaceFX, phonlist command]"
-        "(https://facefx.github.io/documentation/doc/phonlist-command); the enumeration of its "
-        "phonemes, versions of 2002 to 2009",
+        "lists of phonemes and words; the names `FLAP` and `SHORTSIL`",
+        (
+            "[FaceFX, phonlist command]"
+            "(https://facefx.github.io/documentation/doc/phonlist-command); the enumeration of its "
+            "phonemes, versions of 2002 to 2009"
+        ),
     ),
     (
         "sapi",
         "numbers of phonemes, and marks of stress and of boundaries",
-        "[American English Phoneme Representation]"
-        "(https://learn.microsoft.com/en-us/previous-versions/windows/desktop/ee431828(v=vs.85)), "
-        "[Phoneme event of SpVoice]"
-        "(https://learn.microsoft.com/en-us/previous-versions/windows/desktop/ee125626(v=vs.85)), "
-        "[PhonemeReachedEventArgs]"
-        "(https://learn.microsoft.com/en-us/dotnet/api/"
-        "system.speech.synthesis.phonemereachedeventargs)",
+        (
+            "[American English Phoneme Representation]"
+            "(https://learn.microsoft.com/en-us/previous-versions/windows/desktop/ee431828(v=vs.85)), "
+            "[Phoneme event of SpVoice]"
+            "(https://learn.microsoft.com/en-us/previous-versions/windows/desktop/ee125626(v=vs.85)), "
+            "[PhonemeReachedEventArgs]"
+            "(https://learn.microsoft.com/en-us/dotnet/api/"
+            "system.speech.synthesis.phonemereachedeventargs)"
+        ),
     ),
     (
         "cereproc",
         "events of phonemes and words; no voice of CereProc was run",
-        "header `cerevoice_eng.h` and example `basictts` of the CereVoice SDK; phones by the relay "
-        "of SmartBody, whose replies `bml` reads",
+        (
+            "header `cerevoice_eng.h` and example `basictts` of the CereVoice SDK; phones by the "
+            "relay of SmartBody, whose replies `bml` reads"
+        ),
     ),
 )
 """Formats that were read by their documents alone, the part read, and its source."""

@@ -21,7 +21,7 @@ def sniff(source: TimingFile) -> bool:
     return any(one is not None and one[1] != "marker" for one in found)
 
 
-@reader("cereproc", ".txt", ".log", sniff=sniff)
+@reader("cereproc", ".txt", sniff=sniff)
 def read_cereproc(source: TimingFile) -> Schedule:
     """Events of phonemes and words that the examples of CereProc's SDK print."""
     phones: list[LabelRow] = []
