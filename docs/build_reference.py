@@ -780,11 +780,11 @@ DOCUMENTED_FORMS = (
         "numbers of phonemes, and marks of stress and of boundaries",
         (
             "[American English Phoneme Representation]"
-            "(https://learn.microsoft.com/en-us/previous-versions/windows/desktop/ee431828(v=vs.85)), "
+            "(https://learn.microsoft.com/previous-versions/windows/desktop/ee431828(v=vs.85)), "
             "[Phoneme event of SpVoice]"
-            "(https://learn.microsoft.com/en-us/previous-versions/windows/desktop/ee125626(v=vs.85)), "
+            "(https://learn.microsoft.com/previous-versions/windows/desktop/ee125626(v=vs.85)), "
             "[PhonemeReachedEventArgs]"
-            "(https://learn.microsoft.com/en-us/dotnet/api/"
+            "(https://learn.microsoft.com/dotnet/api/"
             "system.speech.synthesis.phonemereachedeventargs)"
         ),
     ),
