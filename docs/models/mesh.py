@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.faces.rigs.parts import (  # for the scripts too
+from lipsync_lang.plugins.heads.parts import (  # for the scripts too
     STILL,
     Part,
     srgb,

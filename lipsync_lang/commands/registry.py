@@ -41,7 +41,7 @@ COMMANDS: Extensions[AddCommand] = Extensions(
         for name in (
             "new", "doctor", "run", "transcribe", "explain", "stills", "live", "studio", "resolve",
             "validate", "schema", "coverage", "check", "build", "archive", "languages", "posesets",
-            "characters", "bank", "models", "heads", "voices", "formats", "completion",
+            "characters", "bank", "models", "voices", "formats", "completion",
         )
     },
 )  # fmt: skip

@@ -37,8 +37,6 @@ NO_TARGET = {
     "production/builds/project_build.py": "the project, which is a target",
     "production/builds/timing.py": "a cache of our own, which has tests of its own",
     "reports/coverage/reading_cache.py": "a cache of our own, which has tests of its own",
-    "faces/heads/face_model.py": "a licence in a mesh, whose lines have tests of their own",
-    "faces/heads/obj_files.py": "numbers by lines; damaged ones have tests of their own",
     "base/presentation/pages.py": "templates of our own",
     "cli.py": "opens the null device",
     "commands/bank_fitting.py": "opens a pair by its name",

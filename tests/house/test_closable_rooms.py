@@ -10,7 +10,7 @@ import pytest
 from lanes import full
 from places import ROOT
 
-PLUG_INS = ("capture", "cluster", "htk", "mfa", "smartbody", "study")
+PLUG_INS = ("capture", "cluster", "heads", "htk", "mfa", "smartbody", "study")
 
 CLOSABLE = (*(f"plugins/{room}" for room in PLUG_INS), "faces/players")
 """Rooms that register by entry points, and that no other room imports."""
@@ -74,6 +74,7 @@ def test_the_doctor_names_every_plug_in_that_was_removed(without):
     lost = {one["part"]: one["told"] for one in found if "was removed" in one["told"]}
     assert lost.keys() == {f"plug-in {name}" for name in PLUG_INS}
     assert "no command 'bank fit'" in lost["plug-in capture"]
+    assert "no command 'heads'" in lost["plug-in heads"]
     assert "no aligner 'mfa'" in lost["plug-in mfa"]
     assert "no acoustic model 'htk'" in lost["plug-in htk"]
 

@@ -59,11 +59,11 @@ ROOMS = {
     "pipeline": ({"", "gestures"},),
     "text": ({"phonology"}, {"lines"}),
     "packs": ({"yaml"}, {"models"}, {""}, {"banks", "checking"}),
-    "faces": ({"players", "rigs"}, {"heads"}),
+    "faces": ({"players", "rigs"},),
     "sound": ({"speech"}, {"listening"}),
     "reports": ({"coverage", "quality"},),
     "production": ({"builds", "live"},),
-    "plugins": ({"capture", "cluster", "htk", "mfa", "smartbody", "study"},),
+    "plugins": ({"capture", "cluster", "heads", "htk", "mfa", "smartbody", "study"},),
 }
 """Floors of rooms within a wing, from the ground up; "" is the modules beside the rooms."""
 

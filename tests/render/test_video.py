@@ -19,7 +19,6 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.base.errors import ModelError, OutputError
 from lipsync_lang.faces.rigs.channel import Channel
-from lipsync_lang.faces.rigs.parts import Part, take, write_glb
 from lipsync_lang.render import sheet, video
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.gltf import Material
@@ -346,13 +345,24 @@ def test_no_gap_opens_between_what_moves_and_what_stands_still(tmp_path):
     sheet = np.stack(corners, axis=1).reshape(-1, 3)
     # moves ever less from the middle outwards, and at last not at all
     fading = 0.0014 * (1 - np.linalg.norm(points, axis=1)).clip(0, 1)[:, None] ** 2 * (1, -1, 0)
-    whole = Part("sheet", points, sheet, (0.0, 1.0, 0.0, 1.0), targets={"up": fading})
     small = (points[sheet].mean(axis=1)[:, :2] < (-0.2, 0)).all(axis=1)
-    backdrop = Part("backdrop", points - (0, 0, 0.1), sheet, (1.0, 0.0, 0.0, 1.0))
-    path = tmp_path / "a.glb"
-    with path.open("wb") as stream:
-        parts = [take(whole, small, "small"), take(whole, ~small, "large"), backdrop]
-        write_glb(stream, parts, ["up"], {"name": "sheet"}, {})
+    maker, still = Maker(), np.zeros_like(points)
+    for triangles, depth, moved, colour in (
+        (sheet[small], 0, fading, (0, 1, 0, 1)),
+        (sheet[~small], 0, fading, (0, 1, 0, 1)),
+        (sheet, -0.1, still, (1, 0, 0, 1)),
+    ):
+        used, own = np.unique(triangles, return_inverse=True)
+        faces = maker.array(own.ravel(), "<u2")
+        attributes = {"POSITION": maker.array(points[used] + (0, 0, depth))}
+        target, number = {"POSITION": maker.array(moved[used])}, len(maker.document["meshes"])
+        maker.mesh(attributes, ["up"], [target], indices=faces, material=number)
+        surface = {"baseColorFactor": colour, "metallicFactor": 0.0}
+        maker.document.setdefault("materials", []).append({"pbrMetallicRoughness": surface})
+    parts = [part for mesh in maker.document["meshes"] for part in mesh["primitives"]]
+    maker.document["meshes"] = [maker.document["meshes"][0] | {"primitives": parts}]
+    maker.document["nodes"] = [{"mesh": 0}]
+    path = maker.write(tmp_path / "a.glb")
     scene = staged(animation_of(path, Channel("up")))
     assert scene.moving.any()
     assert not scene.moving.all()

@@ -5,7 +5,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang import LipsyncError
 from lipsync_lang.base.files import argument_path, write_all
 from lipsync_lang.commands.output import SOUND, tell_written, working
 from lipsync_lang.commands.registry import Add, command, family
@@ -45,8 +45,8 @@ def _add_ict(action: Add) -> None:
 
 def heads(options: Namespace) -> int:
     """Make a head and write it."""
-    from lipsync_lang.faces.heads.face_model import FaceModel, read_recipe
-    from lipsync_lang.faces.heads.made_head import HeadWish, make_head
+    from lipsync_lang.plugins.heads.face_model import FaceModel, read_recipe
+    from lipsync_lang.plugins.heads.made_head import HeadWish, make_head
 
     wish = HeadWish(
         _identities(options.identity),

@@ -6,11 +6,11 @@ from ict_clone import hair_obj, write_clone
 from lanes import full
 
 from lipsync_lang.base.errors import LipsyncError, ModelError
-from lipsync_lang.faces.heads.face_model import FaceModel, read_recipe
-from lipsync_lang.faces.heads.made_head import HeadWish, make_head
-from lipsync_lang.faces.heads.obj_files import obj_points
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.read_outs import read_outs
+from lipsync_lang.plugins.heads.face_model import FaceModel, read_recipe
+from lipsync_lang.plugins.heads.made_head import HeadWish, make_head
+from lipsync_lang.plugins.heads.obj_files import obj_points
 
 RECIPE = read_recipe("ict")
 

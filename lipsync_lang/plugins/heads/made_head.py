@@ -14,14 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lipsync_lang import LipsyncError, ModelError, OutputError
 from lipsync_lang.base.arrays import Bools, Floats, Ints
-from lipsync_lang.base.errors import LipsyncError, ModelError, OutputError, did_you_mean
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.faces.heads.face_model import FaceModel
-from lipsync_lang.faces.heads.obj_files import obj_mesh
-from lipsync_lang.faces.heads.painting import BROW_REACH, brow_way, lip_share, painted, ramp
-from lipsync_lang.faces.heads.thinning import Web, thin
-from lipsync_lang.faces.rigs.parts import (
+from lipsync_lang.plugins.heads.face_model import FaceModel
+from lipsync_lang.plugins.heads.obj_files import obj_mesh
+from lipsync_lang.plugins.heads.painting import BROW_REACH, brow_way, lip_share, painted, ramp
+from lipsync_lang.plugins.heads.parts import (
     Part,
     smooth_normals,
     srgb,
@@ -30,6 +30,7 @@ from lipsync_lang.faces.rigs.parts import (
     with_normals,
     write_glb,
 )
+from lipsync_lang.plugins.heads.thinning import Web, thin
 
 BROW_HAIRS_PER_MEGABYTE, MAX_BROW_HAIRS = 350, 1400
 """Hairs of both brows: as many as a smaller head has room for, and the most."""

@@ -6,8 +6,8 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
+from lipsync_lang import ModelError
 from lipsync_lang.base.arrays import Floats, Ints
-from lipsync_lang.base.errors import ModelError
 from lipsync_lang.base.files import read_input
 
 MAX_OBJ_BYTES = 64 * 2**20

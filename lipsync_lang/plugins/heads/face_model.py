@@ -12,11 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
+from lipsync_lang import LipsyncError, ModelError
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.base.errors import LipsyncError, ModelError, shortlist
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.faces.heads.obj_files import ObjMesh, obj_comment, obj_mesh, obj_points
 from lipsync_lang.packs.yaml.events import load_yaml
+from lipsync_lang.plugins.heads.obj_files import ObjMesh, obj_comment, obj_mesh, obj_points
 
 LIKELY = 0.7
 """Standard deviation of drawn identities, in those of the model; larger ones look less real."""

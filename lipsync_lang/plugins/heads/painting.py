@@ -10,7 +10,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.faces.rigs.parts import srgb
+from lipsync_lang.plugins.heads.parts import srgb
 
 LIP_EDGE = 0.16
 """Half the width in centimetres over which the lips fade into the skin."""
