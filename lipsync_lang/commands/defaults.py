@@ -3,6 +3,7 @@
 import logging
 import os
 import re
+import sys
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,11 +38,17 @@ def fill(options: Namespace) -> None:
     if named := getattr(options, "path", []):
         name_folders((find_project() or Path(FILE).absolute()).parent, named)
     path = find_project() if getattr(options, "in_project", False) else None
+    if path is None and wants_script_line(options):
+        what = f"--line alone names a line of a script, but this folder has no {FILE}"
+        raise LipsyncError(f"{what}; give a TEXT, or go to the folder of the project")
     if path is not None:
         from lipsync_lang.production.builds.timing_formats import open_project
 
         _log.info("project %s", path)
-        _take(options, open_project(path), path.parent)
+        project = open_project(path)
+        if wants_script_line(options):
+            _take_line(options, project, path.parent)
+        _take(options, project, path.parent)
     if getattr(options, "fps", 0) is None:
         options.fps = USUAL_FPS
     if getattr(options, "offset", "") is None:
@@ -59,6 +66,38 @@ def fill(options: Namespace) -> None:
                 f"a {name} is missing: give {option} {name.upper()}, or state `{name}: ...` in "
                 f"{FILE}"
             )
+
+
+def wants_script_line(options: Namespace) -> bool:
+    """Return True if a line is given by its id alone, and the command finds it in the script."""
+    given = [getattr(options, name, None) for name in ("text", "schedule", "audio")]
+    return getattr(options, "in_script", False) and bool(options.line) and given == [None] * 3
+
+
+def _take_line(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
+    """Take text, recording, timings, language and character of a line of the script."""
+    from lipsync_lang.base.errors import did_you_mean
+    from lipsync_lang.production.builds.script import read_script
+
+    lines = read_script(pack, paths=tuple(options.path))
+    own = [line for line in lines if line.name == options.line]
+    if not own:
+        names = dict.fromkeys(line.name for line in lines)
+        what = f"the script has no line '{options.line}'; {did_you_mean(options.line, names)}"
+        raise LipsyncError(what)
+    chosen = [
+        line for line in own if all(getattr(options, n) in {None, getattr(line, n)} for n in PAIR)
+    ]
+    if not chosen:
+        pairs = ", ".join(f"-l {line.language} -c {line.character}" for line in own)
+        raise LipsyncError(f"the script has '{options.line}' on other pairs: {pairs}")
+    line = chosen[0]
+    options.language, options.character = line.language, line.character
+    files = (path and folder / path for path in (line.timings, line.audio))
+    options.schedule, options.audio = files
+    options.text = None if line.timings else line.text or None
+    options.from_script = True
+    print(f"{line.place}: {line.language} on {line.character}", file=sys.stderr)
 
 
 def _only_sound(options: Namespace) -> bool:

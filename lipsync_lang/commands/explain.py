@@ -14,7 +14,9 @@ def _add_explain(add: Add) -> None:
         explain,
         "explain the weight of each pose at a time",
         'explain "Hello, world" -l english -c facefx --at 0.42',
+        more="; in the folder of a project, --line alone explains the line of its script",
     )
+    explain_.set_defaults(in_script=True)
     add_line(explain_)
     option(explain_, "--at SECONDS", "the time to explain", type=float, required=True)
     add_json(explain_)

@@ -36,9 +36,15 @@ def perform(options: Namespace) -> "Animation":
 def perform_line(
     options: Namespace, performer: "Performer", schedule: "Schedule", gestures: str | None = None
 ) -> "Animation":
-    """Perform a line with the requested delivery options; `gestures` if no option states any."""
+    """Perform a line with the requested delivery options; `gestures` if no option states any.
+
+    A line of the script has edits or none, as in a build.
+    """
+    named = options.line
+    if getattr(options, "from_script", False) and named not in performer.compiled.line_edits:
+        named = None
     return performer.perform(
-        schedule.resting(options.idle or 0.0), fps=options.fps, line=options.line,
+        schedule.resting(options.idle or 0.0), fps=options.fps, line=named,
         styles=levels("--style", options.styles),
         dials=levels("--dial", options.dials), intensity=options.intensity,
         gestures=gestures if options.gestures is None else options.gestures,

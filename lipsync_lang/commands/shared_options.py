@@ -134,7 +134,7 @@ def add_line(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     option(said, "--encoding NAME", "the schedule's encoding [UTF-8]")
     option(said, "--notation NAME", "the notation of the schedule's labels")
-    option(said, "--line NAME", "the line whose edits in the character's file are applied")
+    option(said, "--line NAME", "the id of the line, for its edits in the character's file")
     option(said, "--tts ENGINE", "speech engine; none estimates times [the language's]")
     add_values(said)
     how = made.add_argument_group("performance")
