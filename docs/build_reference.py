@@ -31,10 +31,10 @@ from lipsync_lang.base.extensions import PROGRAM, F, Formats
 from lipsync_lang.cli import parser
 from lipsync_lang.commands.registry import leaves
 from lipsync_lang.faces.rigs.recognise import losses
+from lipsync_lang.packs.describe import schema
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Language, PoseSet
-from lipsync_lang.packs.models.schema import schema
 from lipsync_lang.packs.yaml.faults import fault_codes
 from lipsync_lang.pipeline import motion
 from lipsync_lang.reports.coverage.report import schema as coverage_schema

@@ -33,7 +33,7 @@ from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Phonemes, PoseSet
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
-from lipsync_lang.packs.models.rig_channels import pose_names
+from lipsync_lang.packs.models.rig_models import pose_names
 from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
 from lipsync_lang.pipeline.motion import PRESETS
 

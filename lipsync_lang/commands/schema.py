@@ -18,8 +18,8 @@ def _add_schema(add: Add) -> None:
 
 def schema(options: Namespace) -> int:
     """Print a schema, or the kinds that have one."""
-    from lipsync_lang.packs.models.schema import kinds
-    from lipsync_lang.packs.models.schema import schema as make_schema
+    from lipsync_lang.packs.describe import kinds
+    from lipsync_lang.packs.describe import schema as make_schema
 
     if options.kind is None:
         print(as_json(kinds()) if options.json else "\n".join(kinds()))

@@ -1,12 +1,13 @@
-"""Lists and descriptions of packs, as text and as data."""
+"""Lists and descriptions of packs, as text and as data, and the JSON Schemas of their kinds."""
 
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
+from lipsync_lang.base.errors import PackError, did_you_mean
 from lipsync_lang.packs import models
 from lipsync_lang.packs.finding import Kind, beside
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models import AtMost
+from lipsync_lang.packs.models import MODELS, AtMost
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import shown
@@ -163,3 +164,20 @@ def _level(value: object) -> str:
     if len(value) == 1:
         return f"{value[0][1]:g}"
     return ", ".join(f"{level:g} at word {word:g}" for word, level in value)
+
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+"""The dialect of the schemas."""
+
+
+def kinds() -> list[str]:
+    """List the kinds of packs."""
+    return sorted(MODELS)
+
+
+def schema(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of a kind of pack; raise `PackError` for an unknown kind."""
+    if kind not in MODELS:
+        raise PackError(f"unknown kind of pack '{kind}': {did_you_mean(kind, MODELS)}")
+    made = MODELS[kind].model_json_schema(by_alias=True, mode="validation")
+    return {"$schema": DIALECT, **made}

@@ -21,9 +21,9 @@ from lipsync_lang.packs.models import Character
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
+from lipsync_lang.resolver.compile import drawn_trigrams, played_trigrams
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
 from lipsync_lang.resolver.layers import THIRDS, BigramRow, Halves, PairPacks
-from lipsync_lang.resolver.trigrams import drawn_trigrams, played_trigrams
 
 SLACK = 1e-6
 """Maximum difference that counts as none."""

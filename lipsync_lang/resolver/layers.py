@@ -14,8 +14,7 @@ from lipsync_lang.packs import models
 from lipsync_lang.packs.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
-from lipsync_lang.packs.known import KnownPhonemes
-from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.library import KnownPhonemes, Library
 from lipsync_lang.packs.models import PhonemeTarget
 from lipsync_lang.packs.pack import FilePlace, Pack
 from lipsync_lang.packs.yaml.faults import PackFaults, shown

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.finding import beside
-from lipsync_lang.packs.models.rig_channels import plain_channels
+from lipsync_lang.packs.models.rig_models import plain_channels
 
 if TYPE_CHECKING:
     from lipsync_lang.faces.rigs.recognise import Match

@@ -13,7 +13,7 @@ from small_models import glb
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.recognise import find, recognise
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models.rig_channels import channels_of
+from lipsync_lang.packs.models.rig_models import channels_of
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.schedules import read_schedule
 

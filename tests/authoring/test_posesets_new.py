@@ -16,7 +16,7 @@ from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Pose, PoseSet
-from lipsync_lang.packs.models.rig_channels import pose_names
+from lipsync_lang.packs.models.rig_models import pose_names
 
 
 def new(cli, *arguments):

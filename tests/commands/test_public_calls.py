@@ -11,7 +11,7 @@ import lipsync_lang as ll
 from lipsync_lang.packs.library import Library
 from lipsync_lang.reports.coverage import coverage
 from lipsync_lang.reports.quality.baselines import BASELINES, compare
-from lipsync_lang.text.lines.line import Line
+from lipsync_lang.text.lines.line_readers import Line
 
 SCHEDULE = ll.Schedule(("P", "2"), [0, 0.1, 0.3])
 

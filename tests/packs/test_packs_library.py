@@ -12,10 +12,10 @@ from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs import finding
 from lipsync_lang.packs import library as library_module
 from lipsync_lang.packs.checking.validate import validate
+from lipsync_lang.packs.describe import kinds, schema
 from lipsync_lang.packs.finding import Finder, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS
-from lipsync_lang.packs.models.schema import kinds, schema
 from lipsync_lang.packs.yaml.building import scan
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.resolver.compile import compile_pair

@@ -26,7 +26,7 @@ from lipsync_lang.faces.rigs.shape_matching import on_mesh
 from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models.rig_channels import channels_of, plain_channels, pose_names
+from lipsync_lang.packs.models.rig_models import channels_of, plain_channels, pose_names
 from lipsync_lang.packs.pack import Pack
 
 ALIKE = 0.97

@@ -29,7 +29,7 @@ from lipsync_lang.packs.models import (
     Threshold,
     TrigramCurves,
 )
-from lipsync_lang.packs.models.rig_channels import expanded
+from lipsync_lang.packs.models.rig_models import expanded
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc

@@ -8,7 +8,7 @@ from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.checking.conflicts import path_between
 from lipsync_lang.packs.checking.pack_checks import check_home, check_poses
 from lipsync_lang.packs.models import PoseSet, RigPack
-from lipsync_lang.packs.models.rig_channels import (
+from lipsync_lang.packs.models.rig_models import (
     NamedChannel,
     channels_of,
     expanded,

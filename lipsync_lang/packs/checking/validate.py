@@ -9,7 +9,6 @@ from pydantic import ValidationError
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs import models
-from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.checking.language_checks import check_claims
@@ -24,12 +23,12 @@ from lipsync_lang.packs.finding import (
     PART_FOLDERS,
     POSESET,
     SHARED,
+    answers_of,
     beside,
     entries,
     yaml_files,
 )
-from lipsync_lang.packs.known import KnownPhonemes, added_by
-from lipsync_lang.packs.library import FileRequest, Library
+from lipsync_lang.packs.library import FileRequest, KnownPhonemes, Library, added_by
 from lipsync_lang.packs.models import MODELS, Language, PackModel
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE as PROJECT_FILE

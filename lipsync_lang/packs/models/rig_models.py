@@ -1,6 +1,10 @@
 """Models of rigs: packs that drive the shapes and bones of a model."""
 
-from typing import Literal, Self
+import re
+from collections.abc import Iterator
+from itertools import product
+from math import prod
+from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -14,6 +18,7 @@ from lipsync_lang.packs.models.fields import (
     Text,
     Vector,
 )
+from lipsync_lang.packs.models.pose_models import PoseSet
 
 
 class RigChannel(Strict):
@@ -64,3 +69,101 @@ class RigPack(PackModel):
     """Other names of a channel in models; `{Left,Right}` as in the channel, `*` for any text."""
     lost: dict[PoseName, Text] = Field(default={})
     """Poses that these channels cannot show, or cannot tell from another pose, and why."""
+
+
+# `mouthSmile{Left,Right}` stands for two names, two braces for four. Malformed braces are ordinary
+# characters, because models name their shapes as they like.
+MAX_EXPANDED_NAMES = 256
+"""Most names one pattern may expand to; beyond, its braces are ordinary characters."""
+
+_BRACE = re.compile(r"\{([^{},]+(?:,[^{},]+)+)\}")
+
+
+def expanded(name: str) -> tuple[str, ...]:
+    """Return the names that a pattern expands to; a name without braces gives itself.
+
+    The last brace varies fastest: `a{1,2}{x,y}` gives a1x, a1y, a2x, a2y.
+    """
+    parts = _BRACE.split(name)
+    fixed, choices = parts[::2], [inner.split(",") for inner in parts[1::2]]
+    stray = any(mark in part for part in fixed for mark in "{}")
+    if not choices or stray or prod(map(len, choices)) > MAX_EXPANDED_NAMES:
+        return (name,)
+    return tuple(
+        fixed[0] + "".join(a + b for a, b in zip(chosen, fixed[1:], strict=True))
+        for chosen in product(*choices)
+    )
+
+
+def paired(name: str, count: int) -> tuple[tuple[str, ...], ...] | None:
+    """Distribute the names of a pattern over others, a tuple for each; None if they do not fit.
+
+    Equal numbers pair one to one. A single name goes to each of the others. If `count` is 1, all
+    names go to the one.
+    """
+    names = expanded(name)
+    if len(names) == count:
+        return tuple((one,) for one in names)
+    return (names,) * count if 1 in {len(names), count} else None
+
+
+class NamedChannel(NamedTuple):
+    """A channel with the key that states it in the rig."""
+
+    key: str
+    name: str
+    channel: RigChannel
+    """The channel; the braces of its `at_most` are expanded too."""
+
+
+def stated(rig: RigPack) -> Iterator[NamedChannel]:
+    """Yield every channel in the rig's order; a channel stated twice is yielded twice."""
+    for key, channel in rig.channels.items():
+        names = expanded(key)
+        limits = paired(channel.at_most, len(names)) if channel.at_most is not None else None
+        for name, limit in zip(names, limits or [()] * len(names), strict=True):
+            fits = len(limit) == 1
+            one = channel.model_copy(update={"at_most": limit[0]}) if fits else channel
+            yield NamedChannel(key, name, one)
+
+
+def channels_of(rig: RigPack) -> dict[str, RigChannel]:
+    """Return channels by name; of two with one name, the first."""
+    found: dict[str, RigChannel] = {}
+    for one in stated(rig):
+        found.setdefault(one.name, one.channel)
+    return found
+
+
+def names_of(rig: RigPack) -> dict[str, tuple[str, ...]]:
+    """Map channels to their other names in models; channels without any are left out."""
+    found: dict[str, dict[str, None]] = {}
+    for key, spellings in rig.names.items():
+        channels = expanded(key)
+        for spelling in spellings:
+            pairs = paired(spelling, len(channels)) or [(spelling,)] * len(channels)
+            for channel, own in zip(channels, pairs, strict=True):
+                found.setdefault(channel, {}).update(dict.fromkeys(own))
+    return {channel: tuple(own) for channel, own in found.items()}
+
+
+def plain_channels(rig: RigPack, to: PoseSet | None) -> list[dict[str, Any]]:
+    """Return every channel as plain data; its names include those of the pose in `to`."""
+    known = pose_names(to) if to is not None else {}
+    own = names_of(rig)
+    return [
+        {
+            "name": channel,
+            "names": list(dict.fromkeys((*own.get(channel, ()), *known.get(channel, ())))),
+            **stated.model_dump(mode="json"),
+        }
+        for channel, stated in channels_of(rig).items()
+    ]
+
+
+def pose_names(poseset: PoseSet) -> dict[str, list[str]]:
+    """Map each pose to its other names in models, braces expanded."""
+    return {
+        pose: list(dict.fromkeys(name for spelt in stated.names for name in expanded(spelt)))
+        for pose, stated in poseset.poses.items()
+    }

@@ -11,8 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from lipsync_lang.text.lines.columns import SPEAKER_COLUMNS
-from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import LineFile, reader
+from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 
 ENTRY_LINE = re.compile(r'\s*(?:(msgctxt|msgid_plural|msgid|msgstr)(?:\[(\d+)\])?\s*)?"(.*)"\s*$')
 ESCAPED_CHARACTER = re.compile(r"\\(.)", re.DOTALL)

@@ -7,8 +7,7 @@ without them. ``Anna: Hello.`` names a speaker.
 import re
 from collections.abc import Iterator
 
-from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import LineFile, reader
+from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 from lipsync_lang.text.lines.yarn import YARN_SPEAKER
 
 INK_COMMENT = re.compile(r"(?<![\\:])//.*|/\*.*?\*/")

@@ -4,19 +4,21 @@ import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
-from io import BytesIO
+from functools import cache, partial
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
-from typing import BinaryIO, NamedTuple, Self
+from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Self
 
 from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, ScheduleError, shortlist
 from lipsync_lang.base.extensions import Format, Formats
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path
 from lipsync_lang.base.files.reach import refuse_outside
-from lipsync_lang.base.files.reading import MIB_BYTES, read_input
-from lipsync_lang.text.lines.decoding import numbered
-from lipsync_lang.text.lines.line import Line
+from lipsync_lang.base.files.reading import MIB_BYTES, marked_encoding, read_input
 from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
+
+if TYPE_CHECKING:
+    from lipsync_lang.schedules.schedule import Schedule
+
 
 MAX_PIPED_BYTES = 64 * MIB_BYTES
 """Maximum size of a script from a pipe, which is held in memory; files have no limit."""
@@ -26,6 +28,107 @@ SCHEDULE_FORMAT = "schedule"
 
 Remark = Callable[[str], None]
 """Receiver of remarks that are not faults."""
+
+
+MAX_LINE_CHARS = 1_000_000
+"""Maximum length of a line, in characters."""
+
+
+OpenFile = Callable[[], BinaryIO]
+"""Function that opens a file at its start; called more than once."""
+
+
+def numbered(
+    path: Path, opened: OpenFile, encoding: str | None = None
+) -> Iterator[tuple[int, str]]:
+    """Yield (number from 1, line without its end) for the lines of a file, one in memory at a time.
+
+    The encoding is the one given, or that of the file's byte-order mark, or UTF-8; line ends may be
+    mixed.
+    `path` is for messages only. Raises LipsyncError if the file cannot be read, is not text, or is
+    in another encoding.
+    """
+    try:
+        with opened() as stream:
+            chosen = encoding or marked_encoding(stream.read(4)) or "utf-8-sig"
+        with opened() as stream, TextIOWrapper(stream, chosen, newline=None) as text:
+            lines = iter(partial(text.readline, MAX_LINE_CHARS), "")
+            for number, line in enumerate(lines, 1):
+                if "\0" in line:
+                    raise LipsyncError(
+                        f"{path}:{number}: has zero bytes, so it is not text; leave the file out, "
+                        "or, if it is UTF-16 without its mark, state `encoding='utf-16-le'`"
+                    )
+                if len(line) == MAX_LINE_CHARS:
+                    raise LipsyncError(
+                        f"{path}:{number}: this line is longer than {MAX_LINE_CHARS:,} characters; "
+                        "check that it is a script"
+                    )
+                yield number, line.removesuffix("\n")
+    except UnicodeError as error:
+        raise LipsyncError(_misread(path, opened, encoding, chosen, error)) from None
+    except LookupError:
+        raise LipsyncError(
+            f"`encoding={encoding!r}`: unknown encoding; try utf-8, utf-16, cp1252 or shift_jis"
+        ) from None
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise LipsyncError(f"{path}: cannot be read: {why}; check the path") from None
+
+
+def _misread(
+    path: Path, opened: OpenFile, asked: str | None, chosen: str, error: UnicodeError
+) -> str:
+    where, number = str(path), 0
+    if chosen == "utf-8-sig":  # the error tells of a chunk, not of the line
+        with opened() as stream:
+            for number, line in enumerate(stream, 1):  # noqa: B007 the last one, if none is faulty
+                try:
+                    line.decode()
+                except UnicodeDecodeError:
+                    break
+        where = f"{path}:{number}"
+    why = getattr(error, "reason", error)
+    if asked:
+        return f"{where}: is not {asked} ({why}); name another `encoding`, or save it as UTF-8"
+    if chosen != "utf-8-sig":
+        mark = f"starts with the mark of {chosen.upper()} but is not valid ({why})"
+        return f"{where}: {mark}; save it as UTF-8"
+    return (
+        f"{where}: is not UTF-8 ({why}), and has no mark of UTF-16 or UTF-32 at its start; name "
+        "its encoding (`encoding='cp1252'`), save it as UTF-8, or leave it out if it is not text"
+    )
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a script.
+
+    Parameters
+    ----------
+    text : the spoken text, without markup and placeholders
+    place : `file:line`
+    name : the line's own name in its file; may be empty
+    speaker : the speaker's name; empty if unknown
+    schedule : its timed phonemes, if the file has some
+    dropped : markup and placeholders that are not spoken, in order
+    gaps : offsets in the text, in order, of speech that the file does not contain
+    original : the text that this one translates; empty if the file does not have it
+    """
+
+    text: str
+    place: str
+    name: str = ""
+    speaker: str = ""
+    schedule: "Schedule | None" = None
+    dropped: tuple[str, ...] = ()
+    gaps: tuple[int, ...] = ()
+    original: str = ""
+
+    @property
+    def file(self) -> str:
+        """The file in its place."""
+        return self.place.rpartition(":")[0]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ These are not spoken, and listed in the result:
 - placeholders whose value only the game knows: ``{name}``, ``[name]``, ``%s``, ``$name``; notes in
   square brackets, such as ``[sighs]``, look the same,
 - codes of colours, sizes and waits: ``§a``, ``\C[4]``, ``|cFF0000``,
-- asides: ``(laughs)``, ``*sighs*`` (see `asides`),
+- asides: ``(laughs)``, ``*sighs*`` (see `is_aside`),
 - addresses, hashtags, emoji, arrows, notes of music, and signs such as ``~``,
 - passages that a project lists.
 
@@ -21,16 +21,15 @@ tag leaves no gap. A word in braces is a tag if a closing tag follows, or if it 
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import unescape
 from typing import NamedTuple
 from unicodedata import normalize
 
-from lipsync_lang.text.lines.asides import is_aside
 from lipsync_lang.text.lines.choices import chosen
-from lipsync_lang.text.phonology.g2p.tokens import PAUSES, UNSPACED
+from lipsync_lang.text.phonology.g2p.tokens import PAUSES, UNSPACED, plain
 
 UNUSUAL = re.compile(
     "(?:["
@@ -214,6 +213,69 @@ class Cleaning:
 
 
 AS_WRITTEN = Cleaning()
+
+
+# Asides are notes between the spoken words: ``(laughs)`` and ``*sighs*`` are notes to an actor,
+# ``(my brother)`` and ``*never*`` are words of the line. A language lists the words of its asides.
+# With capitals the form tells, too: few words, from a small letter, where a sentence begins.
+MAX_ASIDE_WORDS = 5
+"""Maximum number of words of an aside that is recognised by its form."""
+
+MAX_CHARS, MAX_UNCASED_CHARS = 40, 12
+"""Maximum length of an aside known by its words, in scripts with and without capitals."""
+
+OPEN_END = "..."
+"""Mark at the end of a listed word, for all words with this start."""
+
+SENTENCE_ENDS = frozenset(".!?…。！？")
+
+QUOTE_SIGNS = frozenset("\"'»«“”„‘’—–-[](){}")
+
+
+def is_aside(
+    said: str, before: str, after: str, listed: Sequence[str], *, starred: bool = False
+) -> bool:
+    """Return True if a passage in brackets or asterisks is an aside.
+
+    `before` and `after` are the text around it; `listed` are the language's words of asides;
+    `starred` is True if the passage is in asterisks, which emphasise other words.
+
+    >>> is_aside("sighs deeply", "", " I know.", ["sigh..."])
+    True
+    >>> is_aside("never", "I ", " said so.", [], starred=True)
+    False
+    """
+    last, first = before.rstrip()[-1:], after.lstrip()[:1]
+    begins = not last or last in PAUSES or last in QUOTE_SIGNS
+    ends = not first or not first.islower()
+    if starred and not (begins and ends):
+        return False
+    longest = MAX_CHARS if _has_case(said) else MAX_UNCASED_CHARS
+    if listed and len(said) <= longest and _pattern(tuple(listed)).search(plain(said)):
+        return True
+    if not (begins and ends and 0 < len(said.split()) <= MAX_ASIDE_WORDS and _has_case(said)):
+        return False
+    if starred:
+        apart = (not last or last in SENTENCE_ENDS) and (not first or first.isupper())
+        return said[0].islower() and apart and bool(last + first)
+    closed = said.rstrip()[-1] in PAUSES
+    return not closed and (said[0].islower() or (said.isupper() and not after.strip()))
+
+
+def _has_case(text: str) -> bool:
+    return text.lower() != text.upper()
+
+
+@lru_cache(256)
+def _pattern(listed: tuple[str, ...]) -> re.Pattern[str]:
+    """Return the pattern of listed words; without capitals, words may have no edges."""
+    ways = []
+    for one in listed:
+        word = re.escape(plain(one.removesuffix(OPEN_END)))
+        if _has_case(word):
+            word = rf"(?<!\w){word}" + ("" if one.endswith(OPEN_END) else r"(?!\w)")
+        ways.append(word)
+    return re.compile("|".join(ways))
 
 
 class SpokenText(NamedTuple):

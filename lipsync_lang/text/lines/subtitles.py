@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from html import unescape
 
 from lipsync_lang.schedules.readers.subtitles import cues, joined, speaker_of
-from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import LineFile, reader
+from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 
 
 @reader("subtitles", suffixes=[".srt", ".vtt"])

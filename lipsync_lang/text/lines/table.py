@@ -21,8 +21,7 @@ from lipsync_lang.text.lines.columns import (
     stated_column,
     text_column,
 )
-from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import LineFile, Table, reader
+from lipsync_lang.text.lines.line_readers import Line, LineFile, Table, reader
 
 DELIMITERS = "\t,;|"
 

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import LineFile, reader
+from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 
 
 @reader("text", suffixes=[".txt"])

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
 from lipsync_lang.schedules.timing_readers import TIMING_READERS, timings_of
-from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import SCHEDULE_FORMAT, LineFile, reader
+from lipsync_lang.text.lines.line_readers import SCHEDULE_FORMAT, Line, LineFile, reader
 
 TIMING_SUFFIXES = tuple(
     sorted({s for one in TIMING_READERS.values() if not one.script for s in one.suffixes})

@@ -13,8 +13,7 @@ from zipfile import BadZipFile, ZipFile
 from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files.reading import MIB_BYTES
-from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import LineFile, Table, reader
+from lipsync_lang.text.lines.line_readers import Line, LineFile, Table, reader
 from lipsync_lang.text.lines.table import lines_of
 
 MAX_PART_BYTES = 512 * MIB_BYTES

@@ -8,8 +8,7 @@ as ``Anna: Hello. #line:a1``, options (``-> Hello.``), groups of lines (``=> Hel
 import re
 from collections.abc import Iterator
 
-from lipsync_lang.text.lines.line import Line
-from lipsync_lang.text.lines.line_readers import LineFile, reader
+from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 
 YARN_COMMENT = re.compile(r"(?<![\\:])//.*")
 """Pattern of a comment, but not within the address of a page."""

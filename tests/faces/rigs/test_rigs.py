@@ -17,7 +17,7 @@ from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.faces.rigs.recognise import loss_table, losses
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models.rig_channels import channels_of, expanded, paired
+from lipsync_lang.packs.models.rig_models import channels_of, expanded, paired
 from lipsync_lang.pipeline.drive import Rig, drive, sides
 from lipsync_lang.pipeline.limit import lower_envelope, ramps, rest_at_ends
 from lipsync_lang.pipeline.prepare import GIVEN

@@ -10,7 +10,7 @@ from shipped import LIBRARY, POSESETS
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.model import Mesh
 from lipsync_lang.faces.rigs.shape_matching import fits, folded, on_mesh, placed
-from lipsync_lang.packs.models.rig_channels import pose_names
+from lipsync_lang.packs.models.rig_models import pose_names
 
 SETS = {name: LIBRARY.poseset(name).model for name in POSESETS}
 

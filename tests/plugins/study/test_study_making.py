@@ -36,7 +36,7 @@ from lipsync_lang.plugins.study.study_lines import (
 )
 from lipsync_lang.plugins.study.study_maker import StudyPlan, make_study
 from lipsync_lang.plugins.study.study_page import PageTexts, origin_of, parse_asked, study_page
-from lipsync_lang.text.lines.line import Line
+from lipsync_lang.text.lines.line_readers import Line
 
 BOTH = ["zebra=keyframes", "yak=dominance"]
 """Methods with names that occur nowhere else in a page."""

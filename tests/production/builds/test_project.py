@@ -8,7 +8,7 @@ from lanes import full
 
 from lipsync_lang.commands.parser import parser
 from lipsync_lang.commands.registry import leaves
-from lipsync_lang.packs.models.schema import schema
+from lipsync_lang.packs.describe import schema
 from lipsync_lang.packs.project import find_project
 
 LINE = '[{"label": "HH", "start": 0, "end": 0.1}, {"label": "AY", "start": 0.1, "end": 0.3}]'

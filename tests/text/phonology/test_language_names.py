@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from lipsync_lang.base.errors import LipsyncError, PackError
-from lipsync_lang.packs.answers import answers_of, named_as
 from lipsync_lang.packs.checking.validate import validate
+from lipsync_lang.packs.finding import answers_of, named_as
 from lipsync_lang.packs.library import Library
 from lipsync_lang.text.lines.columns import language_column, stated_column, text_column
 from lipsync_lang.text.lines.line_readers import LineFile

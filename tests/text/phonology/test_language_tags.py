@@ -9,9 +9,8 @@ from packs_tree import plant, put
 from shipped import LIBRARY
 
 import lipsync_lang as ll
-from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.checking.validate import validate
-from lipsync_lang.packs.finding import Finder
+from lipsync_lang.packs.finding import Finder, answers_of
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.resolver import cache

@@ -8,9 +8,9 @@ from lipsync_lang.text.lines import markup
 from lipsync_lang.text.lines.choices import MAX_DEPTH, chosen
 from lipsync_lang.text.phonology.emphasis import touched
 from lipsync_lang.text.phonology.g2p import corrections
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions
 from lipsync_lang.text.phonology.g2p.corrections import corrector
 from lipsync_lang.text.phonology.g2p.drawn_out import drawn_out, starts_of
-from lipsync_lang.text.phonology.g2p.expansions import Expansions
 from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, SpokenWord
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
 

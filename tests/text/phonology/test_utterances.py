@@ -6,8 +6,7 @@ import pytest
 
 from lipsync_lang import SpeechError
 from lipsync_lang.text.phonology.g2p import SpokenWord, abbreviation_keys
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import roman
-from lipsync_lang.text.phonology.g2p.expansions import Expansions
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, roman
 from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import read_words
 from lipsync_lang.text.phonology.g2p.utterances import Utterances
