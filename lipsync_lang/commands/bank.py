@@ -30,10 +30,11 @@ def _add_draft(action: Add) -> None:
     )
     made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
     add_pair(made)
-    flag(made, "--write", "write them to a bank; its own bigrams stay")
+    flag(made, "--write", "write them to a bank or a character; its own bigrams stay")
     option(
-        made, "--to FILE", "the bank to write to [posesets/NAME/banks/common.yaml of this folder]",
-        type=Path,
+        made, "--to FILE",
+        "the bank or the character's file to write to [posesets/NAME/banks/common.yaml of this "
+        "folder, which all characters of the pose set use]", type=Path,
     )  # fmt: skip
 
 
@@ -60,7 +61,7 @@ def _add_diff(action: Add) -> None:
 
 
 def draft(options: Namespace) -> int:
-    """Draft bigrams; print them as YAML or put them into a bank."""
+    """Draft bigrams; print them as YAML, or put them into a bank or a character."""
     from lipsync_lang.packs.banks.write import bigrams_yaml, write_drafts
     from lipsync_lang.packs.library import Library
     from lipsync_lang.resolver.bigram_sources import draft_bigrams

@@ -94,4 +94,5 @@ def draft_bigrams(
     }
     who = shelf.character.model
     own = who.name if who.targets else ""
-    return BankBigrams(shelf.poseset.model.name, bigrams, DRAFTED, character=own)
+    owner = None if shelf.character.path == shelf.poseset.path else shelf.character.path
+    return BankBigrams(shelf.poseset.model.name, bigrams, DRAFTED, character=own, owner=owner)

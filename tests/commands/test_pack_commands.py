@@ -145,15 +145,38 @@ def test_drafts_are_written_once_and_then_used(cli, folder):
     assert bank.read_bytes() == text
 
 
+HERO = "kind: character\nformat: 1\nname: hero\nposeset: facefx\n# the end\n"
+
+
+def test_a_draft_goes_into_the_file_of_one_character(cli, folder):
+    path = folder / "characters" / "hero.yaml"
+    path.parent.mkdir()
+    path.write_text(HERO)
+    whose, hero = ("-l", "english", "-c", "hero"), str(path.relative_to(folder))
+    ended = cli("bank", "draft", *whose, "l-ow", "--write")
+    assert "all characters of facefx use them; for this one alone, give --to " + hero in ended.err
+    ended = cli("bank", "draft", *whose, "l-ow", "--to", hero)
+    assert (ended.code, ended.err) == (0, f"1 drafted bigram put into {hero}\n")
+    text = path.read_text("utf-8")
+    assert text.startswith(HERO.partition("#")[0])
+    assert "# the end" in text
+    layers = json.loads(cli("resolve", *whose, "--json").out)["layers"]
+    assert layers["character"]["drafted"] == 1
+    assert "0 drafted bigrams" in cli("bank", "draft", *whose, "l-ow", "--to", hero).err
+    assert path.read_text("utf-8") == text
+    ended = cli("bank", "draft", *whose, "l-ow", "--to", "own.yaml")
+    assert f"no character uses the file yet; state `banks: [../own.yaml]` in {hero}" in ended.err
+
+
 @pytest.mark.parametrize(
     ("target", "message"),
     [
         ("bank.json", "bank.json: is not a name for a bank; use a name that ends in .yaml"),
         ("line.json/bank.yaml", "line.json: cannot be written: (File exists|Not a dir)"),
-        ("english.yaml", "english.yaml: is not a bank of facefx; name another file"),
+        ("english.yaml", "english.yaml: is neither a bank nor a character of facefx; name another"),
         ("list.yaml", "list.yaml"),
         ("folder.yaml", "folder.yaml: "),
-        ("other.yaml", "other.yaml: is not a bank of facefx"),
+        ("other.yaml", "other.yaml: is neither a bank nor a character of facefx"),
         ("broken.yaml", "broken.yaml:1:7: P008"),
     ],
 )

@@ -1,5 +1,6 @@
 """Writers of bigrams as YAML, into bank files that a person can edit."""
 
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -37,6 +38,8 @@ class BankBigrams:
     """Kind of curve; None for the bank's own."""
     character: str = ""
     """Character whose own targets were drafted; empty for the targets of the pose set."""
+    owner: Path | None = None
+    """File of the character for whom they were drafted; None for a bare pose set."""
 
 
 def bigrams_yaml(made: BankBigrams) -> str:
@@ -48,21 +51,34 @@ def bigrams_yaml(made: BankBigrams) -> str:
 
 
 def write_drafts(library: "Library", drafts: BankBigrams, path: Path | None = None) -> str:
-    """Add drafts to a bank file; bigrams already in it stay unchanged.
+    """Add drafts to a bank or a character file; bigrams already in it stay unchanged.
 
-    A bank that the library has loaded is not read again. By default, the file is `common.yaml` of
-    the pose set in the project. Returns a sentence on the changes.
+    A file that the library has loaded is not read again. By default, it is `common.yaml` of the
+    pose set in the project. Returns a sentence on the changes, and on who uses them.
     """
+    own = drafts.owner and os.path.relpath(drafts.owner)
     if path is None and drafts.character:
         raise LipsyncError(
             f"'{drafts.character}' has its own targets, but the default bank is for all "
-            f"characters of {drafts.poseset}; name another file for the bigrams, and state it "
-            f"under `banks` of '{drafts.character}'"
+            f"characters of {drafts.poseset}; put the bigrams into its file (--to {own})"
         )
-    path = path or Path("posesets") / drafts.poseset / "banks" / "common.yaml"
-    make_room(path)
-    new = add_bigrams(library, path, drafts)
-    return done(path, len(new), len(drafts.bigrams) - len(new), drafts.status)
+    shared = Path("posesets") / drafts.poseset / "banks"
+    target = path or shared / "common.yaml"
+    make_room(target)
+    unused = not target.exists() and target.absolute().parent.parts[-3:] != shared.parts
+    new = add_bigrams(library, target, drafts)
+    told = done(target, len(new), len(drafts.bigrams) - len(new), drafts.status)
+    if path is None and own:
+        told += (
+            f"\nall characters of {drafts.poseset} use them; for this one alone, give --to {own}"
+        )
+    if unused:
+        home = drafts.owner.parent if drafts.owner else target.parent
+        beside = Path(os.path.relpath(target, home)).as_posix()
+        told += (
+            f"\nno character uses the file yet; state `banks: [{beside}]` in {own or 'its file'}"
+        )
+    return told
 
 
 def make_room(path: Path) -> None:
@@ -76,7 +92,7 @@ def make_room(path: Path) -> None:
 
 
 def add_bigrams(library: "Library", path: Path, made: BankBigrams) -> list[str]:
-    """Add bigrams to a bank file, which is made if missing, and return the new ones."""
+    """Add bigrams to a bank, made if missing, or to a character; return the new ones."""
     from lipsync_lang.base.files import atomic
     from lipsync_lang.packs.splicing import spliced
     from lipsync_lang.packs.yaml.source import read_bytes
@@ -123,17 +139,18 @@ def done(path: Path, new: int, kept: int, what: str) -> str:
 
 
 def _refuse_other(path: Path, bank: object, made: BankBigrams) -> None:
-    """Raise an error if a file is not a bank of this pose set and style."""
+    """Raise an error if a file is not a bank of this pose set and style, nor a character of it."""
     stated = bank if isinstance(bank, dict) else {}
-    if (stated.get("kind"), stated.get("poseset")) != ("bank", made.poseset):
+    if stated.get("kind") not in {"bank", "character"} or stated.get("poseset") != made.poseset:
         raise PackError(
-            f"{path}: is not a bank of {made.poseset}; name another file for the bigrams"
+            f"{path}: is neither a bank nor a character of {made.poseset}; name another file for "
+            "the bigrams"
         )
     if not isinstance(stated.get("bigrams") or {}, dict):
         raise PackError(f"{path}: `bigrams` is not a mapping; write `bigrams: {{}}`")
     style = stated.get("style", NEUTRAL)
     if made.style not in {None, style}:
-        what = f"is a bank of style '{style}', not '{made.style}'"
+        what = f"has bigrams of style '{style}', not '{made.style}'"
         raise PackError(f"{path}: {what}; name another file for the bigrams")
 
 

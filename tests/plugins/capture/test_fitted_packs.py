@@ -162,11 +162,13 @@ def test_drafts_of_own_targets_are_not_put_into_the_bank_of_every_face(tmp_path,
     monkeypatch.chdir(tmp_path)
     anna(tmp_path, "targets: {ow: {open: 0.9}}\n")
     drafts = draft_bigrams(Library(), "english", "anna", ["l-ow"])
-    with pytest.raises(LipsyncError, match=r"'anna' has its own targets.*under `banks`"):
+    with pytest.raises(LipsyncError, match=r"'anna' has its own targets.*--to characters"):
         write_drafts(Library(), drafts)
     assert not (tmp_path / "posesets").exists()
     own = tmp_path / "characters/anna-bank.yaml"
-    assert write_drafts(Library(), drafts, own).startswith("1 drafted bigram put into")
+    told = write_drafts(Library(), drafts, own)
+    assert told.startswith("1 drafted bigram put into")
+    assert told.endswith("state `banks: [anna-bank.yaml]` in " + str(Path("characters/anna.yaml")))
     assert not draft_bigrams(Library(), "english", "facefx", ["l-ow"]).character
 
 

@@ -260,7 +260,7 @@ def test_styles(folder, library):
         brought(folder, library, both)
     bigrams, made = brought(folder, library, both, style="angry")
     assert (list(bigrams), made.style, made.set) == (["l-ah"], "angry", "angry")
-    with pytest.raises(LipsyncError, match="is a bank of style 'angry', not 'neutral'"):
+    with pytest.raises(LipsyncError, match="has bigrams of style 'angry', not 'neutral'"):
         brought(folder, library, both, style="neutral")
     path = folder / "other.yaml"
     bigrams, made = brought(folder, library, both, style="neutral", to=path)
