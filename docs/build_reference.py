@@ -511,7 +511,9 @@ def readme(text: str) -> str:
     """Return the README with its numbers of languages and pose sets as the packs are now."""
     library = Library(project=None)
     posesets = len({found.name for found in library.names("poseset")})
-    text = COUNTED["languages"].sub(str(len(known())), text)
+    # A pack with a private tag is another mapping of a language that has a pack.
+    counted = sum("-x-" not in model.tag for model in known())
+    text = COUNTED["languages"].sub(str(counted), text)
     return COUNTED["pose sets"].sub(str(posesets), text)
 
 
@@ -603,10 +605,11 @@ def motions() -> str:
             "# Motion settings",
             (
                 "These settings control how curves become motion. You can change a setting in "
-                "three places; each overrides the one before:\n\n"
+                "four places; each overrides the one before:\n\n"
                 "1. `motion` of a pose set\n"
-                "2. `motion` of a character\n"
-                "3. a call: `--set motion.window=0.1` on the command line, "
+                "2. `motion` of a language: `paper-english` has the paper's\n"
+                "3. `motion` of a character\n"
+                "4. a call: `--set motion.window=0.1` on the command line, "
                 '`resolve(..., motion={"window": 0.1})` or '
                 '`performer.with_motion({"window": 0.1})` in Python'
             ),

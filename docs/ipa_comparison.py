@@ -40,9 +40,13 @@ class SymbolMappings(NamedTuple):
 
 
 def compare(library: Library) -> list[SymbolMappings]:
-    """Compare the mappings of all languages found, the most widespread symbols first."""
+    """Compare the mappings of all languages found, the most widespread symbols first.
+
+    A pack with a private tag is another mapping of a language, and is left out.
+    """
     packs = [library.language(found.name).model for found in library.names("language")]
-    return compare_models(packs, library.ipa().model.decided)
+    own = [pack for pack in packs if "-x-" not in pack.tag]
+    return compare_models(own, library.ipa().model.decided)
 
 
 def compare_models(

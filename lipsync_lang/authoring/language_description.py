@@ -25,6 +25,7 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
     failed = [fault for fault in trial.faults(common.silence) if fault.severity == "fault"]
     reasons = {one: reason_for(model, near, one, decided) for one in model.notations.get(IPA, {})}
     speaks = f"{model.tts.engine}, voice {model.tts.voice or '(default)'}" if model.tts else ""
+    moves = model.motion.model_dump(exclude_none=True)
     return {
         "name": model.name,
         "title": model.title or model.name,
@@ -36,6 +37,7 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
         "adds": list(model.adds),
         "reads": _reads(model),
         "speaks": speaks,
+        "moves": ", ".join(f"{name} {value}" for name, value in moves.items()),
         "caveats": list(model.caveats),
         "notations": {
             name: [

@@ -39,7 +39,8 @@ def language_table(told: dict[str, Any]) -> str:
     """
     also = f", also {', '.join(told['aliases'])}" if told["aliases"] else ""
     lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}"]
-    lines += [f"{what} text with {told[what]}" for what in ("reads", "speaks") if told[what]]
+    does = {"reads": "reads text with", "speaks": "speaks text with", "moves": "moves with"}
+    lines += [f"{words} {told[what]}" for what, words in does.items() if told[what]]
     if told["extends"]:
         lines.append(f"states only what differs from {told['extends']}")
     if told["automatic"]:

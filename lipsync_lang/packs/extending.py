@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from lipsync_lang.packs.models import Language, Phonemes
 
-REPLACED_FIELDS = ("g2p", "tts", "audio", "automatic", "gesture_words")
+REPLACED_FIELDS = ("g2p", "tts", "audio", "motion", "automatic", "gesture_words")
 """Fields that a child replaces as a whole, or inherits."""
 
 MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")

@@ -108,7 +108,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
     model, library = spoken.model, shelf.library
     manner = manner_of(spoken, common.model, who.model)
     motion = Motion()
-    for layer in (poseset.model, who.model):  # the character has the last word
+    for layer in (poseset.model, model, who.model):  # the character has the last word
         motion = motion_with(motion, layer.motion.model_dump(exclude_none=True))
     return CompiledPair(
         language=model.name,

@@ -1,5 +1,6 @@
 """Layers, statuses and gaps of a language-character pair."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ from lanes import full
 from lipsync_lang import PackError, resolve
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
+from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.resolver.compile import compile_pair
 
 POINTS = "[[0, 0], [0.5, 0.4], [1, 0]]"
@@ -182,6 +184,26 @@ def test_a_characters_bank_cannot_lie_outside_the_packs(tmp_path):
     )
     with pytest.raises(PackError, match="P213"):
         compiled(tmp_path / "packs", character="anna")
+
+
+def test_a_language_has_a_motion_of_its_own_which_a_character_refines(tmp_path):
+    head = "kind: language\nformat: 1\ntag: en-x-slow\nextends: paper-english\n"
+    write(tmp_path / "languages" / "same.yaml", f"{head}name: same\n")
+    write(tmp_path / "languages" / "slow.yaml", f"{head}name: slow\nmotion: {{speed_limit: 5}}\n")
+    write(
+        tmp_path / "characters" / "anna.yaml",
+        "kind: character\nformat: 1\nname: anna\nposeset: facefx\nmotion: {window: 0.1}\n",
+    )
+    paper = PRESETS["paper"]
+    for language, motion in (
+        ("paper-english", replace(paper, window=0.1)),
+        ("same", replace(paper, window=0.1)),
+        ("slow", Motion(speed_limit=5, window=0.1)),
+    ):
+        performer = resolve(language, "anna", paths=[tmp_path], cache=False)
+        assert performer.motion == motion, language
+        called = resolve(language, "anna", paths=[tmp_path], cache=False, motion="default")
+        assert called.motion == Motion()
 
 
 def test_motion_is_refined_by_pose_set_character_and_call(tmp_path):

@@ -26,6 +26,7 @@ from lipsync_lang.packs.models.fields import (
     sound_forms,
 )
 from lipsync_lang.packs.models.gesture_models import GestureWords
+from lipsync_lang.packs.models.motion_models import MotionFields, OrPreset
 from lipsync_lang.packs.models.text_models import (
     LanguageText,
     SharedText,
@@ -380,6 +381,8 @@ class Language(PackModel):
     """The voice that speaks text."""
     audio: AudioFields | None = None
     """The conversion of recordings to phonemes."""
+    motion: Annotated[MotionFields, OrPreset] = MotionFields()
+    """Differences from the pose set's motion; a preset's name alone is short for it."""
     durations: dict[SoundClass, Positive] = Field(default={})
     """Seconds by class, if no voice gives timings."""
     silence: tuple[str, ...] = ()

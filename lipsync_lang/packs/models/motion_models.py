@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from lipsync_lang.packs.models.fields import NotNegative, Strict, Text
+from lipsync_lang.packs.models.fields import NotNegative, Short, Strict, Text
+from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 
@@ -47,3 +48,11 @@ class MotionFields(Strict):
     """Level of ordinary speech in recordings, in dBFS."""
     hold: NotNegative | None = None
     """Least seconds of each pose, with one pose shown at a time; at 0 poses blend."""
+
+
+def _preset(value: Data) -> Data:
+    return {"preset": value} if isinstance(value, str) else value
+
+
+OrPreset = Short(_preset, forms=lambda full: [full, {"type": "string"}])
+"""Accepts a preset's name alone as motion settings."""

@@ -19,7 +19,7 @@ from lipsync_lang.packs.models.fields import (
     Strict,
     Text,
 )
-from lipsync_lang.packs.models.motion_models import MotionFields
+from lipsync_lang.packs.models.motion_models import MotionFields, OrPreset
 from lipsync_lang.packs.yaml.source import Data
 
 _RATE_PATTERN = r"^\d+(\.\d+)?(/\d+)?$"
@@ -80,10 +80,6 @@ def _word(text: str) -> str:
 def _rate(value: Data) -> Data:
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return f"{value:g}" if number else value
-
-
-def _preset(value: Data) -> Data:
-    return {"preset": value} if isinstance(value, str) else value
 
 
 def _switch(value: Data) -> Data:
@@ -210,7 +206,7 @@ class Project(PackModel):
     offset: Annotated[float, Field(ge=0, le=86_400)] | None = None
     """Seconds of every file at which its sound begins. By default 0, or the length of the movement
     before the sound in formats without time below zero."""
-    motion: Annotated[MotionFields, Short(_preset, forms=_or({"type": "string"}))] | None = None
+    motion: Annotated[MotionFields, OrPreset] | None = None
     """Motion settings over the character's own; a preset's name alone is short for it."""
     shades: bool | None = None
     """False to perform each shade as its parent; unless stated, only the paper's thresholds do."""

@@ -5,6 +5,7 @@ from itertools import chain
 
 import pytest
 from places import ROOT
+from shipped import LIBRARY
 from spellings import spelling_conflicts
 
 from lipsync_lang.packs.yaml.building import read_yaml
@@ -209,6 +210,36 @@ SAMPA = "{ V @ A: Q eI e 3: I i: w u: U @U aU OI aI h r l s z S tS dZ Z j T D f 
 @pytest.mark.parametrize(("name", "labels"), [("ipa", IPA), ("sampa", SAMPA)])
 def test_table_1_in_the_other_notations(name, labels):
     assert common(name, labels.split()) == [mouth for _, mouth, _ in ROWS]
+
+
+LABELS = {
+    "arpabet": ["HH" if phoneme == "h" else phoneme.upper() for phoneme, _, _ in ROWS],
+    "sapi": [phoneme for phoneme, _, _ in ROWS],
+    "ipa": IPA.split(),
+    "sampa": SAMPA.split(),
+}
+"""The forty phonemes of Table 1, as each notation writes them."""
+
+
+@pytest.mark.parametrize("name", LABELS)
+def test_the_papers_english_has_all_forty_phonemes_as_table_1(name):
+    table = LIBRARY.language("paper-english").model.notations[name]
+    assert [table[label].to for label in LABELS[name]] == [(mouth,) for _, mouth, _ in ROWS]
+
+
+def test_the_papers_english_has_no_shades():
+    tables = LIBRARY.language("paper-english").model.notations.values()
+    said = {name for table in tables for sounds in table.values() for name in sounds.to}
+    assert said <= {*COMMON["base"], COMMON["silence"]}
+
+
+def test_default_english_departs_from_table_1_in_two_parents_for_a_reason():
+    parents = {name: shade["like"] for name, shade in COMMON["shades"].items()}
+    table = ENGLISH["notations"]["sapi"]
+    departs = {one: m for one, m, _ in ROWS if parents.get(table[one], table[one]) != m}
+    assert departs == SEEN
+    for phoneme in departs:
+        assert ENGLISH["reasons"][phoneme.upper()].startswith("Table 1 has it with")
 
 
 def test_every_silence_is_text_and_found_by_every_notation():
