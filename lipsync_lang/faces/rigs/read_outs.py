@@ -3,6 +3,7 @@
 Lengths are in widths of the closed mouth, so models of any scale compare: a human mouth is about
 5 cm wide. The face looks along +z, and y is up, as glTF requires. No name is read: the mouth is
 where points that lie close together come apart most, in the shape that lowers the most of the mesh.
+If few shapes part them there, these are lids, for example, and other shapes are tried.
 """
 
 from collections.abc import Mapping
@@ -23,6 +24,12 @@ NEAR_SHARE = 0.05
 
 PARTED_SHARE = 0.15
 """Smallest opening of a pair of lip points, as a fraction of the largest one."""
+
+TRIED_SHAPES = 12
+"""Number of shapes that are tried as the opening of the mouth."""
+
+USED_SHARE = 0.25
+"""Smallest share of all moving shapes that part the points of a mouth."""
 
 STILL_SHARE = 1e-5
 """Largest way of a point that nobody sees, as a fraction of the size of its mesh."""
@@ -132,10 +139,24 @@ def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
 
 
 def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthPoints:
-    """Find the mouth among (V, 3) points, where the shape that lowers the most parts them."""
-    opened = max(shapes.values(), key=lambda moved: -np.minimum(moved[:, 1], 0.0).sum())
-    upper, lower = _lip_pairs(rest, opened)
-    if not len(upper) or not np.ptp(rest[upper, 0] + rest[lower, 0]):
+    """Find the mouth among (V, 3) points, where a shape that lowers many of them parts them.
+
+    Points that few shapes part yield to those that more than twice as many do.
+    """
+    moving = [moved for moved in shapes.values() if moved.any()]
+    moving.sort(key=lambda moved: np.minimum(moved[:, 1], 0.0).sum())
+    best = 0.0
+    for opened in moving[:TRIED_SHAPES]:
+        pairs = _lip_pairs(rest, opened)
+        if not pairs.size or not np.ptp(rest[pairs, 0].sum(axis=0)):
+            continue
+        parted = np.array([np.abs(np.diff(moved[pairs, 1], axis=0)).max() for moved in moving])
+        share = float(np.mean(parted > PARTED_SHARE * parted.max()))
+        if share > 2 * best:
+            best, (upper, lower) = share, pairs
+        if best >= USED_SHARE:
+            break
+    if not best:
         raise ModelError(f"{path}: no shape opens a mouth, so its shapes cannot be measured")
     line = (rest[upper] + rest[lower]) / 2
     width = float(np.ptp(line[:, 0]))
@@ -148,13 +169,13 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
     return MouthPoints(upper, lower, chin if len(chin) else lower, tongue, width)
 
 
-def _lip_pairs(rest: Floats, opened: Floats) -> tuple[Ints, Ints]:
-    """Pair points of both lips, from the right corner to the left: the frontmost of each column."""
+def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
+    """Pair points of both lips, (2, n), from the right corner to the left.
+
+    They are the frontmost of each column.
+    """
     moving = np.flatnonzero(np.abs(opened).max(axis=1) > 0)
-    if not len(moving):
-        return moving, moving
     size = float(np.ptp(rest[moving, 0]))
-    nothing = np.zeros(0, np.intp)
     columns = np.round((rest[:, 0] - np.median(rest[moving, 0])) / (NEAR_SHARE * size)).astype(int)
     found = []
     for column in np.unique(columns[moving]):
@@ -171,10 +192,7 @@ def _lip_pairs(rest: Floats, opened: Floats) -> tuple[Ints, Ints]:
         if len(above):
             front = np.argmax(rest[here[above], 2] + rest[here[below], 2])
             pairs.append((here[above[front]], here[below[front]]))
-    if not pairs:
-        return nothing, nothing
-    upper, lower = np.transpose(pairs)
-    return upper, lower
+    return np.array(pairs, np.intp).reshape(-1, 2).T
 
 
 @lru_cache(maxsize=8)

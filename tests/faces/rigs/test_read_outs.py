@@ -1,13 +1,17 @@
 """Read-outs: the mouth is found without names, and each shape moves it as its pose set says."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
+from face_models import OCULUS, POINTS, moved
 from places import ROOT
 from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.model import read_model
-from lipsync_lang.faces.rigs.read_outs import read_outs, still_shapes
+from lipsync_lang.faces.rigs.read_outs import find_mouth, read_outs, still_shapes
 
 
 def measured(name):
@@ -49,3 +53,24 @@ def test_a_model_without_a_mouth_is_refused(tmp_path):
     model = read_model(glb(tmp_path / "cube.glb", "big"))
     with pytest.raises(ModelError, match=r"cube\.glb: no shape opens a mouth"):
         read_outs(model)
+
+
+def head_with_lids(shapes):
+    """Return points and shapes of a head with lids: `blink` lowers more points than the others."""
+    across = np.concatenate([np.linspace(-0.7, -0.2, 11), np.linspace(0.2, 0.7, 11)])
+    skin, lid = (np.column_stack([across, np.full(22, y), np.full(22, 0.3)]) for y in (0.9, 0.88))
+    rest = np.concatenate([POINTS, skin, lid, np.repeat(lid, 4, axis=0)])
+    still = np.zeros((len(rest) - len(POINTS), 3))
+    closed = np.zeros_like(rest)
+    closed[len(POINTS) + 22 :, 1] = -0.4
+    opened = {name: np.concatenate([moved(name), still]) for name in shapes}
+    return rest, {"blink": closed, **opened}
+
+
+def test_lids_are_no_mouth():
+    rest, shapes = head_with_lids(OCULUS)
+    assert min(shapes, key=lambda name: shapes[name][:, 1].sum()) == "blink"
+    mouth = find_mouth(rest, shapes, Path("head.glb"))
+    assert set(mouth.upper) | set(mouth.lower) <= set(range(22))
+    assert mouth.measure(shapes["viseme_aa"]).aperture > 0.5
+    assert mouth.measure(shapes["blink"]).aperture == 0.0
