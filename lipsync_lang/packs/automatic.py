@@ -73,6 +73,7 @@ def automatic(name: str, phonemes: "Callable[[], Pack[Phonemes]]") -> "Pack[Lang
         return None
     reader = IPA_ENGINES[engine]
     common = phonemes().model
+    # features lead to any common phoneme, and no pack says which the language has
     beyond = (p for p in common.phonemes if p not in {*common.base, common.silence})
     data: dict[str, Any] = {
         "kind": "language",
@@ -87,5 +88,6 @@ def automatic(name: str, phonemes: "Callable[[], Pack[Phonemes]]") -> "Pack[Lang
         "automatic": True,
         "caveats": ("no speaker of the language has checked it",),
     }
+    # a name with a colon is none that a file may have, so the model is made under another
     model = Language.model_validate(data).model_copy(update={"name": name})
     return Pack(model, (YamlSource(Path(name), {**data, "name": name}),))

@@ -77,10 +77,12 @@ def merge(parent: "Language", child: "Language") -> "Language":
     stated = child.model_fields_set
     taken = {name: getattr(parent, name) for name in REPLACED_FIELDS if name not in stated}
     taken |= {name: {**getattr(parent, name), **getattr(child, name)} for name in MERGED_FIELDS}
+    # a correction of a pack must not break its tests; a language of its own has other words
     if child.name == parent.name:
         stated_anew = {test.text for test in child.tests}
         kept = (test for test in parent.tests if test.text not in stated_anew)
         taken["tests"] = (*child.tests, *kept)
+    # written forms are merged by entry, so that a child adds one abbreviation and keeps all others
     taken["text"] = child.text or parent.text
     if parent.text is not None and child.text is not None:
         forms = {name: getattr(child.text, name) for name in child.text.model_fields_set}

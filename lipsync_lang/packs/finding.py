@@ -229,6 +229,7 @@ class Finder:
         if asked in names and asked not in answers:
             return names[asked]
         while asked and asked not in answers:
+            # only tags get shorter; a name of several words would lose its last one
             asked = "" if " " in name else asked.rpartition("-")[0]
         return answers.get(asked)
 

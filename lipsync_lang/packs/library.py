@@ -106,6 +106,7 @@ class Library(Finder):
         line: list[Pack[models.Language]] = []
         while True:
             stated = cast("Pack[models.Language]", self.load(path, "language", path.stem))
+            # before the merge: a bare label means the usual mapping, not that of the parent
             pack, faults = with_usual(stated, self.common)
             if faults:
                 raise self.failing(*faults)
@@ -219,6 +220,7 @@ class Library(Finder):
             self.refuse_outside(path)
             content = self.unsaved[path] if path in self.unsaved else read_bytes(path)
             digest = self.files[str(path)] = sha256(content).hexdigest()
+            # models are immutable, so that libraries can share them
             found = self._earlier.get((key, digest))
             if found is None:
                 from lipsync_lang.packs.models.validation import validated

@@ -57,6 +57,7 @@ class Pack(Generic[M]):
 
     def where(self, loc: Loc, *, key: bool = False) -> FilePlace:
         """Return the place of the value at `loc`, or of its key, in the file that states it."""
+        # `max` takes the first of equals: the child, which overrides its parents
         source = max(self.sources, key=lambda s: s.known(loc))
         return FilePlace(source.path, *source.where(loc, key=key))
 

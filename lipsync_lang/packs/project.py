@@ -34,6 +34,7 @@ def find_project(folder: Path | None = None) -> Path | None:
     """Return the project file of a folder, the current one unless it is named."""
     here = Path.cwd() if folder is None else folder.absolute()
     searched = [here]
+    # the nearest root ends the search: a repository within another has its own project
     for at in (here, *here.parents):
         if any((at / name).exists() for name in ROOTS):
             searched = [here, *(one for one in here.parents if one.is_relative_to(at))]

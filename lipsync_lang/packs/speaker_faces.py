@@ -22,6 +22,7 @@ class SpeakerFaces:
 
     def __init__(self, stated: Mapping[str, Sequence[str]]) -> None:
         self.stated = {speaker: tuple(found) for speaker, found in stated.items()}
+        # scripts write one name as `Anna` and `ANNA`
         self._folded = {speaker.casefold(): found for speaker, found in self.stated.items()}
 
     @property

@@ -145,6 +145,7 @@ class SplicedText:
         Raise `PackFaults` if the pack would be faulty, and `PackError` for a location within a
         value that has no entries.
         """
+        # each change sees those before it, so that two may meet in one entry
         made = self
         for loc, value in changes:
             made = made._spliced(loc, plain(value))
@@ -169,6 +170,7 @@ class SplicedText:
     def _spliced(self, loc: Loc, value: Data) -> Self:
         """Return the text with one value changed."""
         old = self.at(loc)
+        # a value that is there keeps its spelling: 0.50 stays 0.50
         if old is value or (ABSENT not in (old, value) and same(old, value)):
             return self
         number = self._numbers.get(loc[:2], self._numbers.get(loc[:1]))

@@ -107,6 +107,7 @@ def add_bigrams(library: "Library", path: Path, made: BankBigrams) -> list[str]:
     if made.interpolation not in {None, source.data.get("interpolation", "bspline")}:
         stated["interpolation"] = str(made.interpolation)
     new = {key: curves for key, curves in made.bigrams.items() if key not in there}
+    # a bank without anything new keeps its bytes and its date
     if new or create is not None:
         added = [(("bigrams", key), {**stated, "curves": new[key]}) for key in new]
         content = spliced(source, content, added)

@@ -71,6 +71,7 @@ def _pairs(poseset: Pack[PoseSet]) -> Iterator[Fault]:
         elif (
             isinstance(pair, Threshold)
             and pair.threshold < NO_THRESHOLD
+            # unknown names are faults of their own, and rank like unlisted poses
             and {one, other} <= set(model.poses)
             and _rank(model, one) == _rank(model, other)
         ):
@@ -115,6 +116,7 @@ def path_between(waits: Mapping[str, Collection[str]], start: str, goal: str) ->
             while came[path[-1]]:
                 path.append(came[path[-1]])
             return tuple(reversed(path))
+        # sorted, because the order of a set differs from run to run, and the message names the path
         for other in sorted(waits.get(pose, ())):
             if other not in came:
                 came[other] = pose
@@ -135,6 +137,7 @@ def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
 def _outranked(poseset: Pack[PoseSet]) -> Iterator[Fault]:
     """Check that no pose with a floor yields to a pose without one."""
     model, floors = poseset.model, _floors(poseset.model)
+    # an unlisted pose may be the one that a misspelt name means, and would seem to outrank all
     misspelt = not set(model.priority) <= set(model.poses)
     ranked = [pose for pose in model.poses if pose in model.priority or not misspelt]
     for pose, (_, name) in floors.items():

@@ -141,6 +141,7 @@ def _twice(language: Pack[models.Language]) -> Iterator[Fault]:
     for name, table in language.model.notations.items():
         first: dict[str, str] = {}
         for label, sounds in table.items():
+            # YAML refuses equal keys, but Unicode spells one label in several ways
             earlier = first.setdefault(normalise(label), label)
             if earlier == label:
                 continue
@@ -171,6 +172,7 @@ def _rules(language: Pack[models.Language]) -> Iterator[Fault]:
         for label in to
         if normalise(label) not in known
     ]
+    # a language that is mapped by features has no labels of its own
     for field, number, label in unknown if labels else ():
         what = f"'{label}' is not in the notation '{language.model.g2p_notation}'"
         hint = did_you_mean(label, labels)

@@ -95,6 +95,7 @@ def check_language(language: Pack[Language], common: Phonemes) -> Iterator[Fault
 
 
 def _adds(language: Pack[Language], common: Phonemes, known: Collection[str]) -> Iterator[Fault]:
+    # the model has a mapping, which lost the items that a list states twice
     stated = language.source.data.get("adds")
     if isinstance(stated, tuple):
         yield from _twice(language, ("adds",), stated)
@@ -142,6 +143,7 @@ def check_poseset(
     `banks` are the pose set's banks; None if one cannot be loaded. `common` is for hints.
     """
     yield from _gestures(poseset)
+    # rules may name poses that few models have
     model = poseset.model.having(poseset.model.optional_poses)
     poseset = replace(poseset, model=model)
     yield from _twice(poseset, ("priority",), model.priority)
@@ -275,6 +277,7 @@ def _gesture_bounds(
             what = f"'{loc[-1]}' goes from {least:g} to {pose.most:g}, not to {reached:g}"
             yield poseset.fault(loc, "P233", what, "lower the amount, or raise `most`")
     speed, unit = gesture.speed(str(loc[-1])), "" if pose.node is None else " degrees"
+    # floats of a curve that meets its limit exactly may exceed it by a digit
     if speed > pose.speed_limit * (1 + 1e-9):
         what = (
             f"'{loc[-1]}' moves by {speed:.3g}{unit} a second, faster than its limit of "
@@ -389,6 +392,7 @@ def _rules(
 
 def _file(pack: Pack[Any], loc: Loc, file: str | None) -> Iterator[Fault]:
     """Check that a file named by a pack lies beside the file that names it."""
+    # an inherited file lies beside the parent, which states it
     place = pack.where(loc).file
     if file is not None and beside(place, file) is None:
         what, hint = f"there is no file '{file}'", f"it belongs in {place.parent.name}/"
@@ -419,6 +423,7 @@ def _delivery(
         if name not in poseset.gestures:
             place: Loc = (*at, "gestures", name)
             yield character.unknown(place, "P234", "gesture", name, poseset.gestures, key=True)
+    # all styles are shares over the default one, which is what is left of them
     known = {*styles, *poseset.styles} - {BankPack.model_fields["style"].default}
     for style in stated.styles:
         if style not in known:
@@ -512,6 +517,7 @@ def _phoneme(  # noqa: PLR0913 the phoneme, its place and options
 ) -> Iterator[Fault]:
     if label in known:
         return
+    # a letter of the IPA is the likeliest mistake, and similar spelling would suggest another
     sounds = {} if common is None else {**common.shades, **common.phonemes}
     sounding = (name for name, one in sounds.items() if label in one.ipa)
     whole = next((name for name in sounding if name in known), None)

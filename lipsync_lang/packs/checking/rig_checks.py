@@ -33,6 +33,7 @@ def check_rig(
     yield from check_home(rig, model.poseset, poseset)
     if model.to is not None and model.to not in posesets:
         yield rig.unknown(("to",), "P203", "pose set", model.to, posesets)
+    # a rig is for all models of the set, and some of them have the optional poses
     every = poseset.having(poseset.optional_poses)
     for key, channel in model.channels.items():
         yield from check_poses(rig, ("channels", key, "gains"), channel.gains, every)
@@ -41,6 +42,7 @@ def check_rig(
     yield from _limits(rig)
     yield from _names(rig)
     if to is not None:
+        # a bone has a name of the model, not of a pose
         shapes = ((one.key, one.name) for one in stated(model) if one.channel.node is None)
         for key, name in dict.fromkeys(shapes):
             if name not in to.poses:

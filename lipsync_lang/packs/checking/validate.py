@@ -58,6 +58,7 @@ def validate(library: Library, paths: Sequence[str | Path] | None = None) -> lis
     else:
         for path in paths:
             run.check_path(Path(path))
+    # at the end: one start of the engine answers for all languages
     run.faults.update(check_voices(run.spoken))
     return sorted(run.faults)
 
@@ -74,6 +75,7 @@ class _Validation:
 
     def check_library(self) -> None:
         """Check every pack of the library, shadowed packs included."""
+        # all others are found again below, with their files
         self.faults.update(f for f in self.library.faults if f.code == "W304")
         if self.common is None:
             self._try(self.library.common)
@@ -132,6 +134,7 @@ class _Validation:
             return
         before = set(self.faults)
         if isinstance(model, Language):
+            # labels of a parent are unknown here, and would seem to be missing
             if model.extends is None and self.common is not None:
                 pack = Pack(model, (source,))
                 self.faults.update(checks.check_language(pack, self.common.model))
@@ -208,6 +211,7 @@ class _Validation:
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""
         name, own = pack.model.name, yaml_files(pack.path.parent / "banks").values()
         found = [self.library.inspect(path, "bank", path.stem)[0] for path in own]
+        # the file may lie in a folder that the library does not search
         if self.library.lookup("poseset", name):
             joined = _quietly(lambda: self.library.banks(name))
             found += [bank.model for bank in joined] if joined is not None else [None]
@@ -215,6 +219,7 @@ class _Validation:
 
     def _poseset_of(self, pack: "Pack[Any]") -> models.PoseSet | None:
         """Return the pose set that a pack lies in or names; None if it is missing or faulty."""
+        # a folder that is checked by its path may hold a pose set that another shadows
         beside = pack.path.parent.parent / POSESET
         if pack.path.parent.name in PART_FOLDERS and beside.is_file():
             model, _, _ = self.library.inspect(beside, "poseset", beside.parent.name)
@@ -284,6 +289,7 @@ def _placed(path: Path) -> FileRequest:
     folder = path.parent.name
     if path.name == PROJECT_FILE:
         return path, PROJECT, None
+    # all pose sets have a file of this name, and the name of their folder
     if path.name == POSESET:
         return path, "poseset", folder
     kind = PART_FOLDERS.get(folder)

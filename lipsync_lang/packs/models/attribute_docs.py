@@ -22,6 +22,7 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for kind in reversed(model.__mro__):
+        # base classes of pydantic have docstrings of their own
         if kind.__module__.startswith(__package__):
             found |= _docstrings(kind.__module__).get(kind.__name__, {})
     fields = model.model_fields.items()

@@ -37,6 +37,7 @@ class Strict(BaseModel):
         json_schema_extra=describe,
         defer_build=True,  # a command uses few of the models, and pays for those alone
         allow_inf_nan=False,
+        # messages quote the value themselves, and shorten it
         hide_input_in_errors=True,
         populate_by_name=True,
     )

@@ -71,6 +71,7 @@ class GesturePose(Strict):
         if self.rotation is None or self.region != HEAD_REGION:
             return None
         x, y, z = self.rotation
+        # a face that looks the other way is turned by half a turn about y
         return (x, y, z) if front == "z" else (-x, y, -z)
 
 

@@ -342,6 +342,7 @@ class Test(Strict):
         A shade passes where its parent is expected: a voice and its source may differ by a shade.
         """
         expected = (self.read if read else ()) or self.phonemes
+        # sources transcribe phonemes, and shades are finer than those
         coarse = (shades[name].like if name in shades else name for name in said)
         accepted = zip(expected, said, coarse, strict=False)
         return len(said) == len(expected) and all(one in (name, up) for one, name, up in accepted)

@@ -114,6 +114,7 @@ def _constraint_form(value: Data) -> str:
     """Return the tag of a constraint's form, by its fields."""
     if isinstance(value, AtMost):
         return "<at_most>"
+    # a tag in `<...>` is no step of the file, and faults leave it out of their place
     at_most = isinstance(value, dict) and ("at_most" in value or "pose" in value)
     return "<at_most>" if at_most else "<between>"
 
@@ -206,6 +207,7 @@ def _target(value: Data) -> Data:
     full = {"weights": {pose: one for pose, one in value.items() if pose not in _STEP_FIELDS}}
     full |= {key: value[key] for key in _STEP_FIELDS if key in value}
     stated = full.get("dominance", {})
+    # True is an int as well; the model refuses it
     if isinstance(stated, bool) or not isinstance(stated, (int, float)):
         return full
     if not 0 <= stated < inf:

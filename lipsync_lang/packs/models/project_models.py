@@ -36,6 +36,7 @@ def _outside(path: str) -> bool:
 
 def _within(output: str) -> str:
     """Refuse outputs elsewhere: a stranger's project writes into its own folder alone."""
+    # a format has two letters or more, because one is a drive of Windows
     path = re.sub(r"^[a-z0-9-]{2,}:", "", output)
     what = None
     if ":" in path[2:]:

@@ -77,6 +77,7 @@ def validated(
         if name is not None and isinstance(stated, str) and stated != name:
             what = f"the pack is named '{stated}', but its file or folder is named '{name}'"
             faults.append(source.fault(("name",), "P111", what, "rename one of the two"))
+    # a value that an alias repeats is faulty at one place, however often it is repeated
     faults = sorted({*source.faults, *faults})
     return (None if faults else pack), tuple(faults)
 
@@ -109,6 +110,7 @@ def _kind(source: YamlSource, kind: str | None) -> tuple[type[PackModel] | None,
         hint = "move the file to its folder, or correct its `kind`"
         return None, [source.fault(("kind",), "P109", what, hint)]
     number = data.get("format")
+    # True is an int as well
     if type(number) is int and number > PACK_FORMAT:
         what = f"the pack is in format {number}; this program reads format {PACK_FORMAT}"
         hint = "use a newer version of the program"
@@ -227,6 +229,7 @@ def _subject(source: YamlSource, loc: Sequence[str | int]) -> str:
         if isinstance(around, tuple):
             around = range(len(around))
         # Pydantic's locations have steps of its own, which the file does not have.
+        # a step in `<...>` is the tag of a union
         known = isinstance(around, (dict, range)) and step in around
         if (known or number == len(loc) - 1) and not str(step).startswith("<"):
             steps.append(step)

@@ -121,6 +121,7 @@ def _scalar(text: str) -> Data:
     """Resolve a plain scalar by the YAML 1.2 core schema."""
     if text in _SPECIAL:
         return _SPECIAL[text]
+    # most scalars are words, and need no look by the expressions below
     if text[0] not in "+-.0123456789":
         return text
     if _INT.fullmatch(text):
@@ -390,6 +391,7 @@ class _Builder:
         if control is not None:
             bad = f"U+{ord(control.group()):04X}"
             self._note(mark, "P005", f"control character {bad} in quotes", "delete it")
+            # reading goes on, so that one run tells all faults
             text = _NOT_TEXT.sub("?", text)
         value: Data = text
         frame = self.frames[-1] if self.frames else None
@@ -428,6 +430,7 @@ class _Builder:
 
     def _on_end(self, event: Event) -> None:
         frame = self.frames.pop()
+        # aliases share values, so nothing may change them
         data = tuple(frame.data) if frame.data.__class__ is list else frame.data
         mark = SourceMark(frame.start.line + 1, frame.start.column + 1, frame.inner)
         if frame.anchor:

@@ -75,6 +75,7 @@ def visible(text: str) -> str:
     """Escape unprintable characters, so that a message stays on one line and is harmless."""
     if text.isprintable():
         return text
+    # a name of a file may hold the escape sequences of a terminal
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 

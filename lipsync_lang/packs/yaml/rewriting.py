@@ -84,6 +84,7 @@ class _Walk:
             quote = event.style or ""
             if not quote and not event.value:
                 return Span("scalar", after, after)
+            # the parser ends a block scalar after the blank lines behind it
             if quote in ("|", ">"):
                 end = max(start, len(self.text[:end].rstrip()))
             return Span("scalar", start, end, quote=quote)
@@ -201,6 +202,7 @@ class _Edits:
         """
         if same(old, new):
             return
+        # an attempt that fails half-way must leave no edits
         found = list(self.found)
         before, after = _items(span, old), _items(span, new)
         if not before or not after:
@@ -383,6 +385,7 @@ class _Edits:
             if key in entries:
                 near = entries[key]
                 continue
+            # a comment behind the entry would swallow what follows on its line
             alone = self._own_line(near.start) and "#" not in self._rest(near.value.end)
             between = self.newline + " " * self._column(near.start) if alone else " "
             self.put(near.value.end, near.value.end, f",{between}{made[key]}")

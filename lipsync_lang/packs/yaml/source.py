@@ -130,6 +130,7 @@ def _step(
     inner = mark.inner
     if isinstance(inner, dict):
         if step not in inner:
+            # one of several spellings that share the key
             step = next((key for key in inner if step in key.split(BETWEEN_SPELLINGS)), "")
         found = inner.get(step) if isinstance(step, str) else None
         return (*found, data[step]) if found else None

@@ -32,6 +32,7 @@ RESERVED_WORDS = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
 def as_scalar(text: str) -> str:
     """Return text as a YAML scalar, quoted if a plain one could be misread."""
     plain = PLAIN_SCALAR.fullmatch(text) and text.casefold() not in RESERVED_WORDS
+    # quotes and escapes of JSON are valid in YAML
     return text if plain else json.dumps(text, ensure_ascii=False)
 
 
@@ -77,6 +78,7 @@ def block_lines(value: Mapping[str, Data], indent: int = 0) -> list[str]:
         if wants_block(one):
             lines += [names[key], *block_lines(one, INDENT)]
         else:
+            # curves of one bigram are compared with each other
             pad = width if _is_curve(one) else 0
             lines.append(f"{names[key]:<{pad}} {on_one_line(one)}")
     return [" " * indent + line for line in lines]
@@ -91,5 +93,6 @@ def _number(value: float) -> str:
     """Return a number in as few digits as state it exactly."""
     short = f"{value:g}"
     if value != value or value in (float("inf"), float("-inf")):  # noqa: PLR0124 only NaN differs
+        # `nan` and `-inf` are `.nan` and `-.inf` in YAML
         return f"{short[:-3]}.{short[-3:]}"
     return short if float(short) == value else repr(value)

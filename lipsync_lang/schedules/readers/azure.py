@@ -61,6 +61,7 @@ def read_azure(source: TimingFile) -> Schedule:
     offsets = sorted(at for _, at, _ in starts)
     steps = [after - before for before, after in pairwise(offsets) if after > before]
     usual = median(steps) if steps else inf
+    # a smaller unit than the true one would put all visemes within milliseconds
     unit = next((u for u in UNITS if usual / UNITS[u] >= SHORT_SECONDS), "seconds")
     rate = UNITS[unit]
     rows, told = until_next(source, starts, rest="0", end=end, rate=rate)

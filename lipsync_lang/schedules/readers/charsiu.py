@@ -30,6 +30,7 @@ def read_charsiu(source: TimingFile) -> Schedule:
     if not isinstance(whole, list) or not whole:
         raise source.fault(f"has no lists of sounds; the form is {CHARSIU_FORM}")
     phones, words, *_ = [whole, []] if _is_row(whole[0]) else [*whole, []]
+    # `[SIL]` and `[UNK]` are no words
     spoken = [row for row in _rows(source, words) if not row.label.startswith("[")]
     return schedule_of(source, _rows(source, phones), words=spoken)
 

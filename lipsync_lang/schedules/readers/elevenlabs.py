@@ -53,6 +53,7 @@ def read_elevenlabs(source: TimingFile) -> TimedWords:
         for one in listed_rows(
             source, *lists, form=ELEVENLABS_FORM, line=line, durations=ends is None
         ):
+            # a stream whose answers were sorted or merged would give words of mixed letters
             if one.start < latest:
                 raise source.fault(f"{one.label!r} starts before the character before it", line)
             latest = one.start

@@ -16,6 +16,7 @@ def table_text(schedule: Schedule) -> str:
     out = StringIO()
     tiers = tiers_of(schedule)
     sure = tiers.pop(CONFIDENCE_TIER, [])
+    # a confidence begins with its word, so the start finds it
     rated = {start: label for label, start, _ in sure}
     rows = csv.writer(out, lineterminator="\n")
     rows.writerow(["Begin", "End", "Label", "Type", *(["Confidence"] if sure else [])])
