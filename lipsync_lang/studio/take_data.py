@@ -4,8 +4,6 @@ Conventions: T frames of the animation, P poses; stages are (P, T).
 """
 
 from collections.abc import Iterator
-from functools import cache
-from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -14,6 +12,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.json_object import Json
+from lipsync_lang.base.presentation.wording import short_place
 from lipsync_lang.performing.performer import PerformedLine, Performer
 from lipsync_lang.performing.trace import DONE, VISIBLE, constraint_reason, held_reason
 from lipsync_lang.pipeline.perform import Performance, Stage
@@ -32,9 +31,6 @@ HATCHES = {name: number for number, name in enumerate(STAGES)}
 
 NO_POSITION = WEIGHT_STEPS
 """Position in a bigram for frames outside it."""
-
-SHOWN_FOLDERS = 2
-"""Number of parts of a path that a page shows, which leaves out home folders."""
 
 
 def take_data(
@@ -243,7 +239,7 @@ class _Stages:
             "pair": "-".join(pair),
             "layer": origin.layer,
             "status": origin.status,
-            "from": [_short(place) for place in origin.places],
+            "from": [short_place(place) for place in origin.places],
         }
         if origin.word:
             data["word"] = origin.word
@@ -252,9 +248,3 @@ class _Stages:
         elif origin.pair != pair and origin.layer != "gap":
             data["drawn_as"] = "-".join(origin.pair)
         return data
-
-
-@cache
-def _short(place: str) -> str:
-    """Shorten ``folder/pack/file.yaml:3:1`` to its last parts."""
-    return "/".join(PurePath(place.replace("\\", "/")).parts[-SHOWN_FOLDERS:])

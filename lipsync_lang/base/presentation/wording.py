@@ -6,10 +6,15 @@ decimals by the same rule.
 """
 
 from collections.abc import Iterable, Sequence
+from functools import cache
 from os.path import commonprefix
+from pathlib import PurePath
 
 NBSP = "\N{NO-BREAK SPACE}"
 """A no-break space; in pages it separates number and unit."""
+
+SHOWN_PLACE_PARTS = 2
+"""Number of parts of a path that pages show, which leaves out home folders."""
 
 MAX_LISTED_NAMES = 3
 """Maximum number of names in a list."""
@@ -93,3 +98,9 @@ def gathered(places: Iterable[str]) -> str:
         file, colon, line = place.rpartition(":")
         lines.setdefault(file + colon, []).append(line)
     return "; ".join(f"{file}{', '.join(found)}" for file, found in lines.items())
+
+
+@cache
+def short_place(place: str) -> str:
+    """Shorten ``home/folder/file.yaml:3:1`` to its last parts."""
+    return "/".join(PurePath(place.replace("\\", "/")).parts[-SHOWN_PLACE_PARTS:])

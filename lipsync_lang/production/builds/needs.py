@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lipsync_lang.base.presentation.wording import short_place
 from lipsync_lang.base.version import __version__
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.builds.digests import VALUE_BYTES, digest, file_digest, joined
@@ -21,6 +22,9 @@ from lipsync_lang.text.phonology.g2p.tokens import plain
 
 ABSENT_DIGEST = b"\0" * VALUE_BYTES
 """Digest of a need that is no longer in the packs."""
+
+CURVE_SOURCE = "source"
+"""Need of the source of a bigram or a trigram, which only outputs with reasons show."""
 
 OF_LINES = frozenset((
     "language", "line_deliveries", "line_edits", "manner", "model", "nearest", "notations",
@@ -41,7 +45,6 @@ TOLD = {
     "face": "the rules of the face",
     "model": "the model",
     "voice": "the language's reading or voice",
-    "places": "the places of curves in their files",
     "labels": "the labels that the language knows",
 }
 """Words for the needs without a name."""
@@ -86,7 +89,6 @@ class PairNeeds:
         """
         names = ["program", "settings", "face", "model"]
         names += ["voice"] if spoken else []
-        names += ["places"] if reasons else []
         names += ["labels"] if schedule.notation is None else []
         notation = self.performer.notation(schedule)
         known = self.performer.labels.notations
@@ -100,9 +102,13 @@ class PairNeeds:
         # Codes of bigrams and trigrams, so that `unique` works on integers instead of names.
         pairs = around[:-1] * count + around[1:]
         threes = (pairs[:-1] * count + around[2:])[around[1:-1] != silence]
-        for one in np.unique(pairs).tolist():
-            names.append(f"bigram {phonemes[one // count]} {phonemes[one % count]}")
-        names += [_trigram(phonemes, code) for code in np.unique(threes).tolist()]
+        units = [
+            f"bigram {phonemes[one // count]} {phonemes[one % count]}"
+            for one in np.unique(pairs).tolist()
+        ]
+        units += [_trigram(phonemes, code) for code in np.unique(threes).tolist()]
+        names += units
+        names += [f"{CURVE_SOURCE} {unit}" for unit in units] if reasons else []
         return {name: self.current(name) for name in names}
 
     def current(self, name: str) -> bytes:
@@ -113,6 +119,10 @@ class PairNeeds:
         compiled, labels = self.performer.compiled, self.performer.labels
         if kind in {"bigram", "trigram"}:
             found = self._curves.get(name, ABSENT_DIGEST)
+        elif kind == CURVE_SOURCE:
+            rows = (compiled.origins[row] for row in self._rows.get(rest, ()))
+            # As pages show them, so that a moved project is as it was.
+            found = digest([one._replace(places=[*map(short_place, one.places)]) for one in rows])
         elif kind == "label":
             notation, _, label = rest.partition(" ")
             value = None
@@ -168,15 +178,12 @@ class PairNeeds:
         own = {f.name: getattr(compiled, f.name) for f in fields(compiled)}
         rules = {f.name: getattr(compiled.tables, f.name) for f in fields(compiled.tables)}
         face = {name: value for name, value in own.items() if name not in OF_LINES}
-        # Gestures and drafts of styles state the places of their packs, which only outputs with
-        # reasons show: `places` has them, and `face` has none.
-        places = {name: draft["place"] for name, draft in compiled.style_drafts.items()}
+        # Gestures and drafts of styles state the places of their packs, which no output shows.
         face["style_drafts"] = [
             (name, {key: value for key, value in draft.items() if key != "place"})
             for name, draft in compiled.style_drafts.items()
         ]
         made = compiled.gestures["gestures"]
-        places |= {one["name"]: one["place"] for one in made}
         face["gestures"] = compiled.gestures | {"gestures": [one | {"place": ""} for one in made]}
         tables = {name: value for name, value in rules.items() if name not in OF_ROWS}
         held = [(one.floor, one.ceiling) for one in compiled.tables.contacts]
@@ -199,9 +206,19 @@ class PairNeeds:
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
             "model": digest(self.model_digest),
             "voice": digest(manner, self.settings.tts),
-            "places": digest(compiled.origins, compiled.style_origins, places),
             "labels": digest(known, compiled.silences),
         }
+
+    @cached_property
+    def _rows(self) -> dict[str, tuple[int, ...]]:
+        """Rows of each bigram, and both rows of each drawn trigram."""
+        tables, names = self.performer.compiled.tables, self.performer.compiled.phonemes
+        trigrams = zip(tables.trigrams.tolist(), tables.trigram_rows.tolist(), strict=True)
+        return {
+            f"bigram {names[a]} {names[b]}": (row,)
+            for a, of_first in enumerate(tables.pairs.tolist())
+            for b, row in enumerate(of_first)
+        } | {_trigram(names, code): tuple(own) for code, own in trigrams}
 
     @cached_property
     def _curves(self) -> dict[str, bytes]:
@@ -212,16 +229,18 @@ class PairNeeds:
             joined(*(np.ascontiguousarray(array[row]).tobytes() for array in arrays))
             for row in range(len(tables.curves))
         ]
-        rules = [
-            joined(opposed.tobytes(), bytes(bool(one.phonemes[at]) for one in tables.contacts))
-            for at, opposed in enumerate(tables.opposed[: len(names)])
-        ]
-        trigrams = zip(tables.trigrams.tolist(), tables.trigram_rows.tolist(), strict=True)
-        return {
-            f"bigram {names[a]} {names[b]}": joined(rows[row], rules[a], rules[b])
-            for a, of_first in enumerate(tables.pairs.tolist())
-            for b, row in enumerate(of_first)
-        } | {_trigram(names, code): joined(*(rows[row] for row in own)) for code, own in trigrams}
+        rules = {
+            name: joined(
+                opposed.tobytes(), bytes(bool(one.phonemes[at]) for one in tables.contacts)
+            )
+            for at, (name, opposed) in enumerate(zip(names, tables.opposed, strict=False))
+        }
+        found = {}
+        for unit, own in self._rows.items():
+            kind, *sounds = unit.split(" ")
+            ruled = [rules[name] for name in sounds] if kind == "bigram" else []
+            found[unit] = joined(*(rows[row] for row in own), *ruled)
+        return found
 
 
 def _trigram(names: Sequence[str], code: int) -> str:
@@ -235,6 +254,8 @@ def need_in_words(name: str) -> str:
     kind, _, rest = name.partition(" ")
     if kind in {"bigram", "trigram"}:
         return f"the {kind} {rest.replace(' ', '-')}"
+    if kind == CURVE_SOURCE:
+        return f"the source of {need_in_words(rest)}"
     if kind == "label":
         return f"the sound of {rest.partition(' ')[2]}"
     return f"the word {rest}" if kind == "word" else TOLD.get(kind, f"'{name}'")

@@ -113,6 +113,43 @@ def test_a_moved_project_is_as_it_was(built, monkeypatch):
     assert built.build("--dry-run").stale == {}
 
 
+@pytest.fixture
+def paged(game):
+    """A project whose lines have pages, and a bank with a bigram of its own."""
+    stated = (game.folder / "lipsync.yaml").read_text()
+    game.write("lipsync.yaml", stated.replace("{id}.csv", "{id}.html"))
+    game.bank(0.5)
+    assert game.build().built == ALL
+    return game
+
+
+def test_a_new_bigram_remakes_only_the_pages_that_show_it(paged):
+    bank = next(paged.folder.glob("posesets/*/banks/*.yaml"))
+    with bank.open("a") as more:
+        more.write("  ey-l:\n    curves: {open: [[0, 0], [0.5, 0.3], [1, 0]]}\n")
+    reasons = ["the bigram ey-l changed", "the source of the bigram ey-l changed"]
+    assert paged.build("--dry-run").stale == {"mail": reasons}
+    assert paged.build().built == ["mail"]
+    pages = {path.name: path.read_bytes() for path in (paged.folder / "takes").iterdir()}
+    assert b"common.yaml:8" in pages["mail.html"]
+    assert paged.build("--force").built == ALL
+    assert {path.name: path.read_bytes() for path in (paged.folder / "takes").iterdir()} == pages
+
+
+def test_a_page_is_made_again_where_its_bigram_has_moved(paged):
+    bank = next(paged.folder.glob("posesets/*/banks/*.yaml"))
+    bank.write_text("# drawn by hand\n" + bank.read_text())
+    reason = "the source of the bigram l-ow changed"
+    assert paged.build("--dry-run").stale == {"low": [reason]}
+
+
+def test_a_moved_project_has_the_same_pages(paged, monkeypatch):
+    moved = paged.folder.with_name("moved_pages")
+    paged.folder.rename(moved)
+    monkeypatch.chdir(moved)
+    assert paged.build("--dry-run").stale == {}
+
+
 def test_a_worker_that_begins_its_build_again_is_told_so(game, monkeypatch):
     monkeypatch.setattr(build_run, "parent_process", lambda: "the build")
     monkeypatch.setattr(build_run, "claim", lambda _: None)
