@@ -1,4 +1,4 @@
-"""The commands that draft bigrams, and show what a bank changes."""
+"""The commands that draft and show bigrams, and what a bank changes."""
 
 import sys
 from argparse import Namespace
@@ -15,7 +15,7 @@ SHOWN = 8
 
 
 family(
-    "bank", "draft bigrams, import them, accept fitted ones, or see what a bank changes",
+    "bank", "show bigrams, draft them, import them, accept fitted ones, or see what a bank changes",
     "bank draft -l english -c facefx",
 )  # fmt: skip
 
@@ -36,6 +36,22 @@ def _add_draft(action: Add) -> None:
         "the bank or the character's file to write to [posesets/NAME/banks/common.yaml of this "
         "folder, which all characters of the pose set use]", type=Path,
     )  # fmt: skip
+
+
+@command("bank show")
+def _add_show(action: Add) -> None:
+    made = action(
+        show,
+        "show bigrams as a character performs them, drawn or drafted",
+        "bank show f-ah -l english -c facefx --plot f-ah.png",
+    )
+    made.add_argument("bigrams", metavar="BIGRAM", nargs="+", help="such as l-ow")
+    add_pair(made)
+    option(
+        made, "--plot FILE", "draw their curves and control points; - is standard output, as PNG",
+        type=argument_path,
+    )  # fmt: skip
+    add_json(made)
 
 
 @command("bank diff")
@@ -72,6 +88,27 @@ def draft(options: Namespace) -> int:
         print(write_drafts(library, drafts, options.to), file=sys.stderr)
     else:
         print(bigrams_yaml(drafts), end="")
+    return SOUND
+
+
+def show(options: Namespace) -> int:
+    """Show bigrams: their source, their control points, and a picture."""
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.resolver.bigram_sources import show_bigrams
+
+    found = show_bigrams(
+        Library(options.path), options.language, options.character, options.bigrams
+    )
+    if options.plot:
+        from lipsync_lang.render.bigram_plot import plot_bigrams
+
+        with atomic(options.plot) as stream:
+            plot_bigrams(found, stream, plot_kind(options.plot))
+    words = sys.stderr if options.plot == STANDARD_STREAM else sys.stdout
+    if options.json:
+        print(as_json([one.to_dict() for one in found]), file=words)
+    else:
+        print("\n".join(one.told() for one in found), file=words)
     return SOUND
 
 

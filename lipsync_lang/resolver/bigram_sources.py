@@ -1,6 +1,8 @@
 """Sources of a bigram's curves: its file, the layers beneath, and drafts from the targets."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -8,8 +10,72 @@ from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.banks.write import BankBigrams
 from lipsync_lang.packs.library import Library
-from lipsync_lang.resolver.compiled import Pair
+from lipsync_lang.packs.yaml.value_text import block_lines
+from lipsync_lang.resolver.compiled import Origin, Pair
 from lipsync_lang.resolver.layers import DRAFTED, BigramRow, PairPacks
+
+
+@dataclass(frozen=True, eq=False)
+class ShownBigram:
+    """A bigram with the curves that are performed, and their source."""
+
+    origin: Origin
+    curves: Mapping[str, Floats]
+    """(n, 2) control points by pose."""
+    linear: bool
+    """True if the face follows the control polygon, False for its B-spline."""
+    boundary: float
+    """Normalised end of the first phoneme."""
+    free: bool
+    """True if the bigram waives its contacts."""
+
+    @property
+    def source(self) -> str:
+        """The layer and the status of the bigram."""
+        return ", ".join(filter(None, (self.origin.layer, self.origin.status)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the bigram as JSON data; `curves` are those of a bank."""
+        return {
+            "bigram": self.origin.name,
+            "word": self.origin.word,
+            "layer": self.origin.layer,
+            "status": self.origin.status,
+            "places": list(self.origin.places),
+            "boundary": self.boundary,
+            "contact": "free" if self.free else "hold",
+            "interpolation": "linear" if self.linear else "bspline",
+            "curves": {pose: points.tolist() for pose, points in self.curves.items()},
+        }
+
+    def told(self) -> str:
+        """Return the source of the bigram, and its curves as a bank has them."""
+        places = ", ".join(self.origin.places)
+        head = f"{self.origin.name}: {self.source}" + (f", {places}" if places else "")
+        usual = {"word": None, "status": "", "boundary": 0.5, "contact": "hold"}
+        own = {name: one for name, one in self.to_dict().items() if one != usual.get(name, one)}
+        stated = own | {"curves": self.to_dict()["curves"]}
+        return "\n".join((f"# {head}", *block_lines({self.origin.name: stated})))
+
+
+def show_bigrams(
+    library: Library, language: str, character: str, wanted: Sequence[str]
+) -> list[ShownBigram]:
+    """Return bigrams such as `l-ow`, drawn or drafted, as a character performs them."""
+    shelf = PairPacks.open(library, language, character)
+    pairs = {"-".join(pair): pair for pair in (*shelf.pairs(), *shelf.shade_pairs())}
+    for key in wanted:
+        if key not in pairs:
+            raise LipsyncError(f"unknown bigram '{key}' in {language}; {did_you_mean(key, pairs)}")
+    rows = (shelf.row(pairs[key]) for key in wanted)
+    return [
+        ShownBigram(
+            row.origin,
+            {shelf.poses[pose]: points for pose, points in row.curves.items()},
+            row.linear, row.boundary, row.free,
+        )
+        for row in rows
+    ]  # fmt: skip
 
 
 def stated(shelf: PairPacks, row: BigramRow) -> str | None:

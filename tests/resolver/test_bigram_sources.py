@@ -1,13 +1,18 @@
 """Sources of the curves of a bigram: their pack, the layers below, and the targets."""
 
+import json
+import re
 from dataclasses import replace
+from importlib.util import find_spec
+from io import BytesIO
 
 import numpy as np
 import pytest
 from packs_tree import plant
 
+from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.packs.library import Library
-from lipsync_lang.resolver.bigram_sources import beneath, stated, target_curves
+from lipsync_lang.resolver.bigram_sources import beneath, show_bigrams, stated, target_curves
 from lipsync_lang.resolver.layers import PairPacks
 
 
@@ -65,3 +70,47 @@ def test_without_targets_there_are_no_curves(shelf):
     poseset = shelf.poseset.model.model_copy(update={"targets": {}})
     object.__setattr__(shelf.poseset, "model", poseset)
     assert target_curves(shelf, ("a", "p"), 0.5) == {}
+
+
+def shown(tmp_path, *wanted):
+    plant(tmp_path)
+    return show_bigrams(Library([tmp_path], project=None), "parent", "anna", wanted)
+
+
+def test_a_shown_bigram_is_what_is_performed_whoever_drew_it(shelf, tmp_path):
+    drawn, draft = shown(tmp_path, "a-f", "a-p")
+    assert (drawn.source, draft.source) == ("character, edited", "draft, drafted")
+    assert {pose: points.tolist() for pose, points in drawn.curves.items()} == {
+        "FV": [[0, 0], [1, 1]]
+    }
+    row = shelf.row(("a", "p"))
+    assert [*draft.curves] == [shelf.poses[pose] for pose in row.curves]
+    assert all(map(np.array_equal, draft.curves.values(), row.curves.values()))
+
+
+def test_a_shown_bigram_is_told_as_a_bank_has_it(tmp_path):
+    drawn, waived = shown(tmp_path, "a-f", "p-yu")
+    head, *rest = drawn.told().splitlines()
+    assert head.startswith("# a-f: character, edited, ")
+    assert "\n".join(rest) == ("a-f:\n  status: edited\n  curves:\n    FV: [[0, 0], [1, 1]]")
+    assert "contact: free" in waived.told()
+    assert json.loads(json.dumps(waived.to_dict()))["contact"] == "free"
+
+
+def test_an_unknown_bigram_to_show_is_named(tmp_path):
+    with pytest.raises(LipsyncError, match=r"unknown bigram 'a-x' in parent; did you mean 'a-"):
+        shown(tmp_path, "a-x")
+
+
+@pytest.mark.skipif(
+    find_spec("matplotlib") is None, reason='needs matplotlib: pip install "lipsync-lang[plot]"'
+)
+def test_a_picture_has_each_moving_pose_of_a_bigram(tmp_path):
+    from lipsync_lang.render.bigram_plot import MOST, plot_bigrams
+
+    found, out = shown(tmp_path, "f-a", "a-p"), BytesIO()
+    plot_bigrams(found, out, "svg")
+    texts = re.findall(r"<text[^>]*>([^<]*)</text>", out.getvalue().decode())
+    assert {"f-a", "a-p", "f", "a", "p", *found[0].curves, *found[1].curves} <= {*texts}
+    with pytest.raises(OutputError, match=f"room for {MOST} bigrams, not {MOST + 1}"):
+        plot_bigrams(found[:1] * (MOST + 1), BytesIO())
