@@ -19,8 +19,9 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.fixed import names
-from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.keys import ERROR, KeyedCurve
 from lipsync_lang.animations.readers.live_link import fits, read_live_link
+from lipsync_lang.animations.writers.live2d import _segments
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.packs.yaml.events import load_yaml
@@ -161,6 +162,7 @@ def from_live2d(content, animation):
     document = json.loads(content)
     meta, found = document["Meta"], {}
     assert (document["Version"], meta["Loop"]) == (3, False)
+    assert (meta["FadeInTime"], meta["FadeOutTime"]) == (0, 0)
     points = segments = 0
     for curve in document["Curves"]:
         row, at = curve["Segments"], 2
@@ -175,6 +177,16 @@ def from_live2d(content, animation):
     totals = (meta["CurveCount"], meta["TotalSegmentCount"], meta["TotalPointCount"])
     assert totals == (len(found), segments, points)
     return found
+
+
+def test_a_rise_between_level_ends_is_rounded_in_live2d():
+    zero = np.zeros(3)
+    times, values = np.arange(3.0), np.array([0, 1, 1])
+    curve = KeyedCurve("jaw", np.arange(3), times, values, zero, zero, cubic=True)
+    row, segments, points = _segments(curve, 1 / 60)
+    assert row[:9] == [0, 0, 1, 0.333333, 0, 0.666667, 1, 1, 1]
+    assert row[9:] == [0, 2, 1]
+    assert (segments, points) == (2, 5)
 
 
 READERS = {

@@ -40,7 +40,8 @@ async function live2d() {
   globalThis.Live2DCubismCore = {};
   const source = Buffer.from(`${stubs}\n${text}`).toString("base64");
   const { CubismMotion } = await import(`data:text/javascript;base64,${source}`);
-  const { _motionData: data } = CubismMotion.create(JSON.parse(readFileSync(file, "utf-8")));
+  const motion = CubismMotion.create(JSON.parse(readFileSync(file, "utf-8")));
+  const { _motionData: data } = motion;
   const at = (curve, time) => {
     const own = data.segments.slice(curve.baseSegmentIndex, curve.baseSegmentIndex + curve.segmentCount);
     const end = (one) => data.points[one.basePointIndex + (one.segmentType === 1 ? 3 : 1)];
@@ -50,6 +51,7 @@ async function live2d() {
   const curves = data.curves.filter((curve) => curve.segmentCount);
   return {
     fps: data.fps, loop: data.loop, duration: data.duration,
+    fades: [motion._fadeInSeconds, motion._fadeOutSeconds],
     segments: data.segments.length, points: data.points.length,
     values: Object.fromEntries(curves.map((curve) => [curve.id, times.map((time) => at(curve, time))])),
   };

@@ -71,6 +71,7 @@ def test_the_framework_of_live2d_reads_a_motion(tmp_path, character, keys):
     shown = read("pixi-live2d-display", "live2d", path, animation.timeline)
     meta = json.loads(Path(path).read_text("utf-8"))["Meta"]
     assert (shown["fps"], shown["loop"]) == (60, False)
+    assert shown["fades"] == [0, 0]
     counted = (meta["TotalSegmentCount"], meta["TotalPointCount"])
     assert (shown["segments"], shown["points"]) == counted
     for name, values in shown["values"].items():

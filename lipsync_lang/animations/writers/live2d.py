@@ -5,6 +5,9 @@ points (github.com/Live2D/CubismSpecs, FileFormats). Linear segments (0) have on
 `keys`, curves are cubic Bezier segments (1) of three points; their handles lie at thirds of the
 time, which `AreBeziersRestricted` states, so that they are cubic in time.
 
+The motion fades neither in nor out, because its curves do so themselves. Without times of fading,
+players fade for a second.
+
 A column whose name is that of a parameter and a minus lowers this parameter. Motions have no
 negative time. There is no curve of the group `LipSync`, because Cubism adds it to the curves of the
 parameters in this group.
@@ -42,6 +45,8 @@ def write_live2d(animation: Animation, out: TextIO) -> None:
         "Fps": animation.fps,
         "Loop": False,
         "AreBeziersRestricted": True,
+        "FadeInTime": 0.0,
+        "FadeOutTime": 0.0,
         "CurveCount": len(curves),
         "TotalSegmentCount": sum(segments for _, _, segments, _ in curves),
         "TotalPointCount": sum(points for _, _, _, points in curves),
@@ -76,7 +81,8 @@ def _segments(curve: KeyedCurve, frame: float) -> tuple[list[float], int, int]:
         (start, end), (low, high) = curve.times[[k, n]], curve.values[[k, n]]
         third = (end - start) / 3
         handles = (low + third * curve.leaving[k], high - third * curve.arriving[n])
-        if curve.cubic and (low, high) != handles:
+        held = low == high == handles[0] == handles[1]
+        if curve.cubic and not held:
             row += [BEZIER_SEGMENT, start + third, handles[0], end - third, handles[1]]
             points += 2
         else:
