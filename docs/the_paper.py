@@ -1,0 +1,278 @@
+# ruff: noqa: E501 - lines of the pages
+"""Write the figures of the pages that set this program beside the paper.
+
+    python docs/the_paper.py
+
+Text between the marks `made: NAME` and `end` of `docs/explanation/coverage.md` is generated from
+`docs/paper.yaml`, which holds what the paper prints, from the texts in `docs/corpora`, and from the
+packs. `tests/docs/test_the_paper.py` generates it again and compares.
+"""
+
+import re
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import accumulate
+from pathlib import Path
+from statistics import correlation, fmean
+from typing import Any
+
+from how_good import table, written
+
+from lipsync_lang.packs.yaml.events import load_yaml
+from lipsync_lang.reports.coverage import coverage
+from lipsync_lang.reports.coverage.report import CoverageReport
+from lipsync_lang.text.lines import read_lines
+from lipsync_lang.text.lines.line_readers import Line
+
+DOCS = Path(__file__).parent
+PAPER: Mapping[str, Any] = load_yaml((DOCS / "paper.yaml").read_text("utf-8"))
+COVERAGE_PAGE = DOCS / "explanation" / "coverage.md"
+
+MAPPINGS = {"english": "default", "paper-english": "Table 1"}
+"""Languages that are counted, and how a page calls their mappings."""
+
+FACE = "facefx"
+"""The pose set of the paper; which one is of no effect on counts."""
+
+MINUTES_OF_AN_HOUR = 60
+
+
+def lines_of(name: str) -> list[Line]:
+    """Return the lines of a text in `docs/corpora`."""
+    return [*read_lines([DOCS / "corpora" / f"{name}.txt"])]
+
+
+@cache
+def corpora() -> Mapping[str, Sequence[Line]]:
+    """Return the corpora by their names."""
+    sentences, dialogue = lines_of("harvard-sentences"), lines_of("the-question")
+    return {
+        "sentences": sentences[:200],
+        "mixed": [*dialogue, *sentences[:130]],
+        "dialogue": dialogue,
+        "all": sentences,
+    }
+
+
+@dataclass(frozen=True)
+class Counted:
+    """A corpus, counted with one mapping of English."""
+
+    report: CoverageReport
+
+    @property
+    def total(self) -> int:
+        """Number of bigrams as they occur, without silence."""
+        return self.report.occurrences
+
+    @cached_property
+    def counts(self) -> dict[str, int]:
+        """Occurrences of each bigram, most frequent first."""
+        return {one.bigram: one.count for one in self.report.bigrams}
+
+    def percent(self, bigram: str) -> float:
+        """Return the share of a bigram in percent."""
+        return 100 * self.counts.get(bigram, 0) / self.total
+
+    def first(self, number: int) -> float:
+        """Return the share of the most frequent bigrams in percent."""
+        return 100 * sum([*self.counts.values()][:number]) / self.total
+
+    def needed(self, percent: float) -> int:
+        """Return the number of most frequent bigrams that make a share of the speech."""
+        running = accumulate(self.counts.values())
+        return next(n for n, one in enumerate(running, 1) if 100 * one >= percent * self.total)
+
+    @property
+    def unused(self) -> int:
+        """Number of bigrams that never occur."""
+        return len(self.report.unused)
+
+    @property
+    def hours(self) -> float:
+        """Hours to draw all bigrams that occur."""
+        return len(self.counts) * PAPER["minutes"] / MINUTES_OF_AN_HOUR
+
+    def most_frequent(self) -> str:
+        """Return the most frequent phoneme with its share."""
+        name, count = max(self.report.phonemes.items(), key=lambda one: one[1])
+        return f"`{name}`, {100 * count / sum(self.report.phonemes.values()):.1f} %"
+
+    def table_2(self) -> list[float]:
+        """Return the shares of the bigrams of Table 2, in its order."""
+        return [self.percent(bigram) for bigram in PAPER["table_2"]]
+
+    def likeness(self) -> tuple[int, float, float]:
+        """Compare with Table 2: shared bigrams among the first 21, mean difference, Pearson's r."""
+        printed, own = [*PAPER["table_2"].values()], self.table_2()
+        shared = len({*[*self.counts][: len(printed)]} & {*PAPER["table_2"]})
+        differences = [abs(a - b) for a, b in zip(printed, own, strict=True)]
+        return shared, fmean(differences), correlation(printed, own)
+
+
+@cache
+def counted(corpus: str) -> Mapping[str, Counted]:
+    """Count a corpus with each mapping of English."""
+    found = coverage(corpora()[corpus], [*MAPPINGS], FACE)
+    return {report.language: Counted(report) for report in found.reports}
+
+
+def spoken(corpus: str, word: str) -> tuple[int, int]:
+    """Return how often a word stands in a corpus, and the number of all words."""
+    text = " ".join(line.text for line in corpora()[corpus]).casefold()
+    words = re.findall(r"[a-z']+", text)
+    return words.count(word), len(words)
+
+
+def percent(value: float, digits: int = 1) -> str:
+    """Return a percentage."""
+    return f"{value:.{digits}f} %"
+
+
+# Coverage
+
+
+def _both(corpus: str, cell: Callable[[Counted], str]) -> str:
+    """Return a cell with both mappings, or with one figure where they agree."""
+    return " / ".join(dict.fromkeys(cell(one) for one in counted(corpus).values()))
+
+
+def figures() -> str:
+    """Set the counts beside those of the paper."""
+    pairs = len(counted("all")["english"].counts) + counted("all")["english"].unused
+    printed = [*PAPER["table_2"].values()]
+    usual, never = PAPER["most_common"], PAPER["never_used"]
+    hours = (pairs - never) * PAPER["minutes"] / MINUTES_OF_AN_HOUR
+    rows: Iterable[tuple[str, str, Callable[[Counted], str]]] = [
+        ("bigrams as they occur", "not stated", lambda one: f"{one.total:,}"),
+        ("most frequent phoneme", "`d`", Counted.most_frequent),
+        (
+            f"never used, of {pairs}",
+            f"{never} ({percent(100 * never / pairs)})",
+            lambda one: f"{one.unused} ({percent(100 * one.unused / pairs)})",
+        ),
+        ("bigrams for 90 %", "not stated", lambda one: str(one.needed(90))),
+        (
+            "bigrams for 99 %",
+            f"about {usual['bigrams']} ({usual['percent']} %)",
+            lambda one: str(one.needed(99)),
+        ),
+        (
+            f"share of the first {usual['bigrams']}",
+            f"{usual['percent']} %",
+            lambda one: percent(one.first(usual["bigrams"])),
+        ),
+        (
+            f"share of the first {len(printed)}",
+            percent(sum(printed)),
+            lambda one: percent(one.first(len(printed))),
+        ),
+        ("hours to draw all that occur", f"{hours:.1f}", lambda one: f"{one.hours:.1f}"),
+    ]
+    utterances = ["utterances", "about 200", *(str(len(lines)) for lines in corpora().values())]
+    body = [[name, paper, *(_both(one, cell) for one in corpora())] for name, paper, cell in rows]
+    return table(["default / Table 1", "paper", *corpora()], [utterances, *body])
+
+
+def unused() -> str:
+    """Tell how the number of unused bigrams falls with the corpus."""
+    fewer, more = ({n: c.unused for n, c in counted(name).items()} for name in ("sentences", "all"))
+    excess = [
+        one.unused - PAPER["never_used"]
+        for name in ("sentences", "mixed")
+        for one in counted(name).values()
+    ]
+    return (
+        f"The number of unused bigrams falls as the corpus grows. With the default mapping it is {fewer['english']} after "
+        f"{len(corpora()['sentences'])} sentences, and {more['english']} after {len(corpora()['all'])}. With Table 1 it is "
+        f"{fewer['paper-english']}, and then {more['paper-english']}. Corpora of 200 utterances leave {min(excess)} to "
+        f"{max(excess)} more unused than the paper's."
+    )
+
+
+def table_2() -> str:
+    """Set Table 2 beside the counts with both mappings."""
+    counts = [
+        (f"{corpus}, {MAPPINGS[name]}", one)
+        for corpus in ("sentences", "mixed")
+        for name, one in counted(corpus).items()
+    ]
+    head = ["rank", "bigram", "paper", *(title for title, _ in counts)]
+    rows = [
+        [str(rank), bigram, f"{printed:.2f}", *(f"{one.percent(bigram):.2f}" for _, one in counts)]
+        for rank, (bigram, printed) in enumerate(PAPER["table_2"].items(), 1)
+    ]
+    return table(head, rows)
+
+
+def likeness() -> str:
+    """Compare each count with Table 2."""
+    rows = [
+        [corpus, MAPPINGS[name], f"{shared} of {len(PAPER['table_2'])}", f"{mean:.2f}", f"{r:.2f}"]
+        for corpus in ("sentences", "mixed", "dialogue", "all")
+        for name, one in counted(corpus).items()
+        for shared, mean, r in [one.likeness()]
+    ]
+    head = ["corpus", "mapping", "among our first 21", "mean difference, points", "Pearson's r"]
+    return table(head, rows)
+
+
+def largest() -> str:
+    """Explain the largest differences from Table 2."""
+    sentences, dialogue = (counted(one)["paper-english"] for one in ("sentences", "dialogue"))
+    mixed, default = (counted("mixed")[one] for one in ("paper-english", "english"))
+    (the, words), (few, others) = spoken("sentences", "the"), spoken("dialogue", "the")
+    printed = PAPER["table_2"]
+    return "\n".join(
+        [
+            (
+                f'- `th-ah` is "the": {the} of the {words:,} words of the sentences, and {few} of the {others} words of the '
+                f"dialogue. In the dialogue alone it is {percent(dialogue.percent('th-ah'), 2)}, beside the paper's "
+                f"{printed['th-ah']:.2f}."
+            ),
+            (
+                f'- `ah-d` has the vowel of "cat" and the n of "sing" in Table 1, and not in the default mapping. In the mixed '
+                f"corpus it is {percent(mixed.percent('ah-d'), 2)} with Table 1, and {percent(default.percent('ah-d'), 2)} with the "
+                f"default; the paper has {printed['ah-d']:.2f}."
+            ),
+            (
+                f'- `ih-w` is rare in our corpora: {percent(mixed.percent("ih-w"), 2)} of the mixed one. `sh-w`, the word "you", is '
+                f'{percent(mixed.percent("sh-w"), 2)} there, because Table 1 sends "y" to `sh`. An engine that writes '
+                'the "y" of "you" as a short vowel makes `ih-w` of it. We guess that the paper\'s engine did so.'
+            ),
+            (
+                f'- `ah-r` is "er" written as a schwa and an "r": {printed["ah-r"]:.2f} % in the paper, and '
+                f"{percent(sentences.percent('ah-r'), 2)} of the sentences. eSpeak NG writes one sound, which maps to `er`."
+            ),
+            (
+                f"- `d-ih`, `ih-kg` and `s-ih` are rarer in our corpora: {percent(mixed.percent('d-ih'), 2)} of the mixed one "
+                f"is `d-ih`. eSpeak NG reads unstressed vowels as a schwa, which maps to `ah`. This too is a guess about the "
+                "other engine."
+            ),
+        ]
+    )
+
+
+def cover() -> str:
+    """Tell how many lines the greedy cover takes."""
+    report = counted("all")["english"].report
+    return f"- The {report.lines} sentences need {len(report.sentences)} for their {len(report.bigrams)} bigrams of the default mapping."
+
+
+BLOCKS = {one.__name__: one for one in (figures, unused, table_2, likeness, largest, cover)}
+"""Writers of the generated parts, by the names of their marks."""
+
+PAGES = (COVERAGE_PAGE,)
+
+
+def page(path: Path) -> str:
+    """Return a page with its marked parts generated again."""
+    return written(path.read_text("utf-8"), lambda name: BLOCKS[name]())
+
+
+if __name__ == "__main__":
+    for path in PAGES:
+        path.write_text(page(path), encoding="utf-8")
+        sys.stdout.write(f"{path}\n")
