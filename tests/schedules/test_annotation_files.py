@@ -192,6 +192,15 @@ def test_voicevox_lengthens_a_question_and_refuses_what_has_no_lengths(read):
 # Aligners' JSON
 
 
+def test_a_sound_of_bournemouth_without_ipa_has_its_label(read):
+    phones = [
+        {"ipa_label": "overflow", "phoneme_label": "m", "start_ms": 0, "end_ms": 100},
+        {"ipa_label": "ɑ", "phoneme_label": "a", "start_ms": 100, "end_ms": 200},
+    ]
+    found = read("line.json", {"segments": [{"phoneme_ts": phones, "words_ts": []}]})
+    assert found.labels == ("m", "ɑ")
+
+
 def test_bournemouth_sounds_last_until_the_next_one_of_their_word(read):
     sounds = [("b", 33, 50), ("ʌ", 100, 117), ("m", 400, 450)]
     schedule = read(

@@ -55,6 +55,25 @@ def test_rhubarb_says_the_same_in_all_its_forms(read, performer, suffix):
     assert [performer.compiled.phonemes[n] for n in numbers] == ["_", "aa", "eh", "s", "_"]
 
 
+@pytest.mark.parametrize("form", ['{{"start": {}, "end": {}, "value": "{}"}}', "xml"])
+def test_a_shape_that_overlaps_lasts_until_the_next_starts(read, form):
+    cues = [(0.0, 0.37, "X"), (0.37, 0.52, "E"), (0.45, 0.52, "B"), (0.52, 0.6, "X")]
+    if form == "xml":
+        rows = (f'<mouthCue start="{at}" end="{end}">{name}</mouthCue>' for at, end, name in cues)
+        schedule = read("line.xml", f"<rhubarbResult>{''.join(rows)}</rhubarbResult>")
+    else:
+        rows = ", ".join(form.format(*cue) for cue in cues)
+        schedule = read("line.json", f'{{"mouthCues": [{rows}]}}')
+    assert schedule.labels == ("X", "E", "B", "X")
+    np.testing.assert_allclose(schedule.times, [0, 0.37, 0.45, 0.52, 0.6])
+    assert any("overlap the next one (1) last until it starts" in told for told in schedule.remarks)
+
+
+def test_of_two_shapes_at_one_time_the_last_is_shown(read):
+    cues = [{"start": 0, "end": 0.2, "value": one} for one in "AD"]
+    assert read("line.json", {"mouthCues": cues}).labels == ("D",)
+
+
 @pytest.mark.parametrize(
     ("suffix", "text", "told"),
     [

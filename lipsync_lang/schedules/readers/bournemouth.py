@@ -1,7 +1,8 @@
 """The Bournemouth Forced Aligner: segments of speech with their phones and words, in JSON.
 
 Times are milliseconds. A phone may end before the next one of its word starts, where the aligner is
-sure of the middle alone: it lasts until the next one then.
+sure of the middle alone: it lasts until the next one then. Version 2.0.0 may write
+`overflow` as the IPA of a phone; its label beside holds the sound.
 """
 
 from bisect import bisect_right
@@ -16,6 +17,8 @@ BOURNEMOUTH_FORM = (
     '{"segments": [{"phoneme_ts": [{"ipa_label": "m", "start_ms": 0, "end_ms": 80}], '
     '"words_ts": [{"word": "maps", "start_ms": 0, "end_ms": 400}]}]}'
 )
+
+NO_IPA = "overflow"
 
 
 def sniff(source: TimingFile) -> bool:
@@ -55,7 +58,8 @@ def _rows(source: TimingFile, segment: Json, name: str, *labels: str) -> list[La
     """Return the rows of a list by time; the first of `labels` that a row has is its label."""
     rows = []
     for one in source.objects(segment, name, BOURNEMOUTH_FORM):
-        text = next((str(one[label]) for label in labels if label in one), "")
+        stated = [str(one[label]) for label in labels if label in one]
+        text = next((label for label in stated if label != NO_IPA), "")
         start, end = source.number(one.get("start_ms")), source.number(one.get("end_ms"))
         rows.append(LabelRow(text, start, end))
     return sorted(rows, key=attrgetter("start"))
