@@ -212,15 +212,17 @@ def _nearest(
     return tuple(found)
 
 
-def _listed(abbreviations: Mapping[str, str], lists: Mapping[str, Sequence[str]]) -> dict[str, str]:
+def _listed(
+    abbreviations: Mapping[str, str], lists: Mapping[str, Mapping[str, str | None]]
+) -> dict[str, str]:
     """Return abbreviations with each word of a list in the place of its name."""
     found = dict(abbreviations)
     for name, words in lists.items():
         place = f"{{{name}}}"
         found = {
-            key.replace(place, word): read.replace(place, word)
+            key.replace(place, word): read.replace(place, word if said is None else said)
             for key, read in found.items()
-            for word in (words if place in key else ("",))
+            for word, said in (words.items() if place in key else (("", ""),))
         }
     return found
 

@@ -5,16 +5,17 @@ from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Language
+from lipsync_lang.resolver.language_tables import forms_of
 
 ALIKE = LIBRARY.common().model.text.alike
 
 
-def read(tmp_path, abbreviations, name="toy", head="tag: qaa\n"):
+def read(tmp_path, abbreviations, name="toy", head="tag: qaa\n", lists=""):
     path = tmp_path / "languages" / f"{name}.yaml"
     path.parent.mkdir(exist_ok=True)
     rows = "".join(f"    {key}: {words}\n" for key, words in abbreviations.items())
     head = f"kind: language\nformat: 1\nname: {name}\n{head}"
-    path.write_text(f"{head}text:\n  abbreviations:\n{rows}", "utf-8")
+    path.write_text(f"{head}text:\n{lists}  abbreviations:\n{rows}", "utf-8")
     return Library(project=tmp_path).language(name)
 
 
@@ -44,6 +45,16 @@ def test_a_child_changes_the_others_of_its_parent_too(tmp_path):
     read(tmp_path, {f'"{first}"': "many"})
     child = read(tmp_path, {f'"{first}"': "few"}, "kid", "tag: qaa-x-kid\nextends: toy\n")
     assert child.model.text.abbreviations[second] == "few"
+
+
+def test_a_list_tells_what_is_said_for_its_words(tmp_path):
+    lists = '  lists: {unit: {km: miles, "m | mt": feet}, many: [some]}\n'
+    rows = {'"# {unit}"': '"{1} {unit}"', '"{many} # {unit}"': '"{many} {1} {unit}"'}
+    pack = read(tmp_path, rows, lists=lists)
+    assert forms_of(pack.model, LIBRARY.common().model, "ipa").abbreviations == {
+        "# km": "{1} miles", "# m": "{1} feet", "# mt": "{1} feet",
+        "some # km": "some {1} miles", "some # m": "some {1} feet", "some # mt": "some {1} feet",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", LANGUAGES)

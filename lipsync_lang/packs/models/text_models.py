@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 from lipsync_lang.packs.models.fields import (
     Common,
     Label,
+    OrNames,
     OrOne,
     Short,
     Strict,
@@ -163,8 +164,12 @@ class LanguageText(Strict):
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word.
     Others read as words four letters or more that could be syllables, and in a sentence that is all
     capitals those with any vowel."""
-    lists: dict[Text, tuple[Text, ...]] = Field(default={})
-    """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`."""
+    lists: dict[Text, Annotated[dict[Text, str | None], Short(_each_spelling), OrNames]] = Field(
+        default={}
+    )
+    """Words that `abbreviations` treat alike, by name: `"# {month}": "{1:genitive} {month}"`. A
+    mapping tells what is said for each: with `unit: {km: kilometres}`, `"# {unit}": "{1} {unit}"`
+    reads `5 km`."""
     numbers: dict[Text, tuple[str, ...]] = Field(default={})
     """Lists of words for the numbers from 1, by name: ordinals, months, numbers of another kind. A
     number beyond its list is read as the engine reads it."""

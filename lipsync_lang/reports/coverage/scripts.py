@@ -17,6 +17,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from difflib import SequenceMatcher
 from functools import cache
+from itertools import chain
 from unicodedata import category, name, normalize
 
 from lipsync_lang.base.errors import LipsyncError
@@ -175,7 +176,9 @@ def letters_of(language: Language) -> frozenset[str]:
     text = language.text
     written = [test.text for test in language.tests]
     written += [*language.examples.values(), *language.asides]
-    written += [*(text.abbreviations.values() if text else ())]
+    if text:
+        said = chain.from_iterable(words.values() for words in text.lists.values())
+        written += [*text.abbreviations.values(), *filter(None, said)]
     return frozenset(plain(" ".join(written)))
 
 
