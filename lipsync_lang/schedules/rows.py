@@ -8,6 +8,7 @@ the labels of shapes to common phonemes, the same for every language. A remark o
 of the loss.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import log
@@ -32,6 +33,13 @@ ROUNDING_SECONDS = 0.0101
 
 MAX_LABEL_CHARS = 40
 """Maximum characters of a label in a message."""
+
+PAUSE_LABEL = re.compile(
+    r"_:?|[#+]+|#h|h#|epi|\.?pau(se)?|(short|s)?sil([be]|ence)?|!sil|\.sil|sp|spn|nsn|&p:|sent-(start|end)"
+    r"|[be]_trans|\(sil\)|<[^>]*>|\[[^]]*]|\{[^}]+}",
+    re.IGNORECASE,
+)
+"""Usual labels of a pause. One without length is no sound that shares the time of a neighbour."""
 
 LIKELY_RATES = (MILLISECONDS_PER_SECOND, 100.0, 60.0, 30.0, 25.0, 24.0)
 """Units per second of files that do not count in seconds."""
@@ -159,14 +167,19 @@ def guessed_rate(
 
 
 def _named(source: TimingFile, rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
-    """Yield rows with one label of silence; silence without length is left out."""
+    """Yield rows with one label of silence; a pause without length is left out."""
     for row in rows:
         check_span(source, row)
         label = row.label.strip() or SILENCE
         if label.casefold() in source.silences:
             label = SILENCE
-        if row.end - row.start >= SNAP_SECONDS or label != SILENCE:
+        if row.end - row.start >= SNAP_SECONDS or not is_pause(label):
             yield row._replace(label=label)
+
+
+def is_pause(label: str) -> bool:
+    """Return True for a usual label of a pause, whatever the language."""
+    return PAUSE_LABEL.fullmatch(label) is not None
 
 
 def _without_gaps(source: TimingFile, rows: Iterable[LabelRow]) -> list[LabelRow]:

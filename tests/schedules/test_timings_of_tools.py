@@ -4,8 +4,11 @@ import json
 
 import pytest
 from numpy.testing import assert_allclose
+from shipped import LANGUAGES, LIBRARY
 
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules import read_timings
+from lipsync_lang.schedules.rows import is_pause
 
 KALDI = """\
 u 1 0.00 0.00 38
@@ -44,6 +47,46 @@ def test_sounds_without_length_share_it_in_every_format(tmp_path, name, text):
     found = read(tmp_path, name, text)
     assert found.labels == ("m", "a", "p", "a")
     assert_allclose(found.times, [0, 0.2, 0.2667, 0.3333, 0.4], atol=1e-3)
+
+
+PAUSES = ["sp", "sil", "SIL", "pau", "<eps>", "h#", "spn", "<p:>", "#", "_"]
+AROUND_A_PAUSE = {
+    "a.lab": "0 5000000 AA1\n5000000 5000000 {}\n5000000 10000000 AA1\n",
+    "a.mlf": '#!MLF!#\n"a.lab"\n0 5000000 AA1\n5000000 5000000 {}\n5000000 10000000 AA1\n.\n',
+    "a.csv": "label,start,end\nAA1,0,0.5\n{},0.5,0.5\nAA1,0.5,1\n",
+    "a.ctm": "u 1 0 0.5 AA1\nu 1 0.5 0 {}\nu 1 0.5 0.5 AA1\n",
+    "a.txt": "0.0\t0.5\tAA1\n0.5\t0.5\t{}\n0.5\t1.0\tAA1\n",
+    "a.json": '[{{"label": "AA1", "start": 0, "end": 0.5}},'
+    ' {{"label": "{}", "start": 0.5, "end": 0.5}}, {{"label": "AA1", "start": 0.5, "end": 1, "stress": 1}}]',
+}
+
+
+@pytest.mark.parametrize("name", AROUND_A_PAUSE)
+@pytest.mark.parametrize("pause", PAUSES)
+def test_a_pause_without_length_takes_no_time(tmp_path, name, pause):
+    found = read(tmp_path, name, AROUND_A_PAUSE[name].format(pause))
+    assert found.labels == ("AA1", "AA1")
+    assert found.times.tolist() == [0, 0.5, 1]
+    assert found.stress == ((None, 1) if name == "a.json" else ())
+
+
+def test_a_sound_without_length_is_no_pause(tmp_path):
+    assert read(tmp_path, "a.lab", AROUND_A_PAUSE["a.lab"].format("s")).labels == (
+        "AA1",
+        "s",
+        "AA1",
+    )
+    with pytest.raises(ScheduleError, match=r"phoneme 1 \('s'\), 0.5 to 0.5 s, has no length"):
+        read(tmp_path, "a.json", AROUND_A_PAUSE["a.json"].format("s"))
+
+
+def test_every_label_of_silence_is_a_pause_and_no_sound_is():
+    labels = [one for one in LIBRARY.common().model.silence_labels if one]
+    assert labels
+    assert [one for one in labels if not is_pause(one)] == []
+    for name in LANGUAGES:
+        for table in LIBRARY.language(name).model.notations.values():
+            assert [label for label in table if is_pause(label)] == []
 
 
 def test_the_phrases_of_voicevox_are_read_without_their_query(tmp_path):

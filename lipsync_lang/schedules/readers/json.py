@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+from lipsync_lang.schedules.rows import is_pause
 from lipsync_lang.schedules.schedule import Schedule, words_from_spans
 from lipsync_lang.schedules.timing_file import TimingFile, first_item
 from lipsync_lang.schedules.timing_readers import reader
@@ -28,10 +29,14 @@ def read_json(source: TimingFile) -> Schedule:
     if not isinstance(rows, list):
         raise source.fault(f"has no list of phonemes; the form is {TIMINGS_FORM}")
     spans = _spans(source, rows, "phoneme", "label")
-    stresses = tuple(row.get("stress") for row in rows)
+    # a pause without length is no phoneme
+    heard = [
+        at for at, (label, start, end) in enumerate(spans) if start != end or not is_pause(label)
+    ]
+    stresses = tuple(rows[at].get("stress") for at in heard)
     notation, language = whole.get("notation"), whole.get("language")
     schedule = Schedule.from_intervals(
-        spans,
+        [spans[at] for at in heard],
         source=str(source.path),
         notation=notation if isinstance(notation, str) else None,
         language=language if isinstance(language, str) else None,
