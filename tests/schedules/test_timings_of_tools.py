@@ -57,7 +57,8 @@ AROUND_A_PAUSE = {
     "a.ctm": "u 1 0 0.5 AA1\nu 1 0.5 0 {}\nu 1 0.5 0.5 AA1\n",
     "a.txt": "0.0\t0.5\tAA1\n0.5\t0.5\t{}\n0.5\t1.0\tAA1\n",
     "a.json": '[{{"label": "AA1", "start": 0, "end": 0.5}},'
-    ' {{"label": "{}", "start": 0.5, "end": 0.5}}, {{"label": "AA1", "start": 0.5, "end": 1, "stress": 1}}]',
+    ' {{"label": "{}", "start": 0.5, "end": 0.5}},'
+    ' {{"label": "AA1", "start": 0.5, "end": 1, "stress": 1}}]',
 }
 
 
