@@ -73,7 +73,11 @@ class RecordFormat:
             for one in (self.phonemes, self.words)
         )
         rate = self.rate or RECORD_UNITS[self.unit]
-        if phones or not words:
+        if not phones and not words:
+            paths = " or ".join(f"`{one.records}`" for one in self.lists() if one.records)
+            where = f" at {paths}" if paths else ""
+            raise source.fault(f"has no records of {self.name}{where}; {_mend(self.form)}")
+        if phones:
             return schedule_of(source, phones, words=words, notation=self.notation, rate=rate)
         return timed_words_of(source, words, rate=rate)
 
@@ -100,13 +104,16 @@ def records_at(
     name = name.removesuffix(FIRST_ONLY)
     found = whole.get(name, []) if isinstance(whole, dict) else None
     found = [found] if isinstance(found, dict) else found
-    mend = f"the form is {form}" if form else "check the file, and the path of its format"
-    parts = source.object_list(found, f"`{name}` must be a list of objects; {mend}", line)
+    parts = source.object_list(found, f"`{name}` must be a list of objects; {_mend(form)}", line)
     for part in parts[:1] if first else parts:
         if rest:
             yield from records_at(source, part, rest, form, line)
         else:
             yield part
+
+
+def _mend(form: str | None) -> str:
+    return f"the form is {form}" if form else "check the file, and the path of its format"
 
 
 def _records(

@@ -162,7 +162,10 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     elif start == "<":
         _ = source.xml
     if named:
-        ordered = sorted(named, key=attrgetter("name"))
+        file = source.path.name.lower()
+        # `named` lacks those of plug-ins and of a project
+        every = (one for one in TIMING_READERS.values() if file.endswith(one.suffixes))
+        ordered = sorted(every, key=attrgetter("name"))
         titles = "".join(f"\n  {one.name}: {one.title}" for one in ordered)
         raise source.fault(f"has none of the formats that end in '{source.path.suffix}':{titles}")
     known = ", ".join(TIMING_READERS.suffixes())

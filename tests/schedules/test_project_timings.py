@@ -79,13 +79,18 @@ def test_outermost_objects_are_records_without_a_path(read):
         ({"result": {"phones": [{"from": 0, "to": 90}]}}, "record 1 has no 'symbol'"),
         ({"result": {"phones": 5}}, "`phones` must be a list of objects"),
         ({"result": {"phones": [phone("M", [], 90)]}}, "list is not a time"),
-        ({}, "has no phonemes"),
+        ({}, "no records of our-service at `result[0].phones` or `result.said`"),
     ],
 )
 def test_a_file_that_does_not_fit_is_refused(read, document, message):
     with pytest.raises(LipsyncError, match=r"a\.json") as refused:
         read(document, read_as="our-service")
     assert message in str(refused.value)
+
+
+def test_a_file_of_no_format_is_told_those_of_the_project(read):
+    with pytest.raises(LipsyncError, match=r"end in '.json':(.|\n)*\n  our-service: Timings of"):
+        read({"result": {}})
 
 
 def test_faults_of_rows_have_their_places(cli, tmp_path, monkeypatch):
