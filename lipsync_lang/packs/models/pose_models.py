@@ -521,7 +521,8 @@ class Character(PackModel, Delivery):
     lines: dict[Text, LineEdits] = Field(default={})
     """Edits and delivery of single lines, by name."""
     targets: dict[Common, Targets] = Field(default={})
-    """Targets by phoneme, each in place of the pose set's; a fit marks its own `status: fitted`."""
+    """Targets by phoneme. Each replaces the whole target of the pose set: a pose that it does not
+    name rests. A fit marks its own `status: fitted`."""
     softness: dict[Text, Softness] = Field(default={})
     """Seconds of rounding off by region, in place of the pose set's; a pose's own stay."""
     anticipate: dict[PoseName, AnticipateSeconds] = Field(default={})

@@ -5,5 +5,6 @@ To add one, write a module here with a function ``(source: TimingFile) -> Schedu
 start of a file; ``methodcaller("holds", "words")`` is one for JSON with a key. `TimingFile` has the
 text, JSON and XML, finds the fields of lines (`matches`), and checks times. Make the schedule with
 `rows.schedule_of`, or timed words with `timed_words.timed_words_of`. The first line of the
-function's docstring appears in `formats` and in the documentation.
+function's docstring appears in `formats` and in the documentation. Then run
+`docs/build_reference.py`. The tests need an example and a seed, both files of the format.
 """
