@@ -13,7 +13,7 @@ DATA ?= data
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: atheris findings help demo test test-rest test-all test-windows sanitize test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel extras clean
+.PHONY: atheris findings help demo test test-rest test-all test-windows sanitize test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures paper gallery docs wheel extras clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -135,6 +135,9 @@ dictionaries: $(VENV)/ready ## count readings that differ from dictionaries: mak
 figures: $(VENV)/ready ## measure "How good is it?" again: make figures DATA=folder DICTIONARIES=folder
 	$(BIN)/python docs/measure.py $(DATA) --dictionaries $(DICTIONARIES)
 	$(BIN)/python docs/how_good.py
+
+paper: $(VENV)/ready ## make the paper's tables and figures again, into out/paper: make paper CLIPS=1 renders a study too
+	$(BIN)/python docs/draw_paper.py $(CLIPS:%=--clips) out/paper
 
 gallery: $(VENV)/ready ## draw every pose set as it says one line
 	$(BIN)/python docs/draw_gallery.py

@@ -13,13 +13,15 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from pathlib import Path
 from statistics import correlation, fmean
 from typing import Any
 
 from how_good import table, written
 
+from lipsync_lang import transcribe
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.events import load_yaml
 from lipsync_lang.reports.coverage import coverage
 from lipsync_lang.reports.coverage.report import CoverageReport
@@ -131,7 +133,40 @@ def percent(value: float, digits: int = 1) -> str:
     return f"{value:.{digits}f} %"
 
 
+# Tables
+
+
+@cache
+def mapping(language: str) -> Mapping[str, str]:
+    """Map each phoneme of Table 1 to the common phoneme that banks draw."""
+    library = Library(project=None)
+    shades = library.common().model.shades
+    table_ = library.language(language).model.notations["sapi"]
+    names = {phoneme: " ".join(table_[phoneme].to) for phoneme in PAPER["table_1"]}
+    return {one: shades[name].like if name in shades else name for one, name in names.items()}
+
+
+def table_1() -> str:
+    """Set Table 1 beside the mappings of the packs."""
+    rows = [
+        [
+            phoneme, row["example"], row["common"],
+            *(f"**{own}**" if own != row["common"] else own
+              for own in (mapping(language)[phoneme] for language in reversed(MAPPINGS))),
+        ]
+        for phoneme, row in PAPER["table_1"].items()
+    ]  # fmt: skip
+    head = ["phoneme", "example", "Table 1", *(f"`{name}`" for name in reversed(MAPPINGS))]
+    return table(head, rows)
+
+
 # Coverage
+
+
+def needs(corpus: str) -> list[int]:
+    """Return the number of unique bigrams of each line, with those of silence at its ends."""
+    read = transcribe([line.text for line in corpora()[corpus]], "paper-english")
+    return [len({*pairwise(("", *one.phonemes, ""))}) for one in read]
 
 
 def _both(corpus: str, cell: Callable[[Counted], str]) -> str:
