@@ -1,5 +1,6 @@
 """Planned lines of the rows of a script: languages, casts, recordings, ids, and counts of gaps."""
 
+import errno
 import os
 import posixpath
 from collections import defaultdict
@@ -7,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from lipsync_lang.base.errors import shortlist
+from lipsync_lang.base.errors import LipsyncError, shortlist
 from lipsync_lang.base.files.names import fault_of_name, folded_name
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.finding import POSESET, Finder
@@ -38,6 +39,9 @@ LACKING = {
     "timings": "without the stated timings",
 }
 """Kinds of gaps, and their words after the number of lines."""
+
+NO_FOLDER = frozenset((errno.ENOENT, errno.ENAMETOOLONG, errno.EINVAL))
+"""Errors of a folder that is not there, or cannot be; every other folder has to be readable."""
 
 COMMON_SUFFIXES = {".csv", ".dat", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
 """Suffixes of timings that other files have too; the content decides."""
@@ -380,7 +384,8 @@ class Recordings:
     def timings_beside(self, path: str, taken: Callable[[], Collection[str]]) -> Path | None:
         """Return the file of timings that has the stem of a recording, but none of `taken`.
 
-        Suffixes that only timings have come first.
+        Suffixes that only timings have come first. A file that cannot be read counts as timings,
+        so that its reader says why.
         """
         at, _, name = path.rpartition("/")
         listing = self._listing(at)
@@ -393,7 +398,8 @@ class Recordings:
             if candidate in listing.links:
                 refuse_outside(Path(listing.place, candidate), self._folder)
             # Remarks are ignored, because the reading of the timings repeats them.
-            if rare or is_timed(LineFile(Path(listing.place, candidate), lambda _: None)):
+            beside = LineFile(Path(listing.place, candidate), lambda _: None)
+            if rare or is_timed(beside, unreadable=True):
                 return listing.file(candidate, self._folder)
         return None
 
@@ -416,7 +422,10 @@ class Recordings:
             try:
                 with os.scandir(self._folder / at) as entries:
                     links = {entry.name: entry.is_symlink() for entry in entries}
-            except OSError:
+            except OSError as error:
+                if error.errno not in NO_FOLDER:
+                    what = f"cannot be read: {error.strerror}; correct its permissions, or the path"
+                    raise LipsyncError(f"{at or '.'}: {what}") from None
                 links = {}
             names = sorted(links)
             timings: dict[str, list[str]] = {}

@@ -199,6 +199,8 @@ class LineReader(Format):
     """Function that opens a table, whose text is in `column`; None for files without columns."""
 
 
+JSON_SUFFIX = ".json"
+
 LINE_READERS: Formats[LineReader] = Formats("line_readers", "format", package=__package__)
 
 
@@ -310,9 +312,13 @@ def heads(
     return found
 
 
-def is_timed(source: LineFile) -> bool:
-    """Test whether a file begins like a format of timed phonemes with its suffix."""
-    from lipsync_lang.schedules.timing_file import HEAD_BYTES, TimingFile
+def is_timed(source: LineFile, *, unreadable: bool = False) -> bool:
+    """Test whether a file begins like a format of timed phonemes with its suffix.
+
+    JSON is read as a whole, because its start alone is not JSON. The result is `unreadable` for a
+    file that cannot be read and for damaged JSON, which may be timings or something else.
+    """
+    from lipsync_lang.schedules.timing_file import HEAD_BYTES, MAX_TIMINGS_BYTES, TimingFile
     from lipsync_lang.schedules.timing_readers import TIMING_READERS
 
     kinds = [one for one in TIMING_READERS.ending(source.path) if not one.script]
@@ -321,9 +327,14 @@ def is_timed(source: LineFile) -> bool:
     try:
         with source.open() as stream:
             begins = TimingFile(source.path, stream.read(HEAD_BYTES))
+            is_json = begins.head.lstrip()[:1] in {"{", "["}
+            if is_json:
+                rest = stream.read(MAX_TIMINGS_BYTES)
+                begins = TimingFile(source.path, begins.content + rest)
     except OSError:
-        return False
-    return any(one.sniff(begins) for one in kinds)
+        return unreadable
+    damaged = is_json and begins.document is None and source.path.suffix.lower() == JSON_SUFFIX
+    return any(one.sniff(begins) for one in kinds) or (damaged and unreadable)
 
 
 def _format_of(path: Path) -> LineReader:

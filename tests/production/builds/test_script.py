@@ -1,11 +1,14 @@
 """The script of a build: its lines, their files, and every fault of its tables."""
 
+import json
+
 import pytest
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.base.files.names import MAX_NAME_BYTES, fault_of_name
 from lipsync_lang.packs.project import load_project
 from lipsync_lang.production.builds.script import read_script
+from lipsync_lang.text.lines.line_readers import LineFile, is_timed
 
 SCRIPT = """\
 id,speaker,english,german
@@ -167,6 +170,43 @@ def test_recordings_and_the_timings_beside_them_are_found(game):
         "german: 1 line without a recording, so a voice speaks: vo/german/intro_2.wav",
         "1 recording without a line: vo/german/other.wav",
     ]
+
+
+def test_long_timings_beside_a_recording_are_found(game):
+    rows = [{"label": "AA1", "start": at / 10, "end": (at + 1) / 10} for at in range(200)]
+    put(game, "vo/english/intro_1.json", text=json.dumps({"phonemes": rows}))
+    assert planned(game)[0].timings == game / "vo/english/intro_1.json"
+
+
+@pytest.mark.parametrize("text", ['{"phonemes": [{"label": "M"},]}', '[{"label": "M"'])
+def test_damaged_timings_beside_a_recording_are_not_overlooked(game, text):
+    put(game, "vo/english/intro_1.wav", "vo/english/intro_2.wav")
+    put(game, "vo/english/intro_1.json", text=text)
+    put(game, "vo/english/intro_2.json", text='{"take": 3}')
+    put(game, "vo/english/intro_2.txt", text="[sobs] Well met.")
+    lines = {one.name: one for one in planned(game) if one.language == "english"}
+    assert lines["intro_1"].timings == game / "vo/english/intro_1.json", "its reader says why"
+    assert lines["intro_2"].timings is None, "notes of another program"
+
+
+def test_timings_that_cannot_be_opened_are_not_overlooked(game, monkeypatch):
+    put(game, "vo/english/intro_1.json", text='[{"label": "M", "start": 0, "end": 0.2}]')
+
+    def refused(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(LineFile, "open", refused)
+    lines = LineFile(game / "vo/english/intro_1.json", lambda _: None)
+    assert not is_timed(lines)
+    assert is_timed(lines, unreadable=True)
+
+
+def test_a_folder_of_recordings_that_cannot_be_read_is_refused(game):
+    put(game, "takes-of-bob", text="a file")
+    with pytest.raises(LipsyncError, match=r"takes-of-bob: cannot be read: .*; correct its perm"):
+        planned(game, audio='"takes-of-bob/{language}-{id}.wav"')
+    assert planned(game, audio='"nowhere/{language}-{id}.wav"')[0].audio is None
+    assert planned(game, audio=f'"{"x" * 300}/{{language}}-{{id}}.wav"')[0].audio is None
 
 
 def test_outputs_beside_a_recording_are_not_its_timings(game):
