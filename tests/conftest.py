@@ -12,6 +12,7 @@ from typing import NamedTuple
 import lanes  # noqa: F401 its profiles are known before Hypothesis is told which one to take
 import pytest
 from places import ROOT, TESTS
+from shipped import read_once
 
 from lipsync_lang.cli import main
 from lipsync_lang.pipeline import kernel
@@ -65,6 +66,13 @@ def data():
     if not (folder / "alignments").is_dir():
         pytest.skip(f"{folder} holds no recordings and alignments; {DATA} names such a folder")
     return folder
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _built_in_packs_are_read_once():
+    """Read each built-in pack once in a process."""
+    with read_once():
+        yield
 
 
 class Ended(NamedTuple):

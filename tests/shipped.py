@@ -1,6 +1,16 @@
 """Built-in packs: listed without reading, and read once in each process."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+
+import pytest
+from places import ROOT
+
+from lipsync_lang.packs import library
+from lipsync_lang.packs.checking import pack_checks, validate
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import validation
 
 LIBRARY = Library(project=None)
 """Library of the built-in packs; tests share it and must not change it."""
@@ -9,3 +19,45 @@ LANGUAGES = sorted({found.name for found in LIBRARY.names("language")})
 POSESETS = sorted({found.name for found in LIBRARY.names("poseset")})
 assert LANGUAGES, "a sweep over nothing passes"
 assert POSESETS, "a sweep over nothing passes"
+
+
+@contextmanager
+def read_once() -> Iterator[None]:
+    """Parse and check each built-in pack once, however many libraries a process opens.
+
+    Other bytes in its place, and files of tests, are read as ever.
+    """
+    scan, validated = library.scan, validation.validated
+    kept_scan, kept_validated = cache(scan), cache(validated)
+
+    def scan_once(path, content):
+        return (kept_scan if _is_built_in(path) else scan)(path, content)
+
+    def validated_once(source, **expected):
+        return (kept_validated if _is_built_in(source.path) else validated)(source, **expected)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(library, "scan", scan_once)
+        patch.setattr(validation, "validated", validated_once)
+        patch.setattr(pack_checks, "check_labels", _checked_once(pack_checks.check_labels))
+        patch.setattr(validate, "check_claims", _checked_once(validate.check_claims))
+        yield
+
+
+def _checked_once(check):
+    """Return a check that keeps the faults of built-in languages, as long as all is the same."""
+    kept = {}
+
+    def checked_once(pack, *others):
+        if not all(_is_built_in(source.path) for source in pack.sources):
+            return check(pack, *others)
+        given = (pack.model, *others)
+        if pack.sources not in kept or kept[pack.sources][0] != given:
+            kept[pack.sources] = given, tuple(check(pack, *others))
+        return kept[pack.sources][1]
+
+    return checked_once
+
+
+def _is_built_in(path):
+    return any(path.is_relative_to(ROOT / folder) for folder in ("languages", "posesets"))

@@ -9,7 +9,7 @@ from unicodedata import normalize
 
 from lipsync_lang.packs.finding import IPA, beside
 from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, Rule, Settings
-from lipsync_lang.text.phonology.g2p.own_words import ipa_labels, stands_alone
+from lipsync_lang.text.phonology.g2p.own_words import by_spelling, ipa_labels, stands_alone
 from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.labels import Notation, Value, looser, normalise, ready
@@ -233,10 +233,11 @@ def _own_words(
     """Return the words that a pack reads its own way, and respelled ones without spaces around."""
     words: dict[str, OwnWord] = {}
     phrases: dict[str, str] = {}
+    known = by_spelling(labels)
     for word, reading in language.words.items():
         if reading.say and not reading.ipa and not stands_alone(word):
             phrases[word] = reading.say
         elif reading.ipa or reading.say:
-            own = OwnWord(ipa_labels(reading.ipa, labels), reading.say)
+            own = OwnWord(ipa_labels(reading.ipa, known), reading.say)
             words |= {plain(word): own, word: own}
     return words, phrases

@@ -17,7 +17,7 @@ from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.text.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.text.phonology.g2p.number_words import named_rules
 from lipsync_lang.text.phonology.g2p.orthography_profile import BY_PROFILE, profile_rows
-from lipsync_lang.text.phonology.g2p.own_words import ipa_labels, stands_alone
+from lipsync_lang.text.phonology.g2p.own_words import by_spelling, ipa_labels, stands_alone
 from lipsync_lang.text.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow
 from lipsync_lang.text.phonology.labels import Notation, normalise
 
@@ -81,8 +81,9 @@ def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:
                 yield language.unknown(at, "P236", "rules of numbers", name, tables)
     for spelling, words in text.abbreviations.items():
         loc = ("text", "abbreviations", spelling)
-        if language.states(loc):  # others have the words and the faults of the first of their list
-            yield from _abbreviation(language, loc, spelling, words, text)
+        for fault in _abbreviation(language, loc, spelling, words, text):
+            if language.states(loc):  # others have the words and faults of the first of their list
+                yield fault
 
 
 def _abbreviation(
@@ -106,7 +107,7 @@ def _abbreviation(
 
 def _own_labels(model: models.Language) -> Iterator[tuple[Loc, Sequence[str]]]:
     """Yield the place and the labels of each interjection, word in IPA, and ending."""
-    known = model.notations.get(model.g2p_notation, ())
+    known = by_spelling(model.notations.get(model.g2p_notation, ()))
     for word, reading in model.words.items():
         yield ("words", word, "ipa"), ipa_labels(reading.ipa, known)
     if model.text is None:

@@ -36,12 +36,19 @@ def stands_alone(word: str) -> bool:
     return all(map(is_spaced, re.sub("['’-]", "", word)))
 
 
-def ipa_labels(ipa: str, known: Collection[str]) -> tuple[str, ...]:
-    """Cut IPA into known labels, at its spaces and within them; marks of stress are left out."""
+def by_spelling(labels: Iterable[str]) -> dict[str, str]:
+    """Map the canonical spelling of each label to the label."""
+    return {normalise(label): label for label in labels}
+
+
+def ipa_labels(ipa: str, known: Mapping[str, str]) -> tuple[str, ...]:
+    """Cut IPA into the labels known by their spelling, at its spaces and within them.
+
+    Marks of stress are left out.
+    """
     unstressed = "".join(letter for letter in ipa if letter not in STRESS)
-    spelled = {normalise(label): label for label in known}
-    found = (label for part in unstressed.split() for label in segments(part, spelled))
-    return tuple(spelled.get(label, label) for label in found)
+    found = (label for part in unstressed.split() for label in segments(part, known))
+    return tuple(known.get(label, label) for label in found)
 
 
 class OwnWords:
