@@ -14,6 +14,9 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+# A worker has one processor: more threads in it wait for each other, up to ten times as long.
+os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+
 full = pytest.mark.full
 
 needs_espeak = pytest.mark.skipif(
