@@ -82,10 +82,10 @@ def test_resolving_builds_only_the_models_it_reads_and_parses_none_of_their_sour
     code = (
         "import lipsync_lang as ll\n"
         "ll.resolve('english', 'facefx', cache=False)\n"
-        "from lipsync_lang.packs.models import attribute_docs, MODELS\n"
+        "from lipsync_lang.packs.models import MODELS, fields\n"
         "built = [kind for kind, model in MODELS.items() if model.__pydantic_complete__]\n"
         "assert 'poseset' in built and not {'rig', 'character'} & {*built}, built\n"
-        "assert not attribute_docs._docstrings.cache_info().misses\n"
+        "assert not fields._docstrings.cache_info().misses\n"
     )
     loaded = modules_after(code)
     assert "pydantic" in loaded

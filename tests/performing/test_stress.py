@@ -17,8 +17,7 @@ from lipsync_lang.schedules.schedule import SILENCE
 from lipsync_lang.sound.speech.speaking.espeak import intervals, read_events
 from lipsync_lang.sound.speech.speaking.joining import estimate, join, stress_read
 from lipsync_lang.sound.speech.speaking.transcripts import Transcript
-from lipsync_lang.text.phonology.espeak.phoneme_labels import words_of
-from lipsync_lang.text.phonology.espeak.process import EspeakProcess
+from lipsync_lang.text.phonology.espeak.process import EspeakProcess, words_of
 from lipsync_lang.text.phonology.g2p import SpokenWord, engine
 from lipsync_lang.text.phonology.g2p.g2p_engines import Settings
 from lipsync_lang.text.phonology.labels import Notation

@@ -87,11 +87,7 @@ def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:
 
 
 def _abbreviation(
-    language: Pack[models.Language],
-    loc: Loc,
-    spelling: str,
-    words: str,
-    text: LanguageText,
+    language: Pack[models.Language], loc: Loc, spelling: str, words: str, text: LanguageText
 ) -> Iterator[Fault]:
     """Check that an abbreviation names lists and tables of the language, and its own numbers."""
     places, named = parts_of(spelling)

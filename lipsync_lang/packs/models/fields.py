@@ -4,9 +4,14 @@ A short form is a bare label for a list of one, or a list of names for a mapping
 full form before validation, so that a model has one form only and a fault is reported once.
 """
 
+import ast
 import re
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from inspect import cleandoc, getsource
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -19,9 +24,58 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError
 
-from lipsync_lang.packs.models.attribute_docs import describe
 from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.packs.yaml.value_text import RESERVED_WORDS
+
+
+def descriptions(model: type[BaseModel]) -> dict[str, str]:
+    """Return what describes each field of a model, by the field's name in the class.
+
+    A description that the field itself states goes before the docstring beneath it. A program
+    without its source files has no docstrings to read.
+    """
+    found: dict[str, str] = {}
+    for kind in reversed(model.__mro__):
+        # base classes of pydantic have docstrings of their own
+        if kind.__module__.startswith(__package__):
+            found |= _docstrings(kind.__module__).get(kind.__name__, {})
+    fields = model.model_fields.items()
+    stated = {name: field.description or found.get(name, "") for name, field in fields}
+    return {name: text for name, text in stated.items() if text}
+
+
+def describe(schema: dict[str, Any], model: type[BaseModel]) -> None:
+    """Add the descriptions of a model's fields to its JSON Schema."""
+    texts = descriptions(model)
+    for name, field in model.model_fields.items():
+        made = schema.get("properties", {}).get(field.alias or name)
+        if made is not None and name in texts:
+            made["description"] = texts[name]
+
+
+# Pydantic can take docstrings while it makes a class, but then parses the source of each class at
+# every start of the program, which takes longer than reading the packs.
+@cache
+def _docstrings(module: str) -> dict[str, dict[str, str]]:
+    """Read the attribute docstrings of a module, by class and attribute."""
+    try:
+        tree = ast.parse(getsource(sys.modules[module]))
+    except OSError:
+        return {}
+    return {
+        node.name: {
+            stated.target.id: cleandoc(text.value.value)
+            for stated, text in pairwise(node.body)
+            if isinstance(stated, ast.AnnAssign)
+            and isinstance(stated.target, ast.Name)
+            and isinstance(text, ast.Expr)
+            and isinstance(text.value, ast.Constant)
+            and isinstance(text.value.value, str)
+        }
+        for node in tree.body
+        if isinstance(node, ast.ClassDef)
+    }
+
 
 PACK_FORMAT = 1
 """The newest format of packs that this program reads, and the one it writes."""
@@ -175,14 +229,6 @@ Curves = dict[PoseName, Curve]
 """A curve for each pose that moves."""
 
 
-def _empty(value: Data) -> Data:
-    return {} if value is None else value
-
-
-def _one(value: Data) -> Data:
-    return (value,) if isinstance(value, (str, Mapping)) else value
-
-
 def _names(value: Data) -> Data:
     """Turn a list of names into a mapping from each name to None."""
     if isinstance(value, Mapping):
@@ -213,10 +259,15 @@ class Short(BeforeValidator):
         return forms[0] if len(forms) == 1 else {"anyOf": forms}
 
 
-OrEmpty = Short(_empty, forms=lambda full: [full, {"type": "null"}])
+OrEmpty = Short(
+    lambda value: {} if value is None else value, forms=lambda full: [full, {"type": "null"}]
+)
 """Accepts null as an empty mapping."""
 
-OrOne = Short(_one, forms=lambda full: [full, full["items"]])
+OrOne = Short(
+    lambda value: (value,) if isinstance(value, (str, Mapping)) else value,
+    forms=lambda full: [full, full["items"]],
+)
 """Accepts a single value as a list of one."""
 
 OrNames = Short(_names, forms=lambda full: [full, {"type": "array", "items": {"type": "string"}}])

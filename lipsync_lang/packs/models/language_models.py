@@ -33,7 +33,6 @@ from lipsync_lang.packs.models.text_models import (
     WordTable,
     check_contexts,
 )
-from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.text.phonology.labels import Value
 
 SoundClass = Literal[
@@ -119,11 +118,10 @@ USUAL = Sounds.model_construct(to=())
 meant, and not any that is equal to it, which is mute."""
 
 
-def _usual_or_stated(value: Data) -> Data:
-    return USUAL if value is None else labels_as_sounds(value)
-
-
-OrUsual = Short(_usual_or_stated, forms=lambda full: [*sound_forms(full), {"type": "null"}])
+OrUsual = Short(
+    lambda value: USUAL if value is None else labels_as_sounds(value),
+    forms=lambda full: [*sound_forms(full), {"type": "null"}],
+)
 """Accepts null as the usual mapping of a label."""
 
 

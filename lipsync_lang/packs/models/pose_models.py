@@ -13,7 +13,6 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.packs.models.attribute_docs import descriptions
 from lipsync_lang.packs.models.check_models import Checks
 from lipsync_lang.packs.models.fields import (
     BigramKey,
@@ -32,6 +31,7 @@ from lipsync_lang.packs.models.fields import (
     Text,
     TrigramKey,
     Unit,
+    descriptions,
 )
 from lipsync_lang.packs.models.gesture_models import (
     Gesture,

@@ -2,7 +2,7 @@
 
 import re
 from pathlib import PureWindowsPath
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -83,13 +83,11 @@ def _rate(value: Data) -> Data:
     return f"{value:g}" if number else value
 
 
-def _switch(value: Data) -> Data:
-    return ("all" if value else "none") if isinstance(value, bool) else value
-
-
-def _or(form: dict[str, Any]) -> Any:
-    return lambda full: [full, form]
-
+OrSwitch = Short(
+    lambda value: ("all" if value else "none") if isinstance(value, bool) else value,
+    forms=lambda full: [full, {"type": "boolean"}],
+)
+"""Accepts true or false as a choice of all gestures, or none."""
 
 Output = Annotated[Text, AfterValidator(_within), _holding(*PLACEHOLDERS)]
 """A file, or FORMAT:FILE."""
@@ -199,7 +197,7 @@ class Project(PackModel):
         Annotated[
             str,
             Field(pattern=_RATE_PATTERN),
-            Short(_rate, forms=_or({"type": "number", "minimum": 1})),
+            Short(_rate, forms=lambda full: [full, {"type": "number", "minimum": 1}]),
         ]
         | None
     ) = None
@@ -211,7 +209,7 @@ class Project(PackModel):
     """Motion settings over the character's own; a preset's name alone is short for it."""
     shades: bool | None = None
     """False to perform each shade as its parent; unless stated, only the paper's thresholds do."""
-    gestures: Annotated[Text, Short(_switch, forms=_or({"type": "boolean"}))] | None = None
+    gestures: Annotated[Text, OrSwitch] | None = None
     """Gestures of every output: `all`, or those to make, such as `blink,accent:0.5`. By default
     pages and videos of `run` have them all, and other files none."""
     idle: Annotated[float, Field(ge=0, le=600)] | None = None

@@ -45,11 +45,9 @@ class InterjectionSounds(Strict):
     """A spelling for the voice; the interjection's own unless stated."""
 
 
-def _interjection(value: Data) -> Data:
-    return None if value is None else labels_as_sounds(value)
-
-
-ShortInterjection = Short(_interjection, forms=sound_forms)
+ShortInterjection = Short(
+    lambda value: None if value is None else labels_as_sounds(value), forms=sound_forms
+)
 
 InterjectionTable = dict[Text, Annotated[InterjectionSounds | None, ShortInterjection]]
 """The sounds of interjections by their shortest spelling; null for a word that is none."""

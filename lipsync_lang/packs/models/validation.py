@@ -11,8 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.models import MODELS, PackModel
-from lipsync_lang.packs.models.attribute_docs import descriptions
-from lipsync_lang.packs.models.fields import PACK_FORMAT
+from lipsync_lang.packs.models.fields import PACK_FORMAT, descriptions
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Data, Loc, YamlSource
 

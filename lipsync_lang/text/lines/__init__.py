@@ -4,6 +4,5 @@
 spoken text, without markup and placeholders, and its place in the file.
 """
 
-from lipsync_lang.text.lines.line_readers import Line, read_lines
-
-__all__ = ["Line", "read_lines"]
+from lipsync_lang.text.lines.line_readers import Line as Line
+from lipsync_lang.text.lines.line_readers import read_lines as read_lines

@@ -17,7 +17,7 @@ from lipsync_lang.packs.models.text_models import LanguageText
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.text.phonology.espeak.phoneme_labels import words_of
+from lipsync_lang.text.phonology.espeak.process import words_of
 from lipsync_lang.text.phonology.g2p import (
     G2P_ENGINES,
     RESPELLERS,

@@ -28,8 +28,14 @@ from lipsync_lang.sound.speech.speaking.speech_engines import (
 )
 from lipsync_lang.sound.speech.speaking.word_spans import find_words
 from lipsync_lang.text.phonology.espeak.espeak_stream import FORKS, answers
-from lipsync_lang.text.phonology.espeak.phoneme_labels import label_of, modifies, stress_of
-from lipsync_lang.text.phonology.espeak.process import EspeakProcess, blank, quoted
+from lipsync_lang.text.phonology.espeak.process import (
+    EspeakProcess,
+    blank,
+    label_of,
+    modifies,
+    quoted,
+    stress_of,
+)
 
 MAX_ESPEAK_CHARS = 50_000
 """Text limit in characters, about an hour of speech; longer texts need splitting into lines."""

@@ -11,7 +11,7 @@ from functools import lru_cache
 from itertools import pairwise
 from types import MappingProxyType
 
-from lipsync_lang.text.phonology.espeak.phoneme_labels import label_of, stress_of
+from lipsync_lang.text.phonology.espeak.process import label_of, stress_of
 from lipsync_lang.text.phonology.g2p.epitran import segments
 from lipsync_lang.text.phonology.g2p.g2p_engines import (
     G2P_ENGINES,

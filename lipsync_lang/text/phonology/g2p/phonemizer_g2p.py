@@ -24,7 +24,7 @@ from unicodedata import normalize
 from lipsync_lang.base.errors import SpeechError, did_you_mean
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files.temporary import sweep, temporary_name
-from lipsync_lang.text.phonology.espeak.phoneme_labels import words_of
+from lipsync_lang.text.phonology.espeak.process import words_of
 from lipsync_lang.text.phonology.g2p.espeak_g2p import LabelledWords, by_clauses, label_splitter
 from lipsync_lang.text.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
