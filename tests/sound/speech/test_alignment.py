@@ -277,6 +277,21 @@ def test_words_that_nobody_says_are_left_out_and_named(english, spoken, more, pl
     assert np.abs(np.subtract(moved, stayed)).max() <= 0.1
 
 
+@pytest.mark.parametrize(
+    ("language", "text"),
+    [
+        ("russian", "Это начало визуальной новеллы."),
+        ("italian", "L'autunno è particolarmente bello quest'anno."),
+        ("spanish", "El caballo blanco bebe agua."),
+    ],
+)
+def test_words_that_are_said_are_kept_though_the_model_hears_them_badly(language, text):
+    known = ll.speak(text, language)
+    found = ll.align(known.audio, text, language)
+    assert [word.text for word in found.words] == [word.text for word in known.words]
+    assert not [told for told in found.remarks if "not spoken" in told]
+
+
 def music(seconds):
     """Chords with harmonics and a drum, two a second."""
     rng = np.random.default_rng(3)

@@ -11,7 +11,8 @@ An anchored window ends in a word that the pace of the remaining text allows, an
 half; it takes twice the time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
@@ -54,7 +55,13 @@ ENTER_OTHER_LOG = -20.0
 """Log score for entering other sound; it keeps badly spoken phonemes in their word."""
 
 SKIP_WORD_LOG = -160.0
-"""Log score for leaving a word out; a word that is only badly spoken is cheaper to keep."""
+"""Log score for leaving a word out, which is then tried as spoken."""
+
+MISSING_FRAMES = 3.4
+"""Frames per phoneme below which a word has no time: each phoneme has three states."""
+
+ROOM_FRAMES = 2.5
+"""Frames of other sound per phoneme of a word that leave it time."""
 
 MIN_OTHER_SHARE = 0.1
 """Share of sound without text from which its cepstra are kept out of their mean."""
@@ -257,7 +264,7 @@ def _window(
         right = words[number + 1][0][0] if number + 1 < stop else model.silence
         before = [*before, *graph.pause(before)]
         spoken = graph.word(number, words[number], left, right, before)
-        # Other sound in place of a word: the word is left out.
+        # Other sound in place of a word: the word is left out, if it proves to have no time.
         skipped = Node(number, OUTSIDE, WordPosition.ALONE)
         before = [*spoken, graph.add(skipped, model.silence, model.silence, before)]
     ends: Sequence[int] | None = None
@@ -267,9 +274,19 @@ def _window(
         ends = range([node.word for node in graph.nodes].index(near), len(graph.nodes))
     loop = _Loop.of(sound)
     scores = sound.scores(model.phones(graph.contexts))
-    way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends)
+
+    def decoded(spoken: AbstractSet[int] = frozenset()) -> list[Run] | None:
+        return _likeliest(model, scores, loop, graph.nodes, graph.before, ends, spoken)
+
+    way = decoded()
     if way is None:
         return None
+    if skipped := _skipped(graph.nodes, way):
+        every = frozenset(range(done, stop))
+        said = decoded(every)
+        if said is not None:
+            missing = _missing(graph.nodes, said, skipped)
+            way = decoded(every - missing) or way if missing else said
     if not last:
         overlap = window // 2 if anchored else OVERLAP_FRAMES
         way = _kept(way, graph.nodes, window - overlap)
@@ -299,6 +316,7 @@ def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     nodes: Sequence[Node],
     before: Sequence[Sequence[int]],
     ends: Sequence[int] | None,
+    spoken: AbstractSet[int] = frozenset(),
 ) -> list[Run] | None:
     other = np.array([node.phone == OUTSIDE for node in nodes])
     # Other sound is as likely as the best phoneme less a penalty: it wins only where no phoneme of
@@ -307,7 +325,34 @@ def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     names = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]
     skipped = np.array([node.word != OUTSIDE for node in nodes]) & other
     entered = np.where(skipped, SKIP_WORD_LOG, np.where(other, ENTER_OTHER_LOG, 0.0))
+    entered[[node.word in spoken and node.phone == OUTSIDE for node in nodes]] = -np.inf
     return likeliest_way(scores, model.stay[names], before, ends, entered)
+
+
+def _skipped(nodes: Sequence[Node], way: Sequence[Run]) -> dict[int, int]:
+    """Return the words that a path leaves out, with the frames of other sound in their places."""
+    return {
+        node.word: run.stop - run.first
+        for node, run in ((nodes[run.phone], run) for run in way)
+        if node.phone == OUTSIDE != node.word
+    }
+
+
+def _missing(nodes: Sequence[Node], way: Sequence[Run], words: Mapping[int, int]) -> set[int]:
+    """Return those of the words that have no time in a path with every word.
+
+    `words` has the frames of other sound in their places. Where these are many, somebody speaks:
+    that sound is the word, badly heard.
+    """
+    lengths: dict[int, list[int]] = {word: [] for word in words}
+    for run in way:
+        if nodes[run.phone].word in words:
+            lengths[nodes[run.phone].word].append(run.stop - run.first)
+    return {
+        word
+        for word, own in lengths.items()
+        if sum(own) < MISSING_FRAMES * len(own) and words[word] < ROOM_FRAMES * len(own)
+    }
 
 
 def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
