@@ -243,11 +243,8 @@ def lines(draw, known=None, *, pauses=True, longest=12, steady=False):
     times = start + np.concatenate(([0.0], np.cumsum(lengths)))
     share, level = st.sampled_from([0, 0.3, 1]), st.sampled_from([0, 0.5, 1, 2])
     shares = [(draw(share), draw(share)) for _ in made.styles]
-    dials = draw(
-        st.one_of(
-            st.just([]), st.just([]), st.just([(draw(st.integers(1, 3)), draw(level), draw(level))])
-        )
-    )
+    dial = st.tuples(st.integers(1, 3), level, level)
+    dials = draw(st.one_of(st.just([]), st.just([]), st.lists(dial, min_size=1, max_size=2)))
     if steady:
         shares = [(first, first) for first, _ in shares]
         dials = [(nth, first, first) for nth, first, _ in dials]

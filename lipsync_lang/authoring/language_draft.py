@@ -217,8 +217,8 @@ def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> Lang
         # Phrases and digits are unsuitable as example words.
         single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
         sounds.add(word.labels, word.text if single else "")
-    for word, labels in _spelled(wanted):
-        sounds.add(labels, word)
+    for spelling, labels in _spelled(wanted):
+        sounds.add(labels, spelling)
     outputs: dict[Path, bytes | Path] = {}
     for beside in filter(None, (wanted.lexicon, wanted.profile)):
         copy = path.with_name(path.stem + beside.suffix)

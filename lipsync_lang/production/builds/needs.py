@@ -122,7 +122,9 @@ class PairNeeds:
         elif kind == CURVE_SOURCE:
             rows = (compiled.origins[row] for row in self._rows.get(rest, ()))
             # As pages show them, so that a moved project is as it was.
-            found = digest([one._replace(places=[*map(short_place, one.places)]) for one in rows])
+            found = digest(
+                [one._replace(places=tuple(map(short_place, one.places))) for one in rows]
+            )
         elif kind == "label":
             notation, _, label = rest.partition(" ")
             value = None

@@ -265,8 +265,8 @@ def _window(
         before = [*before, *graph.pause(before)]
         spoken = graph.word(number, words[number], left, right, before)
         # Other sound in place of a word: the word is left out, if it proves to have no time.
-        skipped = Node(number, OUTSIDE, WordPosition.ALONE)
-        before = [*spoken, graph.add(skipped, model.silence, model.silence, before)]
+        left_out = Node(number, OUTSIDE, WordPosition.ALONE)
+        before = [*spoken, graph.add(left_out, model.silence, model.silence, before)]
     ends: Sequence[int] | None = None
     if last:
         ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
