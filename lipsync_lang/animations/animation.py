@@ -49,6 +49,8 @@ class ExportSettings:
         have tangents
     against : other animations of the line by name, for formats that compare
     face : file beside the output that holds the model's data for all lines; empty for each its own
+    frame_rate : frames per second that somebody has asked for, in formats that count the frames of
+        another program; None for that program's own if the animation has the usual rate
     """
 
     offset: float = 0.0
@@ -56,6 +58,7 @@ class ExportSettings:
     key_lines: bool = False
     against: Mapping[str, "Animation"] = field(default_factory=dict)
     face: str = ""
+    frame_rate: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse an error of keys that is out of range."""

@@ -10,6 +10,9 @@ from math import isfinite
 
 from lipsync_lang.base.errors import LipsyncError
 
+USUAL_FPS = 60.0
+"""Default frame rate in frames per second."""
+
 NTSC = Fraction(1000, 1001)
 """Ratio of NTSC rates to their nominal whole rates."""
 

@@ -8,6 +8,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lipsync_lang.animations.rates import USUAL_FPS
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import name_folders, refuse_outside
 from lipsync_lang.packs.project import FILE, NARRATOR, find_project
@@ -16,9 +17,6 @@ from lipsync_lang.packs.speaker_faces import OTHERS, stated_faces
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
     from lipsync_lang.packs.pack import Pack
-
-USUAL_FPS = 60.0
-"""Default frame rate in frames per second."""
 
 PAIR = ("language", "character")
 
@@ -49,6 +47,7 @@ def fill(options: Namespace) -> None:
         if wants_script_line(options):
             _take_line(options, project, path.parent)
         _take(options, project, path.parent)
+    options.stated_fps = getattr(options, "fps", None)
     if getattr(options, "fps", 0) is None:
         options.fps = USUAL_FPS
     if getattr(options, "offset", "") is None:

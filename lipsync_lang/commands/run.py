@@ -98,7 +98,13 @@ def run(options: Namespace) -> int:
     offset = parse_offset(options.offset, animation.fps)
     shown = replace(
         _shown(options, performer, animation, writers),
-        export=ExportSettings(offset, error, lines, _against(options, performer, animation)),
+        export=ExportSettings(
+            offset,
+            error,
+            lines,
+            _against(options, performer, animation),
+            frame_rate=options.stated_fps,
+        ),
     )
 
     # Files that people watch have gestures unasked, and files for engines only on request.

@@ -19,7 +19,13 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.base.errors import ScheduleError
-from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, words_from_spans
+from lipsync_lang.schedules.schedule import (
+    MAX_MEDIAN_SECONDS,
+    SILENCE,
+    SNAP_SECONDS,
+    Schedule,
+    words_from_spans,
+)
 from lipsync_lang.schedules.timing_file import TimingFile
 
 MILLISECONDS_PER_SECOND = 1000.0
@@ -150,14 +156,18 @@ def guessed_rate(
     """Return the likely units per second and a remark about them; None for seconds.
 
     The rows time `things`, which last `typical` seconds, and `longest` seconds at most in a
-    plausible median.
+    plausible median. Frames are whole: times with fractions are seconds, or milliseconds if no
+    schedule has so many seconds.
     """
     lengths = [row.end - row.start for row in rows if row.label and row.end > row.start]
     middle = median(lengths) if lengths else 0.0
+    rates = LIKELY_RATES
+    if any(time % 1 for row in rows for time in (row.start, row.end)):
+        rates, longest = (MILLISECONDS_PER_SECOND,), max(longest, MAX_MEDIAN_SECONDS)
     if middle <= longest:
         return None, ()
     # by logarithms, because units differ by factors
-    rate = min(LIKELY_RATES, key=lambda one: abs(log(middle / one / typical)))
+    rate = min(rates, key=lambda one: abs(log(middle / one / typical)))
     unit = "milliseconds" if rate == MILLISECONDS_PER_SECOND else f"frames at {rate:g} a second"
     told = (
         f"{source.path}: its {things} would last {middle:g} s each, so its times are read as "

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS, Writer
+from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.models import Project
@@ -57,7 +58,8 @@ def export(workshop: Workshop, formats: Iterable[str]) -> Exported:
     performer, project = workshop.performer, _project(workshop)
     stated, whole = project and project.gestures, workshop.spoken.whole
     animation = workshop.perform(schedule=whole, gestures=stated or "all")
-    settings = ExportSettings((project and project.offset) or 0.0)
+    rate = parse_rate(project.fps) if project and project.fps is not None else None
+    settings = ExportSettings((project and project.offset) or 0.0, frame_rate=rate)
     shown = replace(performer.rigged(animation), export=settings)
     spoken = shown if stated else shown.without_gestures()
     found: dict[str, bytes] = {}

@@ -16,9 +16,10 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.held import HOLD_SECONDS, REST_WEIGHT, held, strongest
-from lipsync_lang.animations.writers.moho import write_moho
+from lipsync_lang.animations.writers.moho import SWITCH_FPS, unstated_rate, write_moho
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.schedules.readers.moho import MOHO_FPS
 
 RHUBARB = ("rhubarb-tsv", "rhubarb-xml", "rhubarb-json")
 every_form = pytest.mark.parametrize("name", RHUBARB)
@@ -77,13 +78,18 @@ def from_json(content):
     return [(cue["start"], cue["end"], cue["value"]) for cue in document["mouthCues"]]
 
 
+def moho_rate(animation):
+    """Frames per second of Moho's, unless the animation has another than the usual rate."""
+    return 24 if animation.fps == 60 else animation.fps
+
+
 def from_moho(content, animation):
     head, *rows = content.decode().splitlines()
     assert head == "MohoSwitch1"
     cues = [row.split(" ", 1) for row in rows]
     frames = [int(frame) for frame, _ in cues]
     assert frames[0] == 1
-    times = [(frame - 1) / animation.fps for frame in frames]
+    times = [(frame - 1) / moho_rate(animation) for frame in frames]
     return [
         (start, stop, name)
         for (_, name), (start, stop) in zip(cues[:-1], pairwise(times), strict=True)
@@ -127,7 +133,7 @@ READERS = {
 
 def holds(name):
     def check(content, animation):
-        near = 0.5 / animation.fps if name == "moho" else 0.005
+        near = 0.5 / moho_rate(animation) if name == "moho" else 0.005
         found, wanted = READERS[name](content, animation), held(animation, "rest")
         assert [shape for _, _, shape in found] == [shape.name for shape in wanted]
         for (start, end, _), shape in zip(found, wanted, strict=True):
@@ -264,7 +270,7 @@ def test_a_sound_that_is_over_before_the_file_begins_is_refused():
 def test_a_file_lasts_as_long_as_its_sound(name, audio):
     animation = performed(audio=audio)
     end = READERS[name](bytes_of(name, animation), animation)[-1][1]
-    near = 0.5 / 60 if name == "moho" else 0.005
+    near = 0.5 / 24 if name == "moho" else 0.005
     assert end == pytest.approx(audio.seconds if audio else SCHEDULE.end, abs=near + 1e-9)
 
 
@@ -359,6 +365,19 @@ def test_the_last_drawing_is_seen_however_late_it_comes():
 def test_a_face_without_rhubarbs_shapes_is_told_who_has_them():
     with pytest.raises(OutputError, match=r"A, B, .*, X, and open, W, .* \(-c rhubarb\)"):
         bytes_of("rhubarb-tsv", performed("facefx"))
+
+
+def test_moho_is_written_at_the_rate_at_which_it_is_read(tmp_path):
+    assert SWITCH_FPS == MOHO_FPS
+    rows = [[0], [1], [1], [0], [0], [0]]
+    usual = plain(rows, 60, end=2.0, poses=("wide",))
+    assert [*unstated_rate(usual)]
+    stated = replace(usual, export=ExportSettings(frame_rate=60))
+    assert [*unstated_rate(stated)] == [*unstated_rate(plain(rows, 30, poses=("wide",)))] == []
+    usual.save(tmp_path / "line.dat")
+    stated.save(tmp_path / "fine.dat")
+    assert ll.read_schedule(tmp_path / "line.dat").end == pytest.approx(2, abs=1 / 48)
+    assert ll.read_schedule(tmp_path / "fine.dat", rate=60).end == pytest.approx(2, abs=1 / 120)
 
 
 def test_moho_takes_the_names_of_any_drawings():

@@ -137,6 +137,15 @@ def test_seconds_are_taken_as_they_are():
     assert read("label,start,end\nAA,0,0.9\n").remarks == ()
 
 
+def test_times_with_fractions_are_no_frames():
+    held = read("AA1,0.4,4.9\n")
+    assert held.times.tolist() == [0, 0.4, 4.9]
+    assert held.remarks == ()
+    fine = read("label,start,end\nHH,0.5,102.25\nAY,102.25,190\n")
+    assert "read as milliseconds" in fine.remarks[0]
+    assert fine.end == 0.19
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [

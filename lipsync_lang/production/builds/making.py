@@ -248,7 +248,9 @@ class LineMaker:
         files: list[MadeFile] = []
         try:
             face = face_file(line.character, pair) if self.settings.face_once else ""
-            export = ExportSettings(self.settings.offset, face=face)
+            export = ExportSettings(
+                self.settings.offset, face=face, frame_rate=self.settings.frame_rate
+            )
             shown = replace(pair.performer.rigged(animation), export=export)
             self._write(line, shown, files)
             asked = (WRITERS[name].remarks(shown) for name, _ in line.outputs)

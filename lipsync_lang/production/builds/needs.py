@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lipsync_lang.animations.rates import USUAL_FPS
 from lipsync_lang.base.presentation.wording import short_place
 from lipsync_lang.base.version import __version__
 from lipsync_lang.performing.performer import Performer
@@ -63,6 +64,8 @@ class BuildSettings(NamedTuple):
     """True if the lines of a character share the data of its model."""
     timing_formats: TimingFormats | None = None
     """Formats of timings that the project states, as plain fields by name."""
+    frame_rate: float | None = None
+    """`fps` if the project states it; None for the usual rate."""
 
 
 class PairNeeds:
@@ -204,6 +207,8 @@ class PairNeeds:
                 chosen.idle,
                 # Nothing without formats, so that lines of older builds stay up to date.
                 *filter(None, [chosen.timing_formats]),
+                # The usual rate, if it is stated, shows in files that count frames of a program.
+                *(["frames"] if chosen.frame_rate == USUAL_FPS else []),
             ),
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
             "model": digest(self.model_digest),

@@ -22,6 +22,7 @@ from zlib import crc32
 import numpy as np
 
 from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.animations.rates import USUAL_FPS
 from lipsync_lang.base.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files.writing import replace_file
@@ -62,9 +63,6 @@ STILL_SCHEDULE = Schedule((SILENCE,), np.array((0.0, 0.1)))
 
 SHOWN_CHARACTERS = 8
 """Maximum number of characters that a fault names."""
-
-USUAL_FPS = 60.0
-"""Default frame rate of a project in frames per second."""
 
 PairNames = tuple[str, str]
 """Language and character."""
@@ -220,10 +218,11 @@ class ProjectBuild:
         check_installed(faults, project, library, None if unread else lines, tts)
         faults.raise_any()
         fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
+        stated_fps = None if project.fps is None else fps
         once = project.glb.face == "once"
         settings = BuildSettings(
             fps, dict(project.limits), tts, project.gestures, project.idle or 0.0,
-            project.offset or 0.0, once, timing_formats(project),
+            project.offset or 0.0, once, timing_formats(project), stated_fps,
         )  # fmt: skip
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))
