@@ -161,7 +161,7 @@ def guessed_rate(
     """
     lengths = [row.end - row.start for row in rows if row.label and row.end > row.start]
     middle = median(lengths) if lengths else 0.0
-    rates = LIKELY_RATES
+    rates: tuple[float, ...] = LIKELY_RATES
     if any(time % 1 for row in rows for time in (row.start, row.end)):
         rates, longest = (MILLISECONDS_PER_SECOND,), max(longest, MAX_MEDIAN_SECONDS)
     if middle <= longest:
