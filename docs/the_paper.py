@@ -3,11 +3,12 @@
 
     python docs/the_paper.py
 
-Text between the marks `made: NAME` and `end` of `docs/explanation/coverage.md` is generated from
-`docs/paper.yaml`, which holds what the paper prints, from the texts in `docs/corpora`, and from the
-packs. `tests/docs/test_the_paper.py` generates it again and compares.
+Text between the marks `made: NAME` and `end` of `coverage.md` and `the-paper.md` in
+`docs/explanation` is generated. It comes from `docs/paper.yaml`, the figures of the paper, and
+`docs/paper-items.yaml`, its items, from the texts in `docs/corpora`, and from the packs. `tests/docs/test_the_paper.py` generates it again and compares.
 """
 
+import json
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -16,6 +17,7 @@ from functools import cache, cached_property
 from itertools import accumulate, pairwise
 from pathlib import Path
 from statistics import correlation, fmean
+from types import SimpleNamespace
 from typing import Any
 
 from how_good import table, written
@@ -23,14 +25,18 @@ from how_good import table, written
 from lipsync_lang import transcribe
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.events import load_yaml
+from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.reports.coverage import coverage
 from lipsync_lang.reports.coverage.report import CoverageReport
+from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.text.lines import read_lines
 from lipsync_lang.text.lines.line_readers import Line
 
 DOCS = Path(__file__).parent
 PAPER: Mapping[str, Any] = load_yaml((DOCS / "paper.yaml").read_text("utf-8"))
-COVERAGE_PAGE = DOCS / "explanation" / "coverage.md"
+ITEMS: Sequence[Mapping[str, Any]] = load_yaml((DOCS / "paper-items.yaml").read_text("utf-8"))
+MEASURED: Mapping[str, Any] = json.loads((DOCS / "measured.json").read_text("utf-8"))
+PAGES = tuple(DOCS / "explanation" / name for name in ("coverage.md", "the-paper.md"))
 
 MAPPINGS = {"english": "default", "paper-english": "Table 1"}
 """Languages that are counted, and how a page calls their mappings."""
@@ -296,10 +302,97 @@ def cover() -> str:
     return f"- The {report.lines} sentences need {len(report.sentences)} for their {len(report.bigrams)} bigrams of the default mapping."
 
 
-BLOCKS = {one.__name__: one for one in (figures, unused, table_2, likeness, largest, cover)}
-"""Writers of the generated parts, by the names of their marks."""
+# The items
 
-PAGES = (COVERAGE_PAGE,)
+
+def _departures() -> str:
+    """Tell which phonemes the default has elsewhere than Table 1."""
+    own = mapping("english")
+    rows = ((row, own[one]) for one, row in PAPER["table_1"].items())
+    told = (f'"{row["example"]}" is `{name}`' for row, name in rows if name != row["common"])
+    return f"default: {' and '.join(told)}"
+
+
+def _agreeing(language: str) -> str:
+    """Count the phonemes that a mapping has as Table 1."""
+    own, rows = mapping(language), PAPER["table_1"]
+    return f"{sum(own[one] == row['common'] for one, row in rows.items())} of {len(rows)}"
+
+
+def _articulation(method: str) -> str:
+    """Return the r of the aperture of a method, which `docs/measure.py` measured."""
+    return f"{fmean(MEASURED['articulation']['figures']['r']['aperture'][method]):.2f}"
+
+
+def _shut(part: str) -> str:
+    """Return the share of vowels beside labials that stay shut."""
+    return percent(MEASURED[part]["figures"]["posesets"][FACE]["shut %"], 0)
+
+
+@cache
+def computed() -> SimpleNamespace:
+    """Return the figures that items name."""
+    library = Library(project=None)
+    face, common = library.poseset(FACE).model, library.common().model
+    mixed = counted("mixed")
+    paper, default = mixed["paper-english"], mixed["english"]
+    pairs = paper.unused + len(paper.counts)
+    constraints = face.constraints
+    opening = [one for one in constraints.pairs if one.paper and one.paper < constraints.default]
+    needed = needs("sentences")
+    usual, minutes = PAPER["most_common"]["bigrams"], PAPER["minutes"]
+    left = (pairs - PAPER["never_used"]) * minutes / MINUTES_OF_AN_HOUR
+    study = (PAPER["choices"] * (row["difference"] / 100) ** 2 for row in PAPER["study"].values())
+    tags = [library.language(one.name).model.tag for one in library.names("language")]
+    return SimpleNamespace(
+        languages=sum("-x-" not in tag for tag in tags),
+        posesets=len({one.name for one in library.names("poseset")}),
+        own=_articulation("drafted bank"), linear=_articulation("linear warp"),
+        keyframes=_articulation("keyframes at centres"), crossfade=_articulation("cross-fade"),
+        dominance=_articulation("dominance, utterance"),
+        table_1=_agreeing("paper-english"), table_1_default=_agreeing("english"),
+        departs=_departures(), phonemes=len(common.base), pairs=pairs,
+        silent=2 * len(common.base), poses=len(face.poses),
+        reduced=percent(100 * pairs / len(PAPER["table_1"]) ** 2),
+        r_paper=f"{paper.likeness()[2]:.2f}", r_default=f"{default.likeness()[2]:.2f}",
+        most=paper.most_frequent(), most_default=default.most_frequent(),
+        unused=paper.unused, unused_default=default.unused,
+        first=percent(paper.first(usual)), first_default=percent(default.first(usual)),
+        thresholds=", ".join(f"{one.paper:g}" for one in opening),
+        thresholds_default=", ".join(f"{one.threshold:g}" for one in opening),
+        others=len(constraints.pairs) - len(opening),
+        shut=_shut("motion"), shut_paper=_shut("motion-paper"),
+        priority=" < ".join(f"`{pose}`" for pose in face.priority),
+        chi=", ".join(f"{one:.2f}" for one in study),
+        minutes=f"{pairs * minutes:,}", hours=f"{pairs * minutes / MINUTES_OF_AN_HOUR:g}",
+        hours_left=f"{left:.1f}", needs=f"{min(needed)} to {max(needed)}",
+        added=compile_pair(library, "mandarin", FACE).report.extra,
+        triples=f"{len(common.base) ** 3:,}", shades=len(common.shades),
+    )  # fmt: skip
+
+
+def filled(text: str) -> str:
+    """Return a text of an item with its figures."""
+    return text.format(f=computed(), paper=PRESETS["paper"], default=PRESETS["default"])
+
+
+def items() -> str:
+    """List the items of the paper by its sections."""
+    parts = [f"The list has {sum(len(one['items']) for one in ITEMS)} items."]
+    head = ["the paper", "here", "see it", "difference"]
+    for one in ITEMS:
+        rows = []
+        for item in one["items"]:
+            shown = [f"`{item['see']}`"] if "see" in item else []
+            shown += [f"`out/paper/{item['file']}`"] if "file" in item else []
+            differs = filled(item.get("differs", ""))
+            rows.append([item["says"], filled(item["here"]), "; ".join(shown), differs])
+        parts += [f"## {one['title']}", table(head, rows)]
+    return "\n\n".join(parts)
+
+
+BLOCKS = {one.__name__: one for one in (figures, unused, table_2, likeness, largest, cover, items)}
+"""Writers of the generated parts, by the names of their marks."""
 
 
 def page(path: Path) -> str:
