@@ -183,9 +183,33 @@ def test_lexicons_come_in_two_forms(tmp_path):
     assert read_lexicon(file) == {"haus": ("h", "aʊ", "s"), "word": ("W", "ER1", "D")}
 
 
+@pytest.mark.parametrize("tab", ["\t", " "])
+def test_probabilities_of_a_lexicon_are_no_labels(tmp_path, tab):
+    file = tmp_path / "english_us_mfa_reduced.dict"
+    rows = [
+        "about 0.05 0.11 1.68 1.05 ə b a w t",
+        "about 0.99 0.1 1.68 1.05 ə b aw t",
+        "about 0.5 0.1 1.68 1.05 b aw t",
+        "kaldi 1.0 K AA1",
+        "six s 6 k s",
+        "six x",
+        "<unk> spn",
+        "[laughter] 0.9 spn",
+    ]
+    lines = (row.replace(" ", tab, 5 if "1.68" in row else 1) for row in rows)
+    file.write_text("\n".join(lines), "utf-8")
+    assert read_lexicon(file) == {
+        "about": ("ə", "b", "aw", "t"),
+        "kaldi": ("K", "AA1"),
+        "six": ("s", "6", "k", "s"),
+    }
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
+        (b"zero 0.99 0.1\n", r"words.tsv:1: .* is not a word and its labels"),
+        (b"<unk> spn\n", "has no words"),
         (b"haus\n", r"words.tsv:1: 'haus' is not a word and its labels"),
         (b"a\tb\nhaus\t \n", r"words.tsv:2: .* is not a word and its labels"),
         (b"", "has no words"),

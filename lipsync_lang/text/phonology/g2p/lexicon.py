@@ -1,13 +1,16 @@
 """Look-up of words in a file of pronunciations.
 
 One word a line, then its labels: ``word<TAB>w ɜ d``, as WikiPron has it, or ``WORD  W ER1 D`` as
-CMUdict does. Of several lines for a word the first counts; ``WORD(2)`` is another. Lines that start
-with ``;;;`` or ``#`` are comments. Words the file does not have are read by the pack's rules, if it
-has some; else they are left over, and named.
+CMUdict does. Probabilities may stand before the labels, as in dictionaries of the Montreal Forced
+Aligner and of Kaldi. An entry of noise, ``<unk>  spn``, is no word. Of several lines for a word the
+likeliest counts, or the first; ``WORD(2)`` is another. Lines that start with ``;;;`` or ``#`` are
+comments. Words the file does not have are read by the pack's rules, if it has some; else they are
+left over, and named.
 """
 
 import re
 from collections.abc import Iterator, Sequence
+from itertools import dropwhile
 from pathlib import Path
 
 from lipsync_lang.base.errors import SpeechError
@@ -22,6 +25,12 @@ MAX_LEXICON_BYTES = 256 * MIB_BYTES
 """Maximum size of a lexicon in bytes; the largest of WikiPron has 30 million."""
 
 _PRONUNCIATION_NUMBER = re.compile(r"\(\d+\)$")
+_NO_WORD = re.compile(r"<[^>]*>|\[[^]]*]|\{[^}]*}|\+\+.*\+\+|!\w+")
+"""Names of noise and of silence in the place of a word."""
+
+_BEFORE_LABELS = re.compile(r"\d+\.\d*(?:[eE][-+]?\d+)?")
+"""A number with a point, which no label is; a digit alone may be one, as in X-SAMPA."""
+
 _WORD_BREAK = re.compile(r"-|'")
 
 
@@ -58,16 +67,25 @@ def read_lexicon(path: Path) -> dict[str, tuple[str, ...]]:
         path, MAX_LEXICON_BYTES, error=SpeechError, mend="keep the words that are said"
     )
     words: dict[str, tuple[str, ...]] = {}
+    likeliest: dict[str, float] = {}
     for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip() or line.startswith(COMMENTS):
             continue
-        word, _, labels = line.partition("\t") if "\t" in line else line.strip().partition(" ")
-        if not word.strip() or not labels.split():
+        word, _, rest = line.partition("\t") if "\t" in line else line.strip().partition(" ")
+        cells = rest.split()
+        labels = tuple(dropwhile(_BEFORE_LABELS.fullmatch, cells))
+        if not word.strip() or not labels:
             raise SpeechError(
                 f"{path}:{number}: {line.strip()[:60]!r} is not a word and its labels; "
                 "write the word, a tab, and the labels with spaces between them"
             )
-        words.setdefault(plain(_PRONUNCIATION_NUMBER.sub("", word.strip())), tuple(labels.split()))
+        if _NO_WORD.fullmatch(word.strip()):
+            continue
+        # the first number is the probability of these labels, others are those of pauses around
+        likely = float(cells[0]) if len(cells) > len(labels) else 1.0
+        spelled = plain(_PRONUNCIATION_NUMBER.sub("", word.strip()))
+        if likely > likeliest.get(spelled, -1.0):
+            words[spelled], likeliest[spelled] = labels, likely
     if not words:
         raise SpeechError(f"{path}: has no words; write one a line, a tab, and its labels")
     return words
