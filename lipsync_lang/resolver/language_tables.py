@@ -184,7 +184,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         endings={last: dict(others) for last, others in stated.endings.items()},
         letters=stated.letters,
         repeated=stated.repeated,
-        numbers={**stated.numbers, **stated.number_rules},
+        numbers={**stated.numbers, **stated.number_tables},
         counted=numerals.counted if numerals else (),
         named=numerals.named if numerals else (),
         ordinals=numerals.ordinals if numerals else (),

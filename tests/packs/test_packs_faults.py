@@ -295,6 +295,14 @@ BAD = [
     Bad("unit of two words", PARENT, "title: Parent",
         'title: Parent\ntext: {lists: {unit: {m: metres, "m | km": kilometres}, month: [may, 6]}}',
         (("P119", 6, "kilomet"), ("P103", 6, "6]")), ""),
+    Bad("rules like unknown ones, with an ending that no word has", PARENT, "title: Parent",
+        "title: Parent\ntext: {number_rules: {one: {1: primo}, two: {like: on, endings: {o: a}}, "
+        "three: {like: one, endings: {o: a, i: e}}}}",
+        (("P236", 6, "on, "), ("W308", 6, "i: e}")), ""),
+    Bad("rules without endings", PARENT, "title: Parent",
+        "title: Parent\ntext: {number_rules: {one: {1: primo}, two: {like: one, ends: {o: a}}, "
+        "three: {like: one, endings: {}}}}",
+        (("P102", 6, "{like: one, e"), ("P101", 6, "ends"), ("P108", 6, "{}")), ""),
     Bad("unknown list of words", PARENT, "title: Parent",
         'title: Parent\ntext: {lists: {month: [may]}, abbreviations: {"# {moth}": "{1} {moth}"}}',
         (("P236", 6, '"# {mo'),), "month"),

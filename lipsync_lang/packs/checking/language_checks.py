@@ -10,7 +10,7 @@ from lipsync_lang.base.errors import SpeechError, did_you_mean
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA, beside
-from lipsync_lang.packs.models.text_models import LanguageText, parts_of
+from lipsync_lang.packs.models.text_models import LanguageText, RulesLike, parts_of
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.packs.yaml.source import Loc
@@ -73,9 +73,12 @@ def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:
     text = language.model.text
     if text is None:
         return
-    tables = text.number_rules
-    for table, rules in tables.items():
-        for number, words in rules.items():
+    tables = text.number_tables
+    for table, rules in text.number_rules.items():
+        if isinstance(rules, RulesLike):
+            yield from _endings(language, table, rules, text)
+    for table, full in tables.items():
+        for number, words in full.items():
             for name in set(named_rules(words)) - tables.keys():
                 at = ("text", "number_rules", table, number)
                 yield language.unknown(at, "P236", "rules of numbers", name, tables)
@@ -84,6 +87,22 @@ def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:
         for fault in _abbreviation(language, loc, spelling, words, text):
             if language.states(loc):  # others have the words and faults of the first of their list
                 yield fault
+
+
+def _endings(
+    language: Pack[models.Language], table: str, rules: RulesLike, text: LanguageText
+) -> Iterator[Fault]:
+    """Check that rules are like others that are stated in full, and end as those do."""
+    loc = ("text", "number_rules", table)
+    others = {name for name, r in text.number_rules.items() if not isinstance(r, RulesLike)}
+    if rules.like not in others:
+        yield language.unknown((*loc, "like"), "P236", "rules of numbers", rules.like, others)
+        return
+    ends = {rules.ending(words)[0] for words in text.number_tables[rules.like].values()}
+    for end in rules.endings.keys() - ends:
+        what = f"no word of '{rules.like}' ends in '{end}'"
+        hint = "correct it, or delete it"
+        yield language.warning((*loc, "endings", end), "W308", what, hint, key=True)
 
 
 def _abbreviation(

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from lipsync_lang.packs.models.fields import (
@@ -89,6 +89,43 @@ NumberRules = dict[Annotated[str, Field(pattern="^(0|[1-9][0-9]{0,11})$")], str]
 """The words of numbers, by the first number that each serves."""
 
 
+class RulesLike(Strict):
+    """Rules of numbers that differ from others by the ends of their words."""
+
+    like: Text
+    """The other rules, which are stated in full."""
+    endings: dict[Text, str] = Field(min_length=1)
+    """Ends of their words, or whole words, with their replacements; the longest end that fits wins.
+    Brackets and signs behind a word stay."""
+
+    def made_of(self, rules: Mapping[str, str]) -> dict[str, str]:
+        """Return the rules in full, made of the others."""
+        made = {}
+        for start, words in rules.items():
+            end, rest = self.ending(words)
+            before = words.removesuffix(end + rest)
+            made[start] = before + self.endings.get(end, end) + rest
+        return made
+
+    def ending(self, words: str) -> tuple[str, str]:
+        """Return the ending of words that is replaced, maybe empty, and the signs behind it."""
+        word = re.sub(r"(\[[^\]]*\]| ?>)$", "", words)
+        ends = (word[at:] for at in range(len(word)))
+        return next((end for end in ends if end in self.endings), ""), words[len(word) :]
+
+
+def _rules_form(value: Data) -> str:
+    """Return the tag of the form in which rules are stated."""
+    like = isinstance(value, RulesLike) or (isinstance(value, dict) and "like" in value)
+    return "<like>" if like else "<rules>"
+
+
+StatedRules = Annotated[
+    Annotated[NumberRules, Tag("<rules>")] | Annotated[RulesLike, Tag("<like>")],
+    Discriminator(_rules_form),
+]
+
+
 class Numerals(Strict):
     """Roman numerals, and the words before them."""
 
@@ -171,7 +208,7 @@ class LanguageText(Strict):
     numbers: dict[Text, tuple[str, ...]] = Field(default={})
     """Lists of words for the numbers from 1, by name: ordinals, months, numbers of another kind. A
     number beyond its list is read as the engine reads it."""
-    number_rules: dict[Text, NumberRules] = Field(default={})
+    number_rules: dict[Text, StatedRules] = Field(default={})
     """Rules that put the words of numbers together, by name, used as a list of `numbers` is.
     `20: "vinte[ e >]"` serves 20 and those after it, up to the next rule. `>` is the rest, `<` how
     many tens, hundreds, thousands or millions, and brackets hold what is said with a rest alone.
@@ -179,7 +216,8 @@ class LanguageText(Strict):
     rule itself, such as 100000. From an empty rule on, numbers are read as the engine does. Rules
     for 0 to 9 alone name each digit, as in telephone numbers. Words without signs serve all numbers
     up to the next rule, so rules also choose the form of a noun: `"# ч": "{1} {1:час}"` goes by
-    `час: {1: час, 2: часа, 5: часов, 21: ">"}`."""
+    `час: {1: час, 2: часа, 5: часов, 21: ">"}`. Rules that differ in endings alone name others:
+    `feminine: {like: ordinal, endings: {o: a}}`."""
     repeated: dict[Text, str] = Field(default={})
     """Signs that say the word before them again, as the Lao `ໆ`, each with an expression for it."""
     thousands: str = Field(default="", max_length=1)
@@ -198,6 +236,18 @@ class LanguageText(Strict):
     """Words whose double letter stays if the word is drawn out: `goood` is `good`."""
     hyphenated: tuple[Text, ...] = ()
     """Words with a hyphen that look like stutters, such as `D-Day`."""
+
+    @property
+    def number_tables(self) -> dict[str, dict[str, str]]:
+        """The rules of numbers in full."""
+        stated = self.number_rules.items()
+        full = {name: rules for name, rules in stated if not isinstance(rules, RulesLike)}
+        made = {
+            name: rules.made_of(full.get(rules.like, {}))
+            for name, rules in stated
+            if isinstance(rules, RulesLike)
+        }
+        return full | made
 
     @model_validator(mode="after")
     def _repeated_is_usable(self) -> Self:

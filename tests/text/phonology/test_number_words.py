@@ -87,10 +87,10 @@ MAX_NOUN_FORMS = 3
 """Most forms of a noun behind a number."""
 
 PACKS = {
-    f"{name}: {table}": (rules, text.number_rules)
+    f"{name}: {table}": (rules, text.number_tables)
     for name in LANGUAGES
     if (text := LIBRARY.language(name).model.text)
-    for table, rules in text.number_rules.items()
+    for table, rules in text.number_tables.items()
     if rules[min(rules, key=int)]  # others leave the rest of each number to the engine
 }
 
