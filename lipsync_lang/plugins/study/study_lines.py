@@ -167,22 +167,38 @@ def in_balanced_order(pairs: Iterable[ClipPair], seed: int) -> Iterator[ClipPair
         yield pair
 
 
+def _turns(pairs: Sequence[ClipPair], chance: random.Random) -> list[bool]:
+    """Choose the pairs whose methods change sides: half of those of each character.
+
+    Pairs alternate between characters, so sides that alternate too would be tied to them.
+    """
+    cells = Counter((pair.methods, pair.character) for pair in pairs)
+    turns: dict[tuple[tuple[str, str], str], list[bool]] = {}
+    odd: dict[tuple[str, str], bool] = {}
+    for (methods, character), count in cells.items():
+        own = [False, True] * (count // 2)
+        if count % 2:
+            own.append(odd.setdefault(methods, chance.random() < 0.5))  # noqa: PLR2004 a coin
+            odd[methods] = not odd[methods]
+        chance.shuffle(own)
+        turns[methods, character] = own
+    return [turns[pair.methods, pair.character].pop() for pair in pairs]
+
+
 def laid_out(pairs: Sequence[ClipPair], checks: int, seed: int) -> tuple[StudyPair, ...]:
     """Return the pairs with sides, and attention checks among them, in random order.
 
-    Each method of a pair is on the left as often as on the right, give or take one. Both clips of a
-    check are by the same method. Raises LipsyncError if there are too many pairs.
+    Each method of a pair is on the left as often as on the right, give or take one, on all
+    characters together and on each. Both clips of a check are by the same method. Raises
+    LipsyncError if there are too many pairs.
     """
     if len(pairs) + checks > MAX_PAIRS:
         what = f"there are {len(pairs) + checks} pairs with the checks"
         raise LipsyncError(f"{what}; a study has at most {MAX_PAIRS} (`pairs`)")
     # Another seed than that of the order, which would tie sides to lines.
     chance = random.Random(f"{seed} sides")  # noqa: S311 a repeatable choice is wanted
-    turned: dict[tuple[str, str], bool] = {}
     rows: list[tuple[str, str, str, str, ClipSide | None]] = []
-    for pair in pairs:
-        turn = turned.setdefault(pair.methods, chance.random() < 0.5)  # noqa: PLR2004 a coin
-        turned[pair.methods] = not turn
+    for pair, turn in zip(pairs, _turns(pairs, chance), strict=True):
         left, right = reversed(pair.methods) if turn else pair.methods
         rows.append((pair.line, pair.character, left, right, None))
     sides: tuple[ClipSide, ClipSide] = ("left", "right")

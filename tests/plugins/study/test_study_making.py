@@ -111,9 +111,18 @@ def test_the_first_pairs_show_each_line_once(texts, seed):
     assert sorted(pair.line for pair in first) == sorted(texts)
 
 
-@given(st.integers(), st.integers(1, 30), st.integers(0, 6))
-def test_each_method_stands_left_as_often_as_right(seed, count, checks):
-    found = possible_pairs([str(n) for n in range(30)], ["c"], ["x", "y"], lambda *_: False)
+@given(st.integers(), names, st.integers(1, 60))
+def test_no_method_is_tied_to_a_side_on_any_character(seed, faces, count):
+    found = possible_pairs([str(n) for n in range(10)], faces, ["x", "y"], lambda *_: False)
+    pairs = laid_out(list(in_balanced_order(found, seed))[:count], 0, seed)
+    lefts = Counter((pair.character, pair.left) for pair in pairs)
+    for face in faces:
+        assert abs(lefts[face, "x"] - lefts[face, "y"]) <= 1
+
+
+@given(st.integers(), names, st.integers(1, 30), st.integers(0, 6))
+def test_each_method_stands_left_as_often_as_right(seed, faces, count, checks):
+    found = possible_pairs([str(n) for n in range(30)], faces, ["x", "y"], lambda *_: False)
     some = list(in_balanced_order(found, seed))[:count]
     pairs = laid_out(some, checks, seed)
     assert [pair.pair for pair in pairs] == [f"p{n:03}" for n in range(1, count + checks + 1)]
