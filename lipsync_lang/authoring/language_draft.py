@@ -19,13 +19,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import NamedTuple
 
-from lipsync_lang.authoring.new_pack import (
-    PackDraft,
-    PackWish,
-    check_name,
-    head,
-    pack_bytes,
-)
+from lipsync_lang.authoring.new_pack import PackDraft, PackWish, check_name, head, pack_bytes
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.files.reading import MIB_BYTES, read_input, utf8_text
 from lipsync_lang.packs.finding import FOLDERS, IPA

@@ -2,9 +2,12 @@
 
 import argparse
 import logging
+import os
+import stat
 import sys
 from argparse import Namespace
 from contextlib import suppress
+from pathlib import Path
 from time import time
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +18,6 @@ from lipsync_lang.commands.shared_options import Options, option
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable, Collection
-    from pathlib import Path
 
     from starlette.types import ASGIApp
 
@@ -35,6 +37,9 @@ ADDRESS_SECONDS = 7 * 24 * 3600
 
 SHUTDOWN_SECONDS = 1
 """Time for open requests when the server closes."""
+
+
+MAX_PRIVATE_BYTES = 4096
 
 
 def add_serving(add: Options) -> None:
@@ -57,7 +62,7 @@ def serve(
     what: str,
     end: str,
     open_app: "Callable[[str, Collection[str]], ASGIApp]",
-    kept: "Path | None" = None,
+    kept: Path | None = None,
     **settings: Any,
 ) -> None:
     """Serve an application until it is interrupted, and open its address in a browser.
@@ -102,14 +107,12 @@ def serve(
             uvicorn.Server(config).run(sockets=[listener])
 
 
-def _address(options: Namespace, kept: "Path | None") -> "tuple[socket.socket, str]":
+def _address(options: Namespace, kept: Path | None) -> "tuple[socket.socket, str]":
     """Return a listening socket and the token: those of the server before, if it kept them.
 
     A token holds for its port alone, since another program on that port may have been sent it.
     """
     from secrets import token_urlsafe
-
-    from lipsync_lang.base.files.private import write_private
 
     token = _token(options)
     if kept is None or token is not None or options.host != LOCAL:
@@ -124,10 +127,8 @@ def _address(options: Namespace, kept: "Path | None") -> "tuple[socket.socket, s
     return listener, token
 
 
-def _read(kept: "Path") -> tuple[int, str] | None:
+def _read(kept: Path) -> tuple[int, str] | None:
     """Return the port and the token in a private file; None if it has none, or old ones."""
-    from lipsync_lang.base.files.private import read_private
-
     content, written = read_private(kept) or (b"", 0.0)
     port, _, token = content.decode("ascii", "replace").partition(" ")
     valid = port.isdecimal() and 0 < int(port) <= MAX_PORT and _sound(token)
@@ -180,3 +181,31 @@ def listening(host: str, port: int, backlog: int | None = None) -> "socket.socke
     # The head and the body of an answer are two packets; without this, the second waits some 40 ms.
     listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return listener
+
+
+def write_private(path: Path, content: bytes) -> None:
+    """Replace a file by a new one that only its owner can read; raise OSError if that fails."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with suppress(FileNotFoundError):
+        path.unlink()
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    with os.fdopen(os.open(path, flags, 0o600), "wb") as stream:
+        stream.write(content)
+
+
+def read_private(path: Path) -> tuple[bytes, float] | None:
+    """Return a file's content and the time of its writing.
+
+    The result is None if there is no such file, if it is a link, if it belongs to somebody else, or
+    if others may read or write it. Windows keeps files of a user's profile private without modes.
+    """
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        with os.fdopen(os.open(path, flags), "rb") as stream:
+            found = os.fstat(stream.fileno())
+            shared = os.name == "posix" and (found.st_uid != os.getuid() or found.st_mode & 0o077)
+            if shared or not stat.S_ISREG(found.st_mode):
+                return None
+            return stream.read(MAX_PRIVATE_BYTES), found.st_mtime
+    except OSError:
+        return None

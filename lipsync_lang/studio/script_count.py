@@ -229,12 +229,7 @@ class ScriptCount:
         if run is None:
             return {"state": "none", "lines": 0, "fault": "", "remarks": []}
         state = "failed" if run.fault else "ready" if run.figures is not None else "counting"
-        return {
-            "state": state,
-            "lines": run.lines,
-            "fault": run.fault,
-            "remarks": run.remarks[:3],
-        }
+        return {"state": state, "lines": run.lines, "fault": run.fault, "remarks": run.remarks[:3]}
 
     def report(
         self, workshop: Workshop, minutes: float, *, sentences: bool = False

@@ -32,8 +32,7 @@ from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.bigram_home import bigram_home, known_style
-from lipsync_lang.studio.desk import Desk, PackEdit
-from lipsync_lang.studio.edited_pair import EditedPair
+from lipsync_lang.studio.desk import Desk, EditedPair, PackEdit
 from lipsync_lang.studio.line_settings import LineSettings, brief
 from lipsync_lang.studio.merging import Choices
 from lipsync_lang.studio.project_lines import ProjectLines

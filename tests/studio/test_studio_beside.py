@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from studio_calls import Caller
 
-from lipsync_lang.studio.beside import performed_beside
 from lipsync_lang.studio.line_settings import LineSettings
+from lipsync_lang.studio.routes.line_routes import performed_beside
 from lipsync_lang.studio.workshop import Workshop
 
 

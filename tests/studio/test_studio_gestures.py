@@ -11,7 +11,7 @@ from studio_calls import Caller, unpacked
 
 import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import Schedule, Word
-from lipsync_lang.studio.gesture_data import gesture_data
+from lipsync_lang.studio.take_data import gesture_data
 from lipsync_lang.studio.workshop import Workshop
 
 SOUNDS = [("M AA1 M AH0", "mama"), ("T IY1", "tea"), ("S OW1 D AH0", "soda"), ("K AA1 R", "car")]

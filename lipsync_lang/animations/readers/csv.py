@@ -5,12 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.animation_readers import (
-    MAX_ANIMATION_BYTES,
-    Recording,
-    fail,
-    reader,
-)
+from lipsync_lang.animations.animation_readers import MAX_ANIMATION_BYTES, Recording, fail, reader
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import AnimationError
 from lipsync_lang.base.files.reading import read_input, utf8_text

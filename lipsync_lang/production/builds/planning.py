@@ -131,10 +131,7 @@ def plan(  # noqa: PLR0913 the lines, records and options
 
 
 def _changed_needs(
-    lines: Iterable[PlannedLine],
-    known: Mapping[Key, LineRecord],
-    records: Records,
-    needs: Needs,
+    lines: Iterable[PlannedLine], known: Mapping[Key, LineRecord], records: Records, needs: Needs
 ) -> dict[Key, tuple[str, ...]]:
     """Return the names of the needs of each line whose values have changed; one comparison a pair.
 

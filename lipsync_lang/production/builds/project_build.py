@@ -294,23 +294,10 @@ class ProjectBuild:
         """The maker of its lines."""
         return LineMaker(self.folder, self.settings)
 
-    def plan(
-        self,
-        records: Records,
-        *,
-        force: bool = False,
-        overwrite: bool = False,
-    ) -> BuildPlan:
+    def plan(self, records: Records, *, force: bool = False, overwrite: bool = False) -> BuildPlan:
         """Compare the lines with the record of the last build; see `planning.plan`."""
         sound = [line for line in self.lines if (line.language, line.character) in self.pairs]
-        made = plan(
-            sound,
-            self.folder,
-            records,
-            self.pairs,
-            force=force,
-            overwrite=overwrite,
-        )
+        made = plan(sound, self.folder, records, self.pairs, force=force, overwrite=overwrite)
         stated = {line.key for line in self.lines}
         gone = tuple(one for one in made.gone if not self.selection and one[0] not in stated)
         return replace(made, gone=gone)

@@ -117,11 +117,7 @@ def read_rows(
 
 
 def _table_rows(
-    file: ScriptFile,
-    source: LineFile,
-    table: Table,
-    columns: ScriptColumns,
-    faults: ScriptFaults,
+    file: ScriptFile, source: LineFile, table: Table, columns: ScriptColumns, faults: ScriptFaults
 ) -> Iterator[ScriptRow]:
     texts = _text_columns(source, table, file, columns.text)
     taken = [at for _, at in texts]

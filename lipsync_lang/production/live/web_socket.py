@@ -88,10 +88,7 @@ class ClientSound:
     """The sound of one client."""
 
     def __init__(
-        self,
-        open_listener: OpenListener,
-        voice: LiveVoice,
-        gestures: "LiveGestures | None" = None,
+        self, open_listener: OpenListener, voice: LiveVoice, gestures: "LiveGestures | None" = None
     ) -> None:
         self.open_listener, self.voice, self.gestures = open_listener, voice, gestures
         self.form = SampleForm()

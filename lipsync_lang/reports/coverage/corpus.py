@@ -7,11 +7,12 @@ to disk if there are many.
 
 import json
 from array import array
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice, pairwise
 from tempfile import SpooledTemporaryFile
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -19,12 +20,12 @@ import numpy.typing as npt
 from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.speaker_faces import SpeakerFaces
+from lipsync_lang.performing.gesturing import GestureScales, gesture_curves, scales_of
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.track import trigrams_in
 from lipsync_lang.reports.coverage.changes import ScriptDigests
-from lipsync_lang.reports.coverage.gesture_tally import GestureTally
 from lipsync_lang.reports.coverage.reading_cache import reading_cache
-from lipsync_lang.reports.coverage.report import Corpus
+from lipsync_lang.reports.coverage.report import Corpus, GestureNeed
 from lipsync_lang.reports.coverage.scripts import EntryWords, OtherScripts, TallyCounter
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.sound.speech.speaking.joining import estimate
@@ -49,6 +50,49 @@ MAX_EXAMPLE_CHARS = 40
 
 SILENT, BREAK = 0, -1
 """Ids of silence, and of a gap with an unknown sound."""
+
+
+COUNTED_FPS = 30.0
+"""Frames per second at which gestures are laid; a line has the same gestures at any rate."""
+
+
+class GestureTally:
+    """Gestures of the lines of a character, by their facts."""
+
+    def __init__(self, performer: Performer, scales: list[float]) -> None:
+        self._performer, self._scales = performer, scales
+        self.seconds = 0.0
+        """Length of the lines, with the movements before and after them."""
+        self._counts: Counter[tuple[int, str]] = Counter()
+
+    @classmethod
+    def of(cls, performer: Performer, asked: GestureScales | None) -> Self | None:
+        """Return a tally of the gestures asked for; None if the pose set has none of them."""
+        scales = scales_of(performer.compiled, asked)
+        return None if scales is None else cls(performer, scales)
+
+    def add(self, schedule: Schedule) -> None:
+        """Count the gestures of a line."""
+        times = self._performer.performance(schedule, COUNTED_FPS).frames.times()
+        _, laid = gesture_curves(self._performer, schedule, times, COUNTED_FPS, self._scales, {})
+        self._counts.update((one.gesture.number, one.gesture.trigger) for one in laid)
+        # With lead-in and tail, in which gestures of silence come too.
+        self.seconds += float(times[-1] - times[0])
+
+    def needs(self) -> tuple[GestureNeed, ...]:
+        """Return the gestures that occur, in the order of the pose set."""
+        found = []
+        for number, shape in enumerate(self._performer.gesture_set.shapes):
+            by = {
+                trigger or "by itself": count
+                for (own, trigger), count in self._counts.most_common()
+                if own == number
+            }
+            count = sum(by.values())
+            if count:
+                rate = round(60 * count / self.seconds, 1)
+                found.append(GestureNeed(gesture=shape.name, count=count, a_minute=rate, facts=by))
+        return tuple(found)
 
 
 class Pages:

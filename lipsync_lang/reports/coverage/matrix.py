@@ -12,8 +12,7 @@ from lipsync_lang.packs.finding import Paths, folders_of
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
 from lipsync_lang.performing.gesturing import GestureScales
 from lipsync_lang.reports.coverage.column_joining import shared_of
-from lipsync_lang.reports.coverage.corpus import Pages, Reading, count
-from lipsync_lang.reports.coverage.gesture_tally import GestureTally
+from lipsync_lang.reports.coverage.corpus import GestureTally, Pages, Reading, count
 from lipsync_lang.reports.coverage.report import Coverage
 from lipsync_lang.reports.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.reports.coverage.scripts import letters_of, scripts_of

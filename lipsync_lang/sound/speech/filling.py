@@ -40,11 +40,7 @@ WordPhonemes = Schedule | SpeechError | None
 
 
 def fill_words(
-    timed: TimedWords,
-    language: str | Path,
-    *,
-    audio: SoundSource | None = None,
-    paths: Paths = (),
+    timed: TimedWords, language: str | Path, *, audio: SoundSource | None = None, paths: Paths = ()
 ) -> Schedule:
     """Read timed words, and fill the time of each with its phonemes.
 

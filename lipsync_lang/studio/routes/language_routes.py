@@ -5,13 +5,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from lipsync_lang.authoring.new_pack import (
-    PackWish,
-    check_name,
-    head,
-    pack_bytes,
-    write_new,
-)
+from lipsync_lang.authoring.new_pack import PackWish, check_name, head, pack_bytes, write_new
 from lipsync_lang.authoring.sound_table import SoundMemory, SoundTable
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import refuse_outside

@@ -1,5 +1,7 @@
 """Routes of the line and the script: text, timings and sound, curves, face and figures."""
 
+from collections.abc import Collection, Mapping
+from copy import copy
 from dataclasses import asdict, fields
 from math import isfinite
 from pathlib import Path
@@ -15,14 +17,13 @@ from lipsync_lang.performing.gesturing import ALL
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performer import Performer, performer_of
 from lipsync_lang.reports.quality.check_animation import check
+from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
 from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.sound.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
-from lipsync_lang.studio.beside import other_performer, performed_beside
 from lipsync_lang.studio.face_data import face_data
-from lipsync_lang.studio.gesture_data import gesture_data
 from lipsync_lang.studio.line_settings import LineSettings
 from lipsync_lang.studio.routes.requests import (
     MAX_PATH_DIGITS,
@@ -34,8 +35,8 @@ from lipsync_lang.studio.routes.requests import (
     tab_of,
     whole_number,
 )
-from lipsync_lang.studio.take_data import curves_data, figures_data, take_data
-from lipsync_lang.studio.workshop import Workshop
+from lipsync_lang.studio.take_data import curves_data, figures_data, gesture_data, take_data
+from lipsync_lang.studio.workshop import Workshop, without_lines
 
 SOUND_MARGIN_SECONDS = 1.0
 """Seconds of sound to send before and after a line."""
@@ -198,11 +199,7 @@ def takes(workshop: Workshop, against: Any) -> PackedResponse:
     line, seconds = workshop.spoken, workshop.part_seconds
     count, length = len(line.cuts(seconds)) - 1, line.whole.end - line.whole.start
     part = {"number": line.number(seconds), "count": count, "seconds": length}
-    data = {
-        "revision": workshop.desk.revision,
-        "takes": made,
-        "part": part if count > 1 else None,
-    }
+    data = {"revision": workshop.desk.revision, "takes": made, "part": part if count > 1 else None}
     return PackedResponse(data, pack)
 
 
@@ -269,3 +266,40 @@ def open_script_line(workshop: Workshop, request: StudioRequest) -> PackedRespon
     """Open a line of the script in the open language, and return its sound and take."""
     workshop.open_script_line(request.text("name"))
     return whole(workshop)
+
+
+def other_performer(workshop: Workshop, character: str) -> Performer:
+    """Return the performer of the open language on another character, with the unsaved edits."""
+    now = workshop.language, workshop.desk.revision
+    known = workshop.others.get(character)
+    if known is None or known[:2] != now:
+        compiled = compile_pair(workshop.library(), workshop.language, character)
+        known = (*now, without_lines(workshop.performer_for(compiled)))
+        workshop.others = {character: known}
+    return known[2]
+
+
+def performed_beside(workshop: Workshop, character: str) -> Animation | None:
+    """Perform the line on another character, with those styles, regions and gestures it has.
+
+    None if there is no line.
+    """
+    performer, stated = other_performer(workshop, character), workshop.settings
+    if workshop.line is None:
+        return None
+    # A copy: the settings of the open line must not lose what the other face lacks.
+    compiled, aside = performer.compiled, copy(workshop)
+    moves = {shape.name for shape in performer.gesture_set.shapes}
+    aside.settings = LineSettings(
+        stated.fps,
+        styles=_among(stated.styles, compiled.style_names),
+        dials=_among(stated.dials, compiled.regions),
+        intensity=stated.intensity,
+        bends=_among(stated.bends, compiled.poses),
+        placed=[one for one in stated.placed if one["gesture"] in moves],
+    )
+    return aside.perform_shown(performer)
+
+
+def _among(levels: Mapping[str, Any], known: Collection[str]) -> dict[str, Any]:
+    return {name: level for name, level in levels.items() if name in known}

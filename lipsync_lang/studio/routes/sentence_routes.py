@@ -59,9 +59,7 @@ def align(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     if type(count) is not int or count < 1:
         raise LipsyncError("give the `count` of the phonemes to align")
     workshop.spoken.align(
-        (first, first + count),
-        workshop.part_seconds,
-        partial(aligned, workshop.performer.speaker),
+        (first, first + count), workshop.part_seconds, partial(aligned, workshop.performer.speaker)
     )
     return changed(workshop, request, "Align again")
 

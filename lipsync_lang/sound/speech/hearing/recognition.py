@@ -17,11 +17,7 @@ from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 @overload
 def recognise(  # type: ignore[overload-overlap]  # a path comes first
-    audio: SoundSource,
-    language: str | Path,
-    *,
-    recogniser: str | None = None,
-    paths: Paths = (),
+    audio: SoundSource, language: str | Path, *, recogniser: str | None = None, paths: Paths = ()
 ) -> Schedule: ...
 @overload
 def recognise(

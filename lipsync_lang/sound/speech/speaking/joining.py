@@ -74,10 +74,7 @@ def _refuse_nothing(labels: Sequence[str], transcript: Transcript) -> None:
 
 
 def join(
-    transcript: Transcript,
-    spoken: Schedule,
-    manner: Manner,
-    notations: Mapping[str, Notation],
+    transcript: Transcript, spoken: Schedule, manner: Manner, notations: Mapping[str, Notation]
 ) -> Schedule:
     """Assign the times of a voice's output to the labels of a transcript.
 

@@ -14,14 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lipsync_lang.base.errors import SpeechError
-from lipsync_lang.schedules.schedule import (
-    DOUBTFUL,
-    SILENCE,
-    SNAP_SECONDS,
-    Audio,
-    Schedule,
-    Word,
-)
+from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS, Audio, Schedule, Word
 from lipsync_lang.sound.speech.hearing import progress
 from lipsync_lang.sound.speech.hearing.alignment import align_many
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
