@@ -1,5 +1,6 @@
 """Performer: a resolved language-character pair that animates schedules."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
@@ -10,11 +11,10 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.base.arrays import Floats, Ints
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError, PackError, count, shortlist
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.edits import corrected
-from lipsync_lang.performing.gaps import refuse_gaps, without_gaps
 from lipsync_lang.performing.played_pair import LineDelivery, OwnSettings, PlayedPair
 from lipsync_lang.performing.style_drafts import with_drafts
 from lipsync_lang.pipeline.drive import drive
@@ -26,12 +26,13 @@ from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.text.phonology.labels import Notation
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.faces.rigs.driver import Driver
     from lipsync_lang.performing.delivery import DialLevels, Points
     from lipsync_lang.performing.gesturing import GestureScales
+    from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.performing.stream import Late, Stream
     from lipsync_lang.pipeline.kernel_plan import KernelCopy
     from lipsync_lang.pipeline.track import Track
@@ -39,6 +40,9 @@ if TYPE_CHECKING:
     from lipsync_lang.sound.listening.listener import Listener
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
     from lipsync_lang.text.phonology.nearest import Nearest
+
+MAX_SHOWN_GAPS = 12
+"""Bigrams in a message."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -497,3 +501,48 @@ def _neutral_copy(performer: "Performer", fps: float) -> "KernelCopy | None":
         return None
     shown = tables.papers if motion.thresholds == "paper" else tables
     return keep(shown, motion, prepare(shown, motion, fps), fps)
+
+
+def without_gaps(pair: PlayedPair, schedule: Schedule, sounds: "LabelSounds") -> Schedule:
+    """Return a schedule whose bigrams have curves, or with a remark on those at rest.
+
+    Only the line's own bigrams count: a set drawn for one sentence says it (paper, 5.3).
+
+    Raises
+    ------
+    PackError
+        Some have none, and gaps are errors.
+    """
+    compiled = pair.compiled
+    if not compiled.report.gaps:
+        return schedule
+    track = lay_track(*sounds[:3], pair.tables(()), pair.motion)
+    silent = track.ids == compiled.tables.silence
+    # all gaps share the row of rest, so that the phonemes tell them apart
+    at = (~(silent[1:] | silent[:-1]) & (track.rows == 0)).nonzero()[0]
+    names = [compiled.phonemes[one] for one in track.ids.tolist()]
+    parents = [compiled.shades.get(name, name) for name in names]
+    missing = list(dict.fromkeys(f"{parents[n]}-{parents[n + 1]}" for n in at.tolist()))
+    if not missing:
+        return schedule
+    if pair.gaps == "error":
+        raise gap_error(pair, missing, "this line")
+    told = f"{count(len(missing), 'bigram')} without curves at rest: {', '.join(missing)}"
+    return replace(schedule, remarks=(*schedule.remarks, told))
+
+
+def refuse_gaps(pair: PlayedPair) -> None:
+    """Raise PackError for a pair with gaps, if they are errors and no line is known yet."""
+    missing = pair.compiled.report.gaps
+    if missing and pair.gaps == "error":
+        raise gap_error(pair, missing, pair.compiled.report.language)
+
+
+def gap_error(pair: PlayedPair, missing: Sequence[str], of: str) -> PackError:
+    """Return the error that names bigrams without curves."""
+    report = pair.compiled.report
+    return PackError(
+        f"{report.character} has no curves for {count(len(missing), 'bigram')} of {of}: "
+        f"{shortlist(missing, MAX_SHOWN_GAPS)}. Draw them, give {report.poseset} targets for their "
+        "phonemes, or perform gaps as rest (`gaps='rest'`)"
+    )

@@ -9,14 +9,16 @@ from spoken_sentences import SENTENCES
 
 from lipsync_lang import cli
 from lipsync_lang.base.errors import OutputError, SpeechError
-from lipsync_lang.sound.speech.hearing.adaptation import adapt, spoken_files, write_adapted
-from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import Listening
-from lipsync_lang.sound.speech.hearing.sphinx.adapting import (
+from lipsync_lang.sound.speech.hearing.adaptation import (
     AlignedFrames,
     GaussianSums,
+    adapt,
     aligned_frames,
     means_of,
+    spoken_files,
+    write_adapted,
 )
+from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import Listening
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models, models_in
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.sound.speech.hearing.sphinx.sphinx_files import read_gaussians

@@ -5,8 +5,8 @@ import pytest
 
 from lipsync_lang.schedules import Audio, Schedule
 from lipsync_lang.sound.speech.hearing.align.bending import SpokenVoice
-from lipsync_lang.sound.speech.hearing.align.locating import relative_costs, spans, subsequences
 from lipsync_lang.sound.speech.hearing.align.spectrum import HOP, mel_power
+from lipsync_lang.sound.speech.hearing.align.warping import relative_costs, spans, subsequences
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 
 PHONES = 24
