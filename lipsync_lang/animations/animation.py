@@ -1,6 +1,6 @@
 """Animation: the result of a performance, as an array of pose weights over time (seconds)."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from html import escape
 from importlib import import_module
@@ -18,8 +18,6 @@ from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.animations.keys import KeyedCurve
 
@@ -195,7 +193,7 @@ class Animation:
         """Return True, even for an animation without frames."""
         return True
 
-    def __iter__(self) -> "Iterator[tuple[str, npt.NDArray[np.float64]]]":
+    def __iter__(self) -> Iterator[tuple[str, npt.NDArray[np.float64]]]:
         """Yield pairs of pose name and (T,) curve; `dict(animation)` is a mapping of them."""
         return zip(self.poses, self.weights.T, strict=True)
 

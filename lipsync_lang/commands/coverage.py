@@ -6,7 +6,7 @@ The corpus has parts: each language is read from some files, and from one of the
 import sys
 from argparse import Namespace
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from io import TextIOWrapper
@@ -35,8 +35,6 @@ from lipsync_lang.packs.project import FILE, find_project
 from lipsync_lang.reports.coverage.forms import FORMS, SUFFIXES, FormOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from lipsync_lang.packs.finding import Finder
     from lipsync_lang.reports.coverage import Coverage
     from lipsync_lang.text.lines import Line
@@ -181,7 +179,7 @@ def _counted(options: Namespace) -> "Coverage":
     return found
 
 
-def _shown(lines: "Iterable[Line]", shown: "Callable[[str], str]") -> "Iterator[Line]":
+def _shown(lines: "Iterable[Line]", shown: Callable[[str], str]) -> "Iterator[Line]":
     """Yield lines whose places name files as reports do, with a running count on a terminal."""
     try:
         for number, line in enumerate(lines):

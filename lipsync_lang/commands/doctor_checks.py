@@ -12,12 +12,11 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.base.errors import LipsyncError, SpeechError, count, shortlist
-from lipsync_lang.base.extensions import PACKS, Extensions, plug_ins, removed_rooms
+from lipsync_lang.base.extensions import PACKS, EntryPoint, Extensions, plug_ins, removed_rooms
 from lipsync_lang.base.extras import Extra, extras, install_line, package_line
 from lipsync_lang.base.version import __version__
 
 if TYPE_CHECKING:
-    from lipsync_lang.base.extensions import EntryPoint
     from lipsync_lang.packs.models import Language
     from lipsync_lang.packs.pack import Pack
 
@@ -271,7 +270,7 @@ def _removed_rooms() -> Iterator[CheckedPart]:
         yield CheckedPart(f"plug-in {package.rpartition('.')[2]}", MISSING, told)
 
 
-def _plug_in(name: str, entry_points: "list[EntryPoint]") -> CheckedPart:
+def _plug_in(name: str, entry_points: list[EntryPoint]) -> CheckedPart:
     from lipsync_lang.packs.finding import location
 
     lost = [one.value for one in entry_points if one.group == PACKS and location(one) is None]

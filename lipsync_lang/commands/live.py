@@ -3,7 +3,7 @@
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
@@ -22,8 +22,6 @@ from lipsync_lang.commands.shared_options import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
-
     from starlette.types import ASGIApp
 
     from lipsync_lang.performing.gesturing import GestureScales
@@ -168,7 +166,7 @@ def _serve_page(options: Namespace, performer: "Performer", session: "Session") 
         if given:
             raise LipsyncError(f"{name} is not for the page; leave it out with --page")
 
-    def open_app(token: str, hosts: "Collection[str]") -> "ASGIApp":
+    def open_app(token: str, hosts: Collection[str]) -> "ASGIApp":
         from lipsync_lang.studio.voice_page import voice_app
 
         return voice_app(performer, session, token, hosts)
@@ -208,7 +206,7 @@ def _send(  # noqa: PLR0913 who speaks, and who receives it
             one.close()
 
 
-def _renamed(stated: list[str], poses: "Sequence[str]") -> dict[str, str]:
+def _renamed(stated: list[str], poses: Sequence[str]) -> dict[str, str]:
     """Parse ``POSE=NAME``."""
     from lipsync_lang.production.live.outlets import refuse_unknown
 

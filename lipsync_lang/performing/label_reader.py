@@ -23,7 +23,7 @@ from lipsync_lang.performing.stress import (
     stresses_of,
 )
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
+from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, SpokenWord
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.ipa import is_one_sound
 from lipsync_lang.text.phonology.labels import (
@@ -40,7 +40,6 @@ from lipsync_lang.text.phonology.nearest import Nearest, NearestPhonemes
 
 if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import CompiledPair
-    from lipsync_lang.text.phonology.g2p.g2p_engines import Correction
 
 _CAPITAL = re.compile("[A-Z]")
 """Letters that are absent from the IPA, but present in most other notations."""
@@ -139,7 +138,7 @@ class LabelReader:
         return [label if one == other else other for label, one, other in pairs]
 
     @cached_property
-    def _corrections(self) -> "tuple[Correction, ...]":
+    def _corrections(self) -> tuple[Correction, ...]:
         """Corrections that hold for labels of timings."""
         from lipsync_lang.text.phonology.manner import Manner
 
@@ -331,12 +330,12 @@ class LabelReader:
         return self.compiled.numbers(shades=self.shades)
 
     @cached_property
-    def _heard(self) -> "WeakKeyDictionary[Schedule, LabelSounds]":
+    def _heard(self) -> WeakKeyDictionary[Schedule, LabelSounds]:
         """Cached sounds of schedules: a line that is performed and judged is read three times."""
         return WeakKeyDictionary()
 
     @cached_property
-    def _recognised(self) -> "WeakKeyDictionary[Schedule, str]":
+    def _recognised(self) -> WeakKeyDictionary[Schedule, str]:
         return WeakKeyDictionary()
 
     def _hint(self, label: str, notation: str) -> str:

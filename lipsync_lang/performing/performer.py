@@ -1,6 +1,6 @@
 """Performer: a resolved language-character pair that animates schedules."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
@@ -13,29 +13,24 @@ from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import LipsyncError, PackError, count, shortlist
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.performing.delivery import delivery
+from lipsync_lang.performing.delivery import DialLevels, Points, delivery
 from lipsync_lang.performing.edits import corrected
 from lipsync_lang.performing.played_pair import LineDelivery, OwnSettings, PlayedPair
 from lipsync_lang.performing.style_drafts import with_drafts
 from lipsync_lang.pipeline.drive import drive
-from lipsync_lang.pipeline.kernel_plan import keep, serves
+from lipsync_lang.pipeline.kernel_plan import KernelCopy, keep, serves
 from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.prepare import prepare
-from lipsync_lang.pipeline.track import lay_track
+from lipsync_lang.pipeline.track import Track, lay_track
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.text.phonology.labels import Notation
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.faces.rigs.driver import Driver
-    from lipsync_lang.performing.delivery import DialLevels, Points
     from lipsync_lang.performing.gesturing import GestureScales
     from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.performing.stream import Late, Stream
-    from lipsync_lang.pipeline.kernel_plan import KernelCopy
-    from lipsync_lang.pipeline.track import Track
     from lipsync_lang.resolver.compiled import Report
     from lipsync_lang.sound.listening.listener import Listener
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -63,7 +58,7 @@ class Performer(PlayedPair):
         """Origin of every bigram of this pair, by layer."""
         return self.compiled.report
 
-    def with_motion(self, change: "Mapping[str, object] | str | None") -> Self:
+    def with_motion(self, change: Mapping[str, object] | str | None) -> Self:
         """Return a copy with changed motion settings."""
         from lipsync_lang.resolver.settings import motion_with
 
@@ -75,13 +70,13 @@ class Performer(PlayedPair):
         fps: float = 60,
         *,
         line: str | None = None,
-        styles: "DialLevels | None" = None,
-        dials: "DialLevels | None" = None,
+        styles: DialLevels | None = None,
+        dials: DialLevels | None = None,
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
-        placed: "Sequence[Mapping[str, Any]] | None" = None,
+        placed: Sequence[Mapping[str, Any]] | None = None,
         whole: Schedule | None = None,
-        bends: "Mapping[str, Points] | None" = None,
+        bends: Mapping[str, Points] | None = None,
     ) -> Animation:
         """Animate a schedule.
 
@@ -129,17 +124,17 @@ class Performer(PlayedPair):
 
     def perform_many(  # noqa: PLR0913 as `perform`
         self,
-        schedules: "Iterable[Schedule]",
+        schedules: Iterable[Schedule],
         fps: float = 60,
         *,
-        lines: "Sequence[str | None] | None" = None,
-        styles: "DialLevels | None" = None,
-        dials: "DialLevels | None" = None,
+        lines: Sequence[str | None] | None = None,
+        styles: DialLevels | None = None,
+        dials: DialLevels | None = None,
         intensity: float | None = None,
         gestures: "GestureScales | None" = None,
-        placed: "Sequence[Mapping[str, Any]] | None" = None,
+        placed: Sequence[Mapping[str, Any]] | None = None,
         whole: Schedule | None = None,
-        bends: "Mapping[str, Points] | None" = None,
+        bends: Mapping[str, Points] | None = None,
     ) -> list[Animation]:
         """Animate many schedules; each animation equals that of `perform` bit by bit.
 
@@ -175,8 +170,8 @@ class Performer(PlayedPair):
         fps: float = 60,
         *,
         notation: str | None = None,
-        styles: "DialLevels | None" = None,
-        dials: "DialLevels | None" = None,
+        styles: DialLevels | None = None,
+        dials: DialLevels | None = None,
         stress: bool | None = None,
         emphasis: bool = False,
         late: "Late" = "refuse",
@@ -227,7 +222,7 @@ class Performer(PlayedPair):
         delay: float = 0.08,
         fps: float = 60,
         *,
-        poses: "Sequence[str] | None" = None,
+        poses: Sequence[str] | None = None,
     ) -> "Listener":
         """Open a listener, which takes sound as it arrives and returns final frames.
 
@@ -313,7 +308,7 @@ class Performer(PlayedPair):
         rows = [drive(row[None], driver.rig, 1.0) for row in weights]
         return np.vstack(rows) if rows else np.zeros((0, len(driver.channels)))
 
-    def with_expression(self, animation: Animation, expression: "DialLevels") -> Animation:
+    def with_expression(self, animation: Animation, expression: DialLevels) -> Animation:
         """Add an expression to an animation of this performer; speech takes precedence.
 
         Contacts and constraints still hold: an expression adds only as much as they allow. Shapes
@@ -352,8 +347,8 @@ class Performer(PlayedPair):
         return with_expression(animation, tables.papers if papers else tables, expression)
 
     def track(
-        self, schedule: Schedule, *, line: str | None = None, styles: "DialLevels | None" = None
-    ) -> "Track":
+        self, schedule: Schedule, *, line: str | None = None, styles: DialLevels | None = None
+    ) -> Track:
         """Lay out the phonemes of a schedule as `perform` does, without rendering frames."""
         ids, times, source = self.labels.common_phonemes(schedule)
         blends, _ = delivery(self.compiled, schedule, line, styles, None)
@@ -408,7 +403,7 @@ class PerformedLine:
     """
 
     performer: Performer
-    settings: "Mapping[str, Any]"
+    settings: Mapping[str, Any]
 
     @classmethod
     def of(cls, animation: Animation) -> Self | None:
@@ -434,9 +429,9 @@ def performer_of(animation: Animation) -> Performer | None:
 
 def _animate(
     performer: "Performer",
-    schedules: "Sequence[Schedule]",
+    schedules: Sequence[Schedule],
     fps: float,
-    lines: "Sequence[str | None] | None",
+    lines: Sequence[str | None] | None,
     asked: OwnSettings,
 ) -> list[Animation]:
     """Animate schedules; see `Performer.perform_many`."""
@@ -491,7 +486,7 @@ def _animate(
     return out
 
 
-def _neutral_copy(performer: "Performer", fps: float) -> "KernelCopy | None":
+def _neutral_copy(performer: "Performer", fps: float) -> KernelCopy | None:
     """Return the neutral bank as the compiled kernel keeps it; None if the kernel cannot play it.
 
     `lay_track` lays the tracks of a bank with trigrams.

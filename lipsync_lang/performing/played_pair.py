@@ -1,6 +1,6 @@
 """Played pairs: a compiled pair with its motion, and the parts of a performance made from both."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +11,7 @@ import numpy as np
 from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.base.arrays import Bools
 from lipsync_lang.base.errors import refuse_other
-from lipsync_lang.performing.delivery import bends_of, delivery
+from lipsync_lang.performing.delivery import DialLevels, Points, bends_of, delivery
 from lipsync_lang.performing.edits import overlays
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.performing.loudness import loudness_dial
@@ -23,10 +23,7 @@ from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from lipsync_lang.faces.rigs.channel import Channel
-    from lipsync_lang.performing.delivery import DialLevels, Points
     from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.pipeline.bend import Bend
     from lipsync_lang.pipeline.gestures.laying import GestureSet
@@ -187,10 +184,10 @@ class PlayedPair:
         fps: float,
         *,
         line: str | None = None,
-        styles: "DialLevels | None" = None,
-        dials: "DialLevels | None" = None,
+        styles: DialLevels | None = None,
+        dials: DialLevels | None = None,
         intensity: float | None = None,
-        bends: "Mapping[str, Points] | None" = None,
+        bends: Mapping[str, Points] | None = None,
     ) -> Performance:
         """Prepare a performance with access to each stage; see `perform`."""
         fps = checked_rate(fps)
@@ -222,7 +219,7 @@ class PlayedPair:
             self._drafted[heard] = with_drafts(self.compiled, heard)
         return self._drafted[heard]
 
-    def styled_motion(self, blends: "Sequence[Blend]") -> "Motion":
+    def styled_motion(self, blends: "Sequence[Blend]") -> Motion:
         """Return the motion of a line with the manner of moving of its styles."""
         return styled_motion(self.compiled, self.motion, blends)
 

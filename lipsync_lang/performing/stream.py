@@ -33,12 +33,11 @@ from lipsync_lang.performing.stream_frames import StreamFrames
 from lipsync_lang.performing.stream_gestures import StreamGestures
 from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
 from lipsync_lang.pipeline.perform import BLOCK, FinalFrames
-from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule
+from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, Word
 from lipsync_lang.text.phonology.g2p.tokens import plain
 
 if TYPE_CHECKING:
     from lipsync_lang.pipeline.overlay import Overlay
-    from lipsync_lang.schedules.schedule import Word
     from lipsync_lang.text.phonology.labels import Value
 
 Late = Literal["refuse", "shorten"]
@@ -132,7 +131,7 @@ class Intake:
         return HeardLabel(start, end, sounds, kind, mark, text=text)
 
     def _word(
-        self, part: Schedule, word: "Word", silent: list[bool], moved: float
+        self, part: Schedule, word: Word, silent: list[bool], moved: float
     ) -> HeardWord | None:
         """Return the curves and the emphasis of a word; None if it has neither."""
         compiled = self.performer.compiled

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.presentation.junit import JunitCase, JunitSuite, junit_text
 from lipsync_lang.base.presentation.text_table import columns
-from lipsync_lang.performing.performer import PerformedLine, performer_of
+from lipsync_lang.performing.performer import PerformedLine, Performer, performer_of
 from lipsync_lang.reports.quality.figures import Figure, Quality, describe
 from lipsync_lang.reports.quality.measured_scene import scene_of
 from lipsync_lang.reports.quality.measures import load_measures
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.performing.performer import Performer
 
 
 MAX_SUBJECT_CHARS = 60
@@ -40,7 +39,7 @@ Qualities = Mapping[str, Quality]
 def check(
     animation: "Animation",
     *,
-    performer: "Performer | None" = None,
+    performer: Performer | None = None,
     limits: Limits | None = None,
     remarks: tuple[str, ...] = (),
 ) -> Quality:
@@ -81,7 +80,7 @@ def check(
 
 
 def check_all(
-    animations: "Sequence[Animation]", performer: "Performer", limits: Limits | None = None
+    animations: "Sequence[Animation]", performer: Performer, limits: Limits | None = None
 ) -> list[Quality]:
     """Measure animations of one face at once: `check` takes four times as long for each."""
     measures = load_measures()
@@ -110,7 +109,7 @@ def check_all(
     ]
 
 
-def _subject(animation: "Animation", performer: "Performer") -> str:
+def _subject(animation: "Animation", performer: Performer) -> str:
     words = " ".join(word.text for word in animation.schedule.words)
     said = repr(words) if words else animation.schedule.source
     if len(said) > MAX_SUBJECT_CHARS:

@@ -13,14 +13,13 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.performing.performer import PerformedLine
+from lipsync_lang.performing.performer import PerformedLine, Performer
 from lipsync_lang.reports.quality.face_columns import Face, face_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.motion import Motion
 
 CEILING_TOLERANCE = 0.05
@@ -219,7 +218,7 @@ class MeasuredScene:
         return self.face.demanding[:, self.ids] & ~self.waived
 
 
-def scene_of(animations: "Sequence[Animation]", performer: "Performer") -> MeasuredScene:
+def scene_of(animations: "Sequence[Animation]", performer: Performer) -> MeasuredScene:
     """Return animations of one face with their phonemes as arrays.
 
     Raises

@@ -9,7 +9,7 @@ Scores are natural logarithms of likelihoods; T frames, N phones.
 
 from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from lipsync_lang.base.arrays import Floats, Ints, Singles
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.sound.listening.belief import PhoneLoop
 from lipsync_lang.sound.listening.voice import ToneTrack
-from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG
+from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG, AcousticModel
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     CEPSTRA,
     DELTA_FRAMES,
@@ -28,9 +28,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.features import (
 )
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import HISS_DEVIATION
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
-
-if TYPE_CHECKING:
-    from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import AcousticModel
 
 STREAMS = 3
 """Number of streams of a model that is listened with."""
@@ -65,7 +62,7 @@ class PhoneScores:
     neighbours : groups of phones; all others are one more
     """
 
-    def __init__(self, model: "AcousticModel", neighbours: Sequence[Sequence[str]]) -> None:
+    def __init__(self, model: AcousticModel, neighbours: Sequence[Sequence[str]]) -> None:
         self.model = model
         number = {name: group for group, names in enumerate(neighbours) for name in names}
         groups = np.array([number.get(name, len(neighbours)) for name in model.names])
@@ -99,7 +96,7 @@ class PhoneScores:
         return found
 
 
-def _group_weights(model: "AcousticModel", groups: Ints) -> Singles:
+def _group_weights(model: AcousticModel, groups: Ints) -> Singles:
     """Return the mixture weights of each state: (streams, N, Gaussians, S).
 
     They are the means over all contexts whose neighbour is of the group, of the phone without a
@@ -122,9 +119,7 @@ def _group_weights(model: "AcousticModel", groups: Ints) -> Singles:
 
 
 @cache
-def phone_scores(
-    model: "AcousticModel", neighbours: tuple[tuple[str, ...], ...] = ()
-) -> PhoneScores:
+def phone_scores(model: AcousticModel, neighbours: tuple[tuple[str, ...], ...] = ()) -> PhoneScores:
     """Return the scores of a model's phones, which all listeners share."""
     return PhoneScores(model, neighbours)
 

@@ -37,7 +37,7 @@ from lipsync_lang.sound.speech.hearing.recognise.recognisers import recogniser
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import parts
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS, WINDOW_SAMPLES
-from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
+from lipsync_lang.sound.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     WINDOW_CENTRE_SECONDS,
@@ -47,7 +47,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
 from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
 
 if TYPE_CHECKING:
-    from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 CHANGE_RISK = 0.3
@@ -114,7 +113,7 @@ class SoundRecogniser:
         )
 
 
-def recorded_belief(audio: Audio, known: ModelPhones, models: "Models") -> Singles:
+def recorded_belief(audio: Audio, known: ModelPhones, models: Models) -> Singles:
     """Return the probability of each phone in each frame of a recording: (T, N).
 
     The sound is heard in parts, so that an hour needs little memory.

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 from lipsync_lang.base.errors import count, shortlist
 from lipsync_lang.base.presentation.text_table import columns
@@ -16,12 +16,11 @@ from lipsync_lang.reports.coverage.report import (
     CoverageReport,
     GestureNeed,
     Tally,
+    Total,
+    TotalFigures,
+    WorkItem,
     authored,
 )
-
-if TYPE_CHECKING:
-    from lipsync_lang.reports.coverage.report import Total, TotalFigures, WorkItem
-
 
 MAX_RANKING_ROWS = 20
 """Number of rows of the ranking by default."""
@@ -206,7 +205,7 @@ def _few(names: Sequence[str]) -> str:
     return shortlist(names, MAX_TEXT_NAMES)
 
 
-def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Iterator[str]:
+def total_lines(coverage: Coverage, total: Total, rows: int | None) -> Iterator[str]:
     """Yield the total of several reports, with some rows of the ranking or all."""
     yield (
         f"all reports together: {total.authored.bigrams} of {total.needed} bigrams, "
@@ -234,7 +233,7 @@ def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Itera
         yield f"  ... and {len(total.ranking) - len(shown)} more; --all lists them"
 
 
-def draft_calls(items: "Sequence[WorkItem]") -> Iterator[str]:
+def draft_calls(items: Sequence[WorkItem]) -> Iterator[str]:
     """Yield few commands that draft all items; items in a bank of their own need none.
 
     A command drafts for one language and one pose set. Each command has the language that serves
@@ -254,7 +253,7 @@ def draft_calls(items: "Sequence[WorkItem]") -> Iterator[str]:
             missing = [item for item in missing if best not in item.languages]
 
 
-def headline(total: "TotalFigures") -> str:
+def headline(total: TotalFigures) -> str:
     """Return the total in a sentence."""
     number = len(total.languages)
     whom = f"all {number} languages" if number > 1 else total.languages[0]
@@ -268,7 +267,7 @@ def headline(total: "TotalFigures") -> str:
     return f"{total.left.bigrams:,} {drawn}, {total.left.hours:g} hours for {whom}{gain}"
 
 
-def _ranking(total: "Total", items: "Sequence[WorkItem]") -> list[tuple[str, ...]]:
+def _ranking(total: Total, items: Sequence[WorkItem]) -> list[tuple[str, ...]]:
     several = len({face.poseset for face in total.faces}) > 1
     own = ["pose set"] if several else []
     rows = [("rank", "bigram", *own, "gain %", "then %", "count", "serves")]
@@ -280,7 +279,7 @@ def _ranking(total: "Total", items: "Sequence[WorkItem]") -> list[tuple[str, ...
     return rows
 
 
-def serves(item: "WorkItem", total: "TotalFigures") -> str:
+def serves(item: WorkItem, total: TotalFigures) -> str:
     """Return the languages that an item serves."""
     names = item.languages
     if len(names) == len(total.languages) > 1:

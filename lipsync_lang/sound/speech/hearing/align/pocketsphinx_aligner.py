@@ -4,7 +4,7 @@ Each word has pronunciation variants from the dictionary and from the language's
 package selects the most likely variant and its times.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property, partial
 from itertools import repeat
 from typing import TYPE_CHECKING
@@ -33,8 +33,6 @@ from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.labels import Notation
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
     from lipsync_lang.sound.speech.speaking.transcripts import Transcript
     from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
