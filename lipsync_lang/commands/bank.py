@@ -104,11 +104,7 @@ def show(options: Namespace) -> int:
 
         with atomic(options.plot) as stream:
             plot_bigrams(found, stream, plot_kind(options.plot))
-    words = sys.stderr if options.plot == STANDARD_STREAM else sys.stdout
-    if options.json:
-        print(as_json([one.to_dict() for one in found]), file=words)
-    else:
-        print("\n".join(one.told() for one in found), file=words)
+    _print(options, [one.to_dict() for one in found], "\n".join(one.told() for one in found))
     return SOUND
 
 
@@ -126,10 +122,12 @@ def diff(options: Namespace) -> int:
 
         with atomic(options.plot) as stream:
             plot_diff(found, stream, plot_kind(options.plot))
+    _print(options, found.to_dict(), told(found, None if options.all or options.bigrams else SHOWN))
+    return SOUND
+
+
+def _print(options: Namespace, data: object, text: str) -> None:
+    """Print what is shown, as JSON if asked."""
     # The picture takes standard output, so the words move aside.
     words = sys.stderr if options.plot == STANDARD_STREAM else sys.stdout
-    if options.json:
-        print(as_json(found.to_dict()), file=words)
-    else:
-        print(told(found, None if options.all or options.bigrams else SHOWN), file=words)
-    return SOUND
+    print(as_json(data) if options.json else text, file=words)

@@ -99,7 +99,7 @@ class Workshop:
         """Cached target files for edits of bigrams."""
         self._now: tuple[int, Performer] | None = None
         self._saved: Performer | None = None
-        self.others: dict[str, tuple[str, int, Performer]] = {}  # see `beside.other_performer`
+        self.others: dict[str, tuple[str, int, Performer]] = {}  # by `other_performer`
 
     def library(self) -> Library:
         """Return the packs with the unsaved edits; packs without edits are not read again.
