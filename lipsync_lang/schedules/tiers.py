@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from statistics import median
 
 from lipsync_lang.base.errors import OutputError, did_you_mean, shortlist
-from lipsync_lang.base.files.xml_text import xml_text
+from lipsync_lang.base.files.quoting import xml_text
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.timed_words import are_words, timed_words_of

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 from xml.etree import ElementTree as ET
 
-from lipsync_lang.base.files.xml_text import xml_text
+from lipsync_lang.base.files.quoting import xml_text
 
 DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
 

@@ -14,7 +14,7 @@ from jinja2.ext import Extension
 from markupsafe import Markup
 
 from lipsync_lang.base.errors import count
-from lipsync_lang.base.files.xml_text import xml_text
+from lipsync_lang.base.files.quoting import xml_text
 from lipsync_lang.base.presentation.wording import NBSP
 
 CHART_HEIGHT = 1000

@@ -1,6 +1,6 @@
 """Output forms of a coverage document.
 
-Each form is a module with a function ``write(coverage, stream, options) -> None``.
+Each form is a function ``(coverage, stream, options) -> None``.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,11 @@ Write = Callable[["Coverage", TextIO, FormOptions], None]
 FORMS: Extensions[Write] = Extensions(
     "coverage_forms",
     "coverage format",
-    modules={name: f"{__package__}.{name}" for name in ("text", "json", "html", "csv", "junit")},
+    modules={
+        "text": f"{__package__}.text",
+        **dict.fromkeys(("json", "html", "csv"), f"{__package__}.whole"),
+        "junit": f"{__package__}.junit",
+    },
 )
 """Writer functions by the name of the form."""
 

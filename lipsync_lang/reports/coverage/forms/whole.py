@@ -1,12 +1,11 @@
-"""CSV: one row per bigram of each report, for spreadsheets.
+"""Forms that hold a whole report, whatever the options: JSON, a page, and CSV for spreadsheets.
 
-`rank_for_all` is the place in the ranking of all reports. A bigram that serves several reports has
-the same rank in each, and its hours in the first row alone: the sum of `hours` is the total.
-
-Words and file names come from the corpus, so text that begins like a formula is quoted.
+The schema of the JSON document is `docs/reference/coverage.schema.json`. The page is one HTML file
+with its style and script inside.
 """
 
 import csv
+import json
 from typing import TextIO
 
 from lipsync_lang.base.files.quoting import spreadsheet_text
@@ -21,10 +20,31 @@ CSV_HEAD = (
 )  # fmt: skip
 
 
+@FORMS.register("json")
+def write_json(coverage: Coverage, out: TextIO, _: FormOptions) -> None:
+    """Write the document."""
+    # Standard output of Windows may hold no IPA, which JSON can escape.
+    holds_all = (getattr(out, "encoding", None) or "utf-8").lower().startswith("utf")
+    json.dump(coverage.to_dict(), out, ensure_ascii=not holds_all, indent=2)
+    out.write("\n")
+
+
+@FORMS.register("html")
+def write_page(coverage: Coverage, out: TextIO, _: FormOptions) -> None:
+    """Write the page."""
+    from lipsync_lang.reports.coverage.page import page
+
+    out.write(page(coverage.to_dict()))
+
+
 @FORMS.register("csv")
-def write(coverage: Coverage, out: TextIO, options: FormOptions) -> None:
-    """Write a row for each bigram that occurs; bigrams with silence come last."""
-    del options  # it is always whole
+def write_csv(coverage: Coverage, out: TextIO, _: FormOptions) -> None:
+    """Write a row for each bigram that occurs; bigrams with silence come last.
+
+    `rank_for_all` is the place in the ranking of all reports. A bigram that serves several reports
+    has the same rank in each, and its hours in the first row alone: the sum of `hours` is the
+    total. Words and file names come from the corpus, so text like a formula is quoted.
+    """
     rows = csv.writer(out, lineterminator="\n")
     rows.writerow(CSV_HEAD)
     total = coverage.total
