@@ -16,15 +16,16 @@ from typing import Any, Self
 from weakref import finalize
 
 from lipsync_lang.base.errors import LipsyncError, OutputError, PackError
-from lipsync_lang.base.files import atomic, read_input
+from lipsync_lang.base.files import atomic, read_input, write_all
 from lipsync_lang.base.files.locking import claim
-from lipsync_lang.base.files.writing import replace_file
+from lipsync_lang.base.files.targets import file_behind
+from lipsync_lang.base.files.writing import cannot_write, replace_file
 from lipsync_lang.base.json_object import Json
+from lipsync_lang.packs.finding import Finder
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import Loc, read_bytes
 from lipsync_lang.resolver.retouch import OpenPair
-from lipsync_lang.studio.editable_files import refuse, shipped_folders, write_together
 from lipsync_lang.studio.merging import (
     Choices,
     EditConflict,
@@ -51,6 +52,66 @@ MAX_JOURNAL_BYTES = 64 * 2**20
 
 MAX_JOURNALED = 250
 """Number of steps in a journal; the next start of the studio takes 10 ms for each."""
+
+
+def refuse(path: Path, shipped: Iterable[Path], others: Iterable[Path]) -> None:
+    """Raise `OutputError` for a file in a folder of `shipped` packs, or among `others` with edits.
+
+    A file is edited under one name only.
+    """
+    if not path.is_absolute() or path.suffix != ".yaml":
+        raise OutputError(
+            f"{path}: is not the file of a pack; give an absolute path with the suffix .yaml"
+        )
+    # Links may lead into the installed packs, or give one file two names.
+    real = Path(os.path.realpath(path))
+    folder = next((root for root in shipped if real.is_relative_to(root)), None)
+    if folder is not None:
+        raise OutputError(
+            f"{shown(path)}: belongs to an installed distribution, whose updates undo edits; "
+            f"copy it to {real.relative_to(folder)} in your project and edit it there"
+        )
+    try:
+        file_behind(path)
+    except OSError as error:
+        raise OutputError(f"{shown(path)}: {error.strerror or error}") from None
+    other = next((p for p in others if p != path and Path(os.path.realpath(p)) == real), None)
+    if other is not None:
+        raise OutputError(f"{shown(path)}: is the same file as {shown(other)}; edit that one")
+
+
+def shipped_folders() -> tuple[Path, ...]:
+    """Return the pack folders of installed distributions, including the built-in packs."""
+    return tuple(
+        root.path.resolve()
+        for root in Finder().roots
+        if root.origin.startswith(("built-in", "installed"))
+    )
+
+
+def write_together(
+    contents: Mapping[Path, bytes | None], ready: Callable[[], object] = bool
+) -> None:
+    """Write all files or none, and create missing folders; None deletes a file.
+
+    For `ready` see `write_all`.
+    """
+
+    def writer(content: bytes) -> Any:
+        return lambda stream: stream.write(content)
+
+    for path in contents:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise cannot_write(path.parent, error) from None
+    outputs = {path: writer(content) for path, content in contents.items() if content is not None}
+    write_all(outputs, durable=True, ready=ready)
+    for path in contents.keys() - outputs.keys():
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise cannot_write(path, error) from None
 
 
 class Desk:

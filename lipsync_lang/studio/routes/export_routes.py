@@ -17,7 +17,7 @@ from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.studio.array_pack import ArrayPack
-from lipsync_lang.studio.editable_files import write_together
+from lipsync_lang.studio.desk import write_together
 from lipsync_lang.studio.routes.requests import PackedResponse, StudioRequest, listed
 from lipsync_lang.studio.workshop import Workshop
 
