@@ -56,15 +56,14 @@ def sentences_of_page(path: Path) -> Iterator[Sentence]:
 
 def sentences_of_module(path: Path, *, messages: bool = True) -> Iterator[Sentence]:
     """Read the summaries of docstrings, and every text of two words or more, of a module."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    documented = {id(node.value) for node in ast.walk(tree) if _is_text(node)}
-    inner = {
-        id(part)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.JoinedStr)
-        for part in node.values
-    }
-    for node in ast.walk(tree):
+    nodes = [
+        node
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, (ast.Expr, ast.Constant, ast.JoinedStr))
+    ]
+    documented = {id(node.value) for node in nodes if _is_text(node)}
+    inner = {id(part) for node in nodes if isinstance(node, ast.JoinedStr) for part in node.values}
+    for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in inner:
             text = node.value
             if id(node) in documented:
