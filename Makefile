@@ -69,7 +69,7 @@ test-all: test test-rest ## run all tests
 # Rooms that touch files, processes and pipes; other folders of tests are named by ROOMS.
 ROOMS ?= base/files text/lines plugins/cluster production packs/banks plugins/study plugins/mfa
 test-windows: $(VENV)/ready ## run quick tests as Windows would: make test-windows ROOMS="base/files text/lines"
-	PYTHONPATH=tests $(BIN)/python -m pytest -p windows_lane -m "not full" $(addprefix tests/,$(ROOMS))
+	PYTHONPATH=tests $(BIN)/python -m pytest -n auto --dist worksteal -p windows_lane -m "not full" $(addprefix tests/,$(ROOMS))
 
 sanitize: $(VENV)/ready ## run the compiled kernel and a fuzz of its arguments under ASan and UBSan
 	$(BIN)/python -m pytest tests/pipeline/test_sanitized_kernel.py
