@@ -59,7 +59,7 @@ demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
 test: $(VENV)/ready ## run the quick tests
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "not full"
 
-# All tests that `test` leaves out, and every property once more with five times the examples. Tests with an `xdist_group`
+# All tests that `test` leaves out, and every property once more with seven times the examples. Tests with an `xdist_group`
 # share a costly setup, so one worker runs them.
 test-rest: $(VENV)/ready
 	$(BIN)/python -m pytest -n auto --dist loadgroup -m "full or hypothesis" --hypothesis-profile=full

@@ -33,7 +33,7 @@ settings.register_profile(
     deadline=None,
     derandomize=bool(os.environ.get("CI")),  # a change lands by its own merits, not by chance
     print_blob=True,
-    max_examples=12,
+    max_examples=8,
     suppress_health_check=[
         HealthCheck.too_slow,
         HealthCheck.data_too_large,

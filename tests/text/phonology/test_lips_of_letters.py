@@ -1,9 +1,13 @@
 """Letters whose lips the engines got wrong, in words of everyday speech."""
 
+from functools import cache
+
 import pytest
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+speaker_of = cache(Speaker.of)
 
 WORDS = [
     ("ukrainian", "вода", "w ao d aa"),  # the lips round before о and у, and before consonants
@@ -62,7 +66,7 @@ WORDS = [
 
 @pytest.mark.parametrize(("language", "text", "mouths"), WORDS)
 def test_words_have_the_mouths_of_their_letters(language, text, mouths):
-    (found,) = Speaker.of(language).transcribe([text])
+    (found,) = speaker_of(language).transcribe([text])
     assert " ".join(found.phonemes) == mouths
 
 
@@ -80,13 +84,13 @@ HEBREW = [
 
 @pytest.mark.parametrize(("text", "mouths"), HEBREW)
 def test_hebrew_words_have_the_vowels_of_their_points(text, mouths):
-    (found,) = Speaker.of("hebrew").transcribe([text])
+    (found,) = speaker_of("hebrew").transcribe([text])
     assert " ".join(found.phonemes) == mouths
 
 
 @pytest.mark.parametrize("text", ["בית", "בעולם", "בזכויות", "בני"])
 def test_bet_closes_the_lips_where_a_hebrew_word_begins(text):
-    (found,) = Speaker.of("hebrew").transcribe_many([text])
+    (found,) = speaker_of("hebrew").transcribe_many([text])
     if isinstance(found, SpeechError):
         pytest.skip(str(found))
     assert found.phonemes[0] == "bmp"
