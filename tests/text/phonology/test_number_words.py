@@ -97,13 +97,14 @@ ALL = (*range(10_000), 10**6, 123_456_789)
 def read_by_rules(language, numbers):
     """Yield the numbers that each table of a pack serves, with its rules and the words read."""
     text = LIBRARY.language(language).model.text
-    for rules in text.number_tables.values() if text else ():
+    tables = text.number_tables if text else {}
+    for rules in tables.values():
         if not rules[min(rules, key=int)]:
             continue  # the rest of each number is left to the engine
         first = int(min(rules, key=int))
         stop = min((int(n) for n in rules if not rules[n]), default=10**9)
         served = [n for n in numbers if first <= n < stop]
-        yield rules, [number_words(rules, str(n), text.number_tables) for n in served]
+        yield rules, [number_words(rules, str(n), tables) for n in served]
 
 
 @pytest.mark.parametrize(
