@@ -34,7 +34,7 @@ def transcript_table(told: dict[str, Any]) -> str:
 def language_table(told: dict[str, Any]) -> str:
     """Format a language like Table 1 of the paper: phoneme, common phoneme, example, reason.
 
-    `told` is the result of `authoring.language.describe`. The first notation is listed in full;
+    `told` is the result of `language_description.describe`. The first notation is listed in full;
     further notations are listed as labels per common phoneme.
     """
     also = f", also {', '.join(told['aliases'])}" if told["aliases"] else ""

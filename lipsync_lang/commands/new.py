@@ -85,7 +85,7 @@ def new(options: Namespace) -> int:
 
 def _of_example(options: Namespace) -> int:
     """Copy an example, and name the command that uses it."""
-    from lipsync_lang.authoring.examples import copy_example
+    from lipsync_lang.authoring.copies import copy_example
 
     others = (options.recordings, options.table, options.new_language, *options.characters)
     if any(other is not None for other in others):

@@ -15,8 +15,7 @@ from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import ExportSettings
-from lipsync_lang.animations.fitted_keys import CONTACT_TOLERANCE, fit
-from lipsync_lang.animations.keys import curves
+from lipsync_lang.animations.keys import CONTACT_TOLERANCE, curves, fit
 from lipsync_lang.animations.readers.glb import read_glb
 from lipsync_lang.animations.writers.blender import TEMPLATE
 from lipsync_lang.faces.rigs.splines import Spline, sample

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from lipsync_lang.authoring.examples import copy_example, examples
+from lipsync_lang.authoring.copies import copy_example, examples
 from lipsync_lang.packs.finding import FOLDERS, Finder
 from lipsync_lang.packs.project import FILE
 

@@ -48,7 +48,7 @@ NO_TARGET = {
     "production/builds/project_folder.py": "templates of our own",
     "base/extras.py": "a table of our own, and the settings of the environment",
     "authoring/language_draft.py": "copies a lexicon, which is a target",
-    "authoring/poseset_copy.py": "copies packs, which are a target",
+    "authoring/copies.py": "copies packs, which are a target",
     "authoring/new_pack.py": "compares files it has written",
     "commands/output.py": "lines of plain text",
     "commands/studio.py": "opens a pair by its name",

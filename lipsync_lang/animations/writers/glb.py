@@ -24,8 +24,7 @@ import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
-from lipsync_lang.animations.fitted_keys import fit
-from lipsync_lang.animations.keys import margin, needed
+from lipsync_lang.animations.keys import fit, margin, needed
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.json_object import Json

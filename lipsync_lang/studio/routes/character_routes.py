@@ -127,7 +127,7 @@ def _acting(performer: Performer, tables: Tables, wanted: Floats, kept: Floats) 
 
 def own(workshop: Workshop, _: StudioRequest) -> Json:
     """Copy the pose set into the project for edits, and open the pair again."""
-    from lipsync_lang.authoring.poseset_copy import copy_poseset
+    from lipsync_lang.authoring.copies import copy_poseset
 
     name = workshop.performer.compiled.poseset
     home = workshop.project / FOLDERS["poseset"] / name
