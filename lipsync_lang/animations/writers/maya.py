@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator
 from functools import partial
 from itertools import count
+from pathlib import Path
 from typing import TextIO
 
 import numpy as np
@@ -35,29 +36,8 @@ NODE = "face"
 ODD = re.compile(r"\W", re.ASCII)
 """Characters that names of attributes and nodes cannot have."""
 
-MAYA_HEAD = """\
-animVersion 1.1;
-// Angles are of one frame: set the scene to {fps} frames a second before the import.
-mayaVersion 2022;
-timeUnit {unit};
-linearUnit cm;
-angularUnit deg;
-startTime {start};
-endTime {end};
-"""
-
-MAYA_CURVE = """\
-anim {name} {name} {node} 0 0 {number};
-animData {{
-  input time;
-  output unitless;
-  weighted 0;
-  preInfinity constant;
-  postInfinity constant;
-  keys {{
-{keys}  }}
-}}
-"""
+TEMPLATE = Path(__file__).parent / "templates" / "maya.txt"
+"""Head and curve of a file, with an empty line between them."""
 
 
 @writer("maya", suffix=".maya.anim", remarks=partial(boneless, program=MAYA))
@@ -68,8 +48,9 @@ def write_maya(animation: Animation, out: TextIO) -> None:
     per_second = rate if unit else 1.0
     first = (FIRST_FRAME / rate + animation.offset - animation.begins) * per_second
     start, end = (first + float(time) * per_second for time in animation.timeline[[0, -1]])
+    head, row = TEMPLATE.read_text(encoding="utf-8").split("\n\n")
     named = {"fps": _number(rate), "unit": unit or "sec"}
-    out.write(MAYA_HEAD.format(start=_number(start), end=_number(end), **named))
+    out.write(head.format(start=_number(start), end=_number(end), **named) + "\n")
     found = shapes(animation)
     taken: set[tuple[str, str]] = set()
     for number, (shape, curve) in enumerate(zip(found, keys(animation, found, ERROR), strict=True)):
@@ -80,7 +61,7 @@ def write_maya(animation: Animation, out: TextIO) -> None:
         own = next(each for each in numbered if (node, each) not in taken)
         taken.add((node, own))
         rows = _keys(curve, (first + curve.times * per_second).tolist(), rate)
-        out.write(MAYA_CURVE.format(name=own, node=node, number=number, keys="".join(rows)))
+        out.write(row.format(name=own, node=node, number=number, keys="".join(rows)))
 
 
 def _keys(curve: KeyedCurve, times: list[float], fps: float) -> Iterator[str]:

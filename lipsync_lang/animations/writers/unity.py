@@ -12,6 +12,7 @@ bindings, is omitted because Unity rebuilds it. Clips have no negative time.
 import re
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
 from typing import TextIO
 
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
@@ -25,109 +26,29 @@ LINEAR = 69
 PLAIN_YAML = r"(?ai)(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*"
 """Text that YAML accepts without quotes."""
 
-UNITY_HEAD = """\
-%YAML 1.1
-%TAG !u! tag:unity3d.com,2011:
---- !u!74 &7400000
-AnimationClip:
-  m_ObjectHideFlags: 0
-  m_CorrespondingSourceObject: {{fileID: 0}}
-  m_PrefabInstance: {{fileID: 0}}
-  m_PrefabAsset: {{fileID: 0}}
-  m_Name: {name}
-  serializedVersion: 6
-  m_Legacy: 0
-  m_Compressed: 0
-  m_UseHighQualityCurve: 1
-  m_RotationCurves: []
-  m_CompressedRotationCurves: []
-  m_EulerCurves: []
-  m_PositionCurves: []
-  m_ScaleCurves: []
-  m_FloatCurves:
-"""
-
-UNITY_CURVE = """\
-  - curve:
-      serializedVersion: 2
-      m_Curve:
-{keys}\
-      m_PreInfinity: 2
-      m_PostInfinity: 2
-      m_RotationOrder: 4
-    attribute: {attribute}
-    path: {path}
-    classID: 137
-    script: {{fileID: 0}}
-"""
-
-KEY = """\
-      - serializedVersion: 3
-        time: {time}
-        value: {value}
-        inSlope: {before}
-        outSlope: {after}
-        tangentMode: {mode}
-        weightedMode: 0
-        inWeight: 0.33333334
-        outWeight: 0.33333334
-"""
-
-TAIL = """\
-  m_PPtrCurves: []
-  m_SampleRate: {fps}
-  m_WrapMode: 0
-  m_Bounds:
-    m_Center: {{x: 0, y: 0, z: 0}}
-    m_Extent: {{x: 0, y: 0, z: 0}}
-  m_ClipBindingConstant:
-    genericBindings: []
-    pptrCurveMapping: []
-  m_AnimationClipSettings:
-    serializedVersion: 2
-    m_AdditiveReferencePoseClip: {{fileID: 0}}
-    m_AdditiveReferencePoseTime: 0
-    m_StartTime: 0
-    m_StopTime: {stop}
-    m_OrientationOffsetY: 0
-    m_Level: 0
-    m_CycleOffset: 0
-    m_HasAdditiveReferencePose: 0
-    m_LoopTime: 0
-    m_LoopBlend: 0
-    m_LoopBlendOrientation: 0
-    m_LoopBlendPositionY: 0
-    m_LoopBlendPositionXZ: 0
-    m_KeepOriginalOrientation: 0
-    m_KeepOriginalPositionY: 1
-    m_KeepOriginalPositionXZ: 0
-    m_HeightFromFeet: 0
-    m_Mirror: 0
-  m_EditorCurves: []
-  m_EulerEditorCurves: []
-  m_HasGenericRootTransform: 0
-  m_HasMotionFloatCurves: 0
-  m_Events: []
-"""
+TEMPLATE = Path(__file__).parent / "templates" / "unity.txt"
+"""Head, curve, key and tail of a clip, with empty lines between them."""
 
 
 @writer("unity", suffix=".anim", remarks=partial(unshown, program=UNITY))
 def write_unity(animation: Animation, out: TextIO) -> None:
     """A Unity animation clip: keyframes of blend shapes."""
     found, paths = shapes(animation), node_paths(animation)
-    out.write(UNITY_HEAD.format(name=_text(animation.title)))
+    parts = TEMPLATE.read_text(encoding="utf-8").rstrip().split("\n\n")
+    head, row, key, tail = (f"{part}\n" for part in parts)
+    out.write(head.format(name=_text(animation.title)))
     for shape, curve in zip(found, keys(animation, found, ERROR), strict=True):
-        told, attribute = _keys(curve), _text(f"blendShape.{shape.name}")
+        told, attribute = _keys(key, curve), _text(f"blendShape.{shape.name}")
         out.writelines(
-            UNITY_CURVE.format(keys=told, attribute=attribute, path=_text(path))
+            row.format(keys=told, attribute=attribute, path=_text(path))
             for path in paths.get(shape.mesh, [shape.mesh])
         )
     stop = _number(float(animation.timeline[-1]))
-    out.write(TAIL.format(fps=_number(animation.fps), stop=stop))
+    out.write(tail.format(fps=_number(animation.fps), stop=stop))
 
 
-def _keys(curve: KeyedCurve) -> str:
-    """Format the keys, with the slopes on both sides in percent per second."""
+def _keys(key: str, curve: KeyedCurve) -> str:
+    """Format each `key`, with the slopes on both sides in percent per second."""
     points = list(zip(curve.times.round(6).tolist(), curve.values.tolist(), strict=True))
     points = [(time, round(value * PERCENT_OF_WEIGHT, 4)) for time, value in points]
     if curve.cubic:
@@ -141,7 +62,7 @@ def _keys(curve: KeyedCurve) -> str:
     for (time, value), m, n in zip(points, before, after, strict=True):
         sides = {"before": _number(m), "after": _number(n)}
         mode = int(m != n) if curve.cubic else LINEAR
-        rows.append(KEY.format(time=_number(time), value=_number(value), mode=mode, **sides))
+        rows.append(key.format(time=_number(time), value=_number(value), mode=mode, **sides))
     return "".join(rows)
 
 
