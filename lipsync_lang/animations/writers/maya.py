@@ -36,7 +36,7 @@ NODE = "face"
 ODD = re.compile(r"\W", re.ASCII)
 """Characters that names of attributes and nodes cannot have."""
 
-TEMPLATE = Path(__file__).parent / "templates" / "maya.txt"
+MAYA_TEMPLATE = Path(__file__).parent / "templates" / "maya.txt"
 """Head and curve of a file, with an empty line between them."""
 
 
@@ -48,7 +48,7 @@ def write_maya(animation: Animation, out: TextIO) -> None:
     per_second = rate if unit else 1.0
     first = (FIRST_FRAME / rate + animation.offset - animation.begins) * per_second
     start, end = (first + float(time) * per_second for time in animation.timeline[[0, -1]])
-    head, row = TEMPLATE.read_text(encoding="utf-8").split("\n\n")
+    head, row = MAYA_TEMPLATE.read_text(encoding="utf-8").split("\n\n")
     named = {"fps": _number(rate), "unit": unit or "sec"}
     out.write(head.format(start=_number(start), end=_number(end), **named) + "\n")
     found = shapes(animation)

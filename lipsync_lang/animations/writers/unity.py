@@ -26,7 +26,7 @@ LINEAR = 69
 PLAIN_YAML = r"(?ai)(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*"
 """Text that YAML accepts without quotes."""
 
-TEMPLATE = Path(__file__).parent / "templates" / "unity.txt"
+UNITY_TEMPLATE = Path(__file__).parent / "templates" / "unity.txt"
 """Head, curve, key and tail of a clip, with empty lines between them."""
 
 
@@ -34,7 +34,7 @@ TEMPLATE = Path(__file__).parent / "templates" / "unity.txt"
 def write_unity(animation: Animation, out: TextIO) -> None:
     """A Unity animation clip: keyframes of blend shapes."""
     found, paths = shapes(animation), node_paths(animation)
-    parts = TEMPLATE.read_text(encoding="utf-8").rstrip().split("\n\n")
+    parts = UNITY_TEMPLATE.read_text(encoding="utf-8").rstrip().split("\n\n")
     head, row, key, tail = (f"{part}\n" for part in parts)
     out.write(head.format(name=_text(animation.title)))
     for shape, curve in zip(found, keys(animation, found, ERROR), strict=True):
