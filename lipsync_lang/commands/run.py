@@ -214,7 +214,7 @@ def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
 
 
 def _summary(performer: "Performer", animation: "Animation", written: list[Path]) -> str:
-    from lipsync_lang.performing.label_remarks import label_remarks
+    from lipsync_lang.performing.label_reader import label_remarks
 
     words = len(animation.schedule.words)
     spoken = count(len(animation.schedule), "phoneme")

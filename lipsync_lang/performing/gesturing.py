@@ -18,10 +18,10 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.explanation import PoseAt, StageAt
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError, did_you_mean, spelled
+from lipsync_lang.performing.effort import PRIMARY, VOWEL
 from lipsync_lang.performing.label_sounds import LabelSounds
 from lipsync_lang.performing.played_pair import PlayedPair
 from lipsync_lang.performing.sound_memory import kept_with
-from lipsync_lang.performing.stress import PRIMARY, VOWEL
 from lipsync_lang.pipeline.gestures.laying import GestureSet, LaidGesture
 from lipsync_lang.pipeline.gestures.pitch import pitches
 from lipsync_lang.pipeline.gestures.placing import (

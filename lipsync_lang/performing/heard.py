@@ -18,7 +18,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Ints
-from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, StressMarks
+from lipsync_lang.performing.effort import RAMP_SECONDS, STRESS_REACH_SECONDS, StressMarks
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.pipeline.track import trigrams_in

@@ -13,10 +13,14 @@ from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import LipsyncError, PackError, count, shortlist
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.performing.delivery import DialLevels, Points, delivery
-from lipsync_lang.performing.edits import corrected
-from lipsync_lang.performing.played_pair import LineDelivery, OwnSettings, PlayedPair
-from lipsync_lang.performing.style_drafts import with_drafts
+from lipsync_lang.performing.delivery import (
+    DialLevels,
+    Points,
+    corrected,
+    delivery,
+    with_expression,
+)
+from lipsync_lang.performing.played_pair import LineDelivery, OwnSettings, PlayedPair, with_drafts
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.kernel_plan import KernelCopy, keep, serves
 from lipsync_lang.pipeline.perform import Performance
@@ -332,8 +336,6 @@ class Performer(PlayedPair):
         >>> smiling.poses[-1], bool((smiling["wide"] >= spoken["wide"]).all())
         ('browUp', True)
         """
-        from lipsync_lang.performing.expression import with_expression
-
         if animation.poses[: len(self.poses)] != self.poses:
             raise LipsyncError(
                 "an expression adds to poses; add it before you convert them to the channels of a "

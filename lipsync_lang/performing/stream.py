@@ -24,14 +24,12 @@ import numpy as np
 from lipsync_lang.base.errors import LipsyncError, ScheduleError, did_you_mean, refuse_other
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.performing.delivery import DialLevels, delivery
-from lipsync_lang.performing.edits import overlays
+from lipsync_lang.performing.delivery import DialLevels, delivery, overlays
+from lipsync_lang.performing.effort import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
 from lipsync_lang.performing.gesturing import GestureScales, scales_of
 from lipsync_lang.performing.heard import FedWord, HeardLabel, HeardLabels, HeardWord
 from lipsync_lang.performing.played_pair import PlayedPair
-from lipsync_lang.performing.stream_frames import StreamFrames
-from lipsync_lang.performing.stream_gestures import StreamGestures
-from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
+from lipsync_lang.performing.stream_frames import StreamFrames, StreamGestures
 from lipsync_lang.pipeline.perform import BLOCK, FinalFrames
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, Word
 from lipsync_lang.text.phonology.g2p.tokens import plain

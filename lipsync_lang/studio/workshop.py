@@ -22,7 +22,7 @@ from lipsync_lang.packs.banks.write import empty_bank
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import ABSENT, SplicedText
-from lipsync_lang.performing.edits import corrected
+from lipsync_lang.performing.delivery import corrected
 from lipsync_lang.performing.gesturing import ALL
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve

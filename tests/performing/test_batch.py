@@ -11,7 +11,7 @@ from lanes import swept
 import lipsync_lang as ll
 from lipsync_lang import LipsyncError, Schedule, Word
 from lipsync_lang.base.errors import ScheduleError
-from lipsync_lang.performing.stress import StressMarks, stresses_of
+from lipsync_lang.performing.effort import StressMarks, stresses_of
 
 PAIRS = swept(["english on facefx", "korean on crab", "german on arkit", "mandarin on facefx"], 2)
 

@@ -13,7 +13,7 @@ from lipsync_lang import Schedule
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.performing.loudness import FULL_SCALE, levels
+from lipsync_lang.performing.effort import FULL_SCALE, levels
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.schedules.schedule import SILENCE, Audio
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lipsync_lang.base.errors import ScheduleError
-from lipsync_lang.performing.label_remarks import label_remarks
+from lipsync_lang.performing.label_reader import label_remarks
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.schedules import SILENCE, Schedule
 from lipsync_lang.schedules.timing_file import TimingFile

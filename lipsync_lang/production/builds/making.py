@@ -23,7 +23,7 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.base.files.targets import read_only, refuse_locked
 from lipsync_lang.base.files.temporary import temporary_name, this_process
-from lipsync_lang.performing.label_remarks import label_remarks
+from lipsync_lang.performing.label_reader import label_remarks
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.builds.archives import split_archive
 from lipsync_lang.production.builds.digests import digest, file_digest, output_digest

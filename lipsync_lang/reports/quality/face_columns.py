@@ -13,7 +13,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.performing.stress import VOWEL
+from lipsync_lang.performing.effort import VOWEL
 from lipsync_lang.pipeline.constrain import Cap
 from lipsync_lang.pipeline.tables import Tables
 

@@ -14,7 +14,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.performing.gesturing import ALL
-from lipsync_lang.performing.label_remarks import label_remarks
+from lipsync_lang.performing.label_reader import label_remarks
 from lipsync_lang.performing.performer import Performer, performer_of
 from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.resolver.compile import compile_pair

@@ -16,7 +16,7 @@ from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.performing.label_remarks import label_remarks
+from lipsync_lang.performing.label_reader import label_remarks
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.text.phonology.labels import Notation, recognise
