@@ -29,8 +29,7 @@ from lipsync_lang.schedules import Schedule
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.sound.speech.hearing.alignment import aligned
-from lipsync_lang.sound.speech.sound import read_audio, resampled
-from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES, read_audio, resampled
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.lines.timings import TIMING_SUFFIXES
 

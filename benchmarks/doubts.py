@@ -28,8 +28,7 @@ from hearing import music
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.alignment import align_many, aligned
-from lipsync_lang.sound.speech.sound import read_audio, resampled
-from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES, read_audio, resampled
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 RATE = 16_000

@@ -28,8 +28,7 @@ from how_good import table
 import lipsync_lang as ll
 from lipsync_lang.cli import main as run_program
 from lipsync_lang.performing.performer import PerformedLine
-from lipsync_lang.render.plot import THIN, draw
-from lipsync_lang.render.view import View
+from lipsync_lang.render.plot import THIN, View, draw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -31,6 +31,6 @@ from .sound.speech.filling import fill_words as fill_words
 from .sound.speech.hearing.alignment import align as align
 from .sound.speech.hearing.recognition import recognise as recognise
 from .sound.speech.sound import read_audio as read_audio
-from .sound.speech.speaking.synthesis import speak as speak
-from .sound.speech.speaking.synthesis import transcribe as transcribe
+from .sound.speech.speaking.speaker import speak as speak
+from .sound.speech.speaking.speaker import transcribe as transcribe
 from .sound.speech.speaking.transcripts import Transcript as Transcript

@@ -133,7 +133,7 @@ def _counted(options: Namespace) -> "Coverage":
     from lipsync_lang.reports.coverage.column_joining import joined
     from lipsync_lang.reports.coverage.heard_lines import heard_lines
     from lipsync_lang.sound.speech.needed_extras import engines_of, refuse_missing
-    from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+    from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
     from lipsync_lang.text.lines import read_lines
 

@@ -303,7 +303,7 @@ def models() -> Iterator[CheckedPart]:
     """Check the models of recognisers: those of the project, and the one that is installed."""
     if find_spec("faster_whisper") is None:
         return
-    from lipsync_lang.sound.speech.hearing.recognise.whisper_models import (
+    from lipsync_lang.sound.speech.hearing.recognise.whisper_recogniser import (
         OTHER_MODEL,
         check_folder,
         shipped_model,

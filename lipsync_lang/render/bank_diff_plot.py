@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from lipsync_lang.base.errors import OutputError
-from lipsync_lang.render.plot import BIGRAMS, FINAL, INK, STAGES, THIN, draw
-from lipsync_lang.render.view import VISIBLE_WEIGHT, WIDTH
+from lipsync_lang.render.plot import BIGRAMS, FINAL, INK, STAGES, THIN, VISIBLE_WEIGHT, WIDTH, draw
 from lipsync_lang.resolver.bank_diff import TIMES, BigramChange, Diff
 
 if TYPE_CHECKING:

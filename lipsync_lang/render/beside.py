@@ -9,8 +9,16 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.performer import performer_of
-from lipsync_lang.render.plot import INK, RULE, SILENT, draw, title_of
-from lipsync_lang.render.view import SHOWN, VISIBLE_WEIGHT, text_width
+from lipsync_lang.render.plot import (
+    INK,
+    RULE,
+    SHOWN,
+    SILENT,
+    VISIBLE_WEIGHT,
+    draw,
+    text_width,
+    title_of,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

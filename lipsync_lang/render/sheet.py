@@ -14,8 +14,8 @@ from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.render.fonts import find_fonts, legible, letters_of, split_letters, warn_of
 from lipsync_lang.render.model.camera import close_up, framed
-from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist
+from lipsync_lang.render.model.scene import pillow
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 

@@ -19,8 +19,8 @@ from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.render.model.camera import framed
-from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist
+from lipsync_lang.render.model.scene import pillow
 from lipsync_lang.render.staging import staged, sweep
 
 FRAME_PIXELS = 720

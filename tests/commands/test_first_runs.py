@@ -592,25 +592,25 @@ def test_an_engine_without_its_program_says_how_to_get_it(monkeypatch):
 
 
 def test_a_whisper_without_a_model_is_told(monkeypatch):
-    from lipsync_lang.sound.speech.hearing.recognise import whisper_models
+    from lipsync_lang.sound.speech.hearing.recognise import whisper_recogniser
 
     monkeypatch.setattr(doctor_checks.shutil, "which", lambda _: None)
     monkeypatch.setattr(doctor_checks, "find_spec", lambda _: True)
-    monkeypatch.setattr(whisper_models, "SHIPPED", {})
+    monkeypatch.setattr(whisper_recogniser, "SHIPPED", {})
     (found,) = doctor_checks.models()
     assert (found.part, found.state) == ("model of whisper", "missing")
     assert "whisper:FOLDER" in found.told
 
 
 def test_a_downloaded_whisper_is_listed_and_is_no_acoustic_model(monkeypatch, tmp_path):
-    from lipsync_lang.sound.speech.hearing.recognise import whisper_models
+    from lipsync_lang.sound.speech.hearing.recognise import whisper_recogniser
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(doctor_checks, "find_spec", lambda _: True)
-    monkeypatch.setattr(whisper_models, "SHIPPED", {})
+    monkeypatch.setattr(whisper_recogniser, "SHIPPED", {})
     folder = tmp_path / "models" / "whisper-small"
     folder.mkdir(parents=True)
-    for name in whisper_models.MODEL_FILES:
+    for name in whisper_recogniser.MODEL_FILES:
         (folder / name).write_text("{}")
     (found,) = doctor_checks.models()
     assert (found.state, found.told) == ("ok", f"--recogniser whisper:{folder}")

@@ -26,7 +26,7 @@ ELSEWHERE = {
     "schedules/tiers.py": "names the option that chooses a tier",
     "schedules/readers/polly.py": "an option of another program",
     "sound/speech/speaking/festival.py": "an option of another program",
-    "sound/speech/hearing/recognise/whisper_models.py": "an option of another program",
+    "sound/speech/hearing/recognise/whisper_recogniser.py": "an option of another program",
 }
 """Modules whose strings may name options, with the reason."""
 

@@ -58,7 +58,7 @@ NO_TARGET = {
     "packs/yaml/faults.py": "its own table of codes",
     "text/phonology/espeak": "pipes of our own",
     "text/phonology/g2p/niqqud.py": "a model of our own",
-    "render/model/gltf.py": "pictures within models, which are a target",
+    "render/model/scene.py": "pictures within models, which are a target",
     "render/staging.py": "writes",
     "render/video.py": "what ffmpeg and we have written",
     "resolver": "the cache of compiled pairs, which has tests of its own",

@@ -16,8 +16,7 @@ from lanes import full, swept
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.pipeline.motion import PRESETS
-from lipsync_lang.render.plot import PLOT_FORMATS, STAGES, plot
-from lipsync_lang.render.view import Spectrogram, View, draw_spectrogram
+from lipsync_lang.render.plot import PLOT_FORMATS, STAGES, Spectrogram, View, draw_spectrogram, plot
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 
 MAGIC = {

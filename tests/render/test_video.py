@@ -21,10 +21,9 @@ from lipsync_lang.base.errors import ModelError, OutputError
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.render import sheet, video
 from lipsync_lang.render.model.camera import framed
-from lipsync_lang.render.model.gltf import Material
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.model.raster import Window, area, fill, planes, shown
-from lipsync_lang.render.model.scene import FAN, STRIP, _triangles
+from lipsync_lang.render.model.scene import FAN, STRIP, Material, _triangles
 from lipsync_lang.render.picture_writers import write_mp4, write_png
 from lipsync_lang.render.staging import staged
 

@@ -19,7 +19,7 @@ from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.base.files import argument_path
 from lipsync_lang.base.files.names import folded_name
 from lipsync_lang.plugins.capture.fit_file import SetAside
-from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
 from lipsync_lang.text.lines.line_readers import LineFile, is_timed
 from lipsync_lang.text.lines.table import open_table
 

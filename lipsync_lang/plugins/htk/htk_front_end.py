@@ -17,7 +17,7 @@ import numpy as np
 from lipsync_lang import SpeechError
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.sound.speech.hearing.sphinx.features import HOP_SAMPLES, FrontEnd, voice_mean
-from lipsync_lang.sound.speech.hearing.sphinx.sphinx_files import refused, same_value
+from lipsync_lang.sound.speech.hearing.sphinx.folder import refused, same_value
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 
 FRAME_SAMPLES = 400

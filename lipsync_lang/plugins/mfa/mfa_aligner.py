@@ -26,7 +26,7 @@ from lipsync_lang.base.errors import shortlist
 from lipsync_lang.plugins.mfa.mfa_command import MfaModels, run_mfa
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS
 from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, aligner
-from lipsync_lang.sound.speech.hearing.engine_names import engine_and_model
+from lipsync_lang.sound.speech.hearing.alignment import engine_and_model
 from lipsync_lang.sound.speech.results import batches, each, tried
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.phonology.labels import recognise

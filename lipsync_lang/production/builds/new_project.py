@@ -16,7 +16,7 @@ from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.base.files.names import folded_name
 from lipsync_lang.packs.finding import Finder, Kind
 from lipsync_lang.production.builds.project_folder import from_template, starter
-from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
 from lipsync_lang.text.lines.columns import NAME_COLUMNS, SPEAKER_COLUMNS, first_column, text_column
 from lipsync_lang.text.lines.line_readers import LineFile, by_suffix, line_files
 from lipsync_lang.text.lines.table import cell

@@ -12,11 +12,14 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Singles
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
-from lipsync_lang.sound.speech.sound import FASTEST, MAX_CHANNELS, SLOWEST, SPEECH_RATE
-from lipsync_lang.sound.speech.sound_forms import (
+from lipsync_lang.sound.speech.sound import (
+    FASTEST,
     FOREIGN_MARKS,
     FORM_BYTES,
+    MAX_CHANNELS,
     PLACEHOLDER_BYTES,
+    SLOWEST,
+    SPEECH_RATE,
     is_name,
 )
 from lipsync_lang.text.lines.line_readers import Remark

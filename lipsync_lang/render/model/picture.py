@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.render.model.camera import Camera, framed
-from lipsync_lang.render.model.gltf import Material
 from lipsync_lang.render.model.light import LINEAR_LIGHT, Normals, encoded, lit, openness
 from lipsync_lang.render.model.raster import (
     MIN_AREA,
@@ -25,7 +24,7 @@ from lipsync_lang.render.model.raster import (
     planes,
     shown,
 )
-from lipsync_lang.render.model.scene import Scene
+from lipsync_lang.render.model.scene import Material, Scene
 
 Pixels = npt.NDArray[np.uint8]
 

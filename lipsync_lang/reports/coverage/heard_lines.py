@@ -19,7 +19,7 @@ from lipsync_lang.reports.coverage.reading_cache import READINGS_FILE, ReadingCa
 from lipsync_lang.resolver.cache import folder
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.sound.speech.hearing.recognition import recognised
-from lipsync_lang.sound.speech.sound_forms import AUDIO_SUFFIXES
+from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.lines import Line
 from lipsync_lang.text.lines.line_readers import by_suffix

@@ -49,14 +49,12 @@ class PhoneLoop:
     @cached_property
     def _entry(self) -> Floats:
         """(N, G) probability of leaving a state for each phone, given its group."""
-        out: Floats = (1 - self.stay) * self._member / self._member.sum(axis=0)
-        return out
+        return (1 - self.stay) * self._member / self._member.sum(axis=0)
 
     @cached_property
     def _next(self) -> Floats:
         """(1, G) probability of leaving a middle state for a last one before each group."""
-        out: Floats = (1 - self.stay) * self._member.mean(axis=0, keepdims=True)
-        return out
+        return (1 - self.stay) * self._member.mean(axis=0, keepdims=True)
 
     @cached_property
     def _leave(self) -> Floats:
@@ -66,8 +64,7 @@ class PhoneLoop:
     def likelihoods(self, scores: Singles) -> Floats:
         """Return scaled likelihoods of scores (T, N, S), relative to each frame's best."""
         scaled = self.scale * scores.astype(np.float64)
-        likely: Floats = np.exp(scaled - scaled.max(axis=(1, 2), keepdims=True))
-        return likely
+        return np.exp(scaled - scaled.max(axis=(1, 2), keepdims=True))
 
     @cached_property
     def start(self) -> Floats:
@@ -118,8 +115,7 @@ class PhoneLoop:
 def thirds(belief: Floats) -> Floats:
     """Return the belief in the first, the middle and the last state of each phone: (T, N, 3)."""
     count = belief.shape[-1] // 2
-    found: Floats = np.add.reduceat(belief, (0, count, count + 1), axis=-1)
-    return found
+    return np.add.reduceat(belief, (0, count, count + 1), axis=-1)
 
 
 class Smoother:
@@ -161,8 +157,7 @@ class Smoother:
         for likely in later:
             after = self.loop.backward(after, likely)
         belief = belief * after
-        out: Floats = belief / belief.sum()
-        return out
+        return belief / belief.sum()
 
     def _stacked(self, found: Sequence[Floats]) -> Floats:
         return np.stack(found) if found else np.zeros((0, *self._now.shape))

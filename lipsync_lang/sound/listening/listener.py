@@ -22,10 +22,12 @@ from lipsync_lang.sound.listening.ear import (
     Ear,
     Heard,
     PhoneScores,
+    VoiceGate,
+    change_of,
+    contrast_of,
     phone_scores,
 )
 from lipsync_lang.sound.listening.mouth import Mouth, heard_values, state_targets
-from lipsync_lang.sound.listening.voice import VoiceGate, change_of, contrast_of
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.sound.speech.sound import FASTEST, INT16_FULL_SCALE, SLOWEST, SPEECH_RATE

@@ -23,15 +23,15 @@ from lipsync_lang.packs.finding import IPA
 from lipsync_lang.resolver.nearest_phonemes import ModelPhones, model_phones
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 from lipsync_lang.sound.listening.belief import smoothed
-from lipsync_lang.sound.listening.ear import phone_scores
-from lipsync_lang.sound.listening.mouth import heard_labels
-from lipsync_lang.sound.listening.voice import (
+from lipsync_lang.sound.listening.ear import (
     FAST_FRAMES,
     ToneTrack,
     VoiceGate,
     change_of,
     contrast_of,
+    phone_scores,
 )
+from lipsync_lang.sound.listening.mouth import heard_labels
 from lipsync_lang.sound.speech.hearing import progress
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import recogniser
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
@@ -133,8 +133,7 @@ def recorded_belief(audio: Audio, known: ModelPhones, models: Models) -> Singles
         wide = (np.pad(measure, (0, ahead), mode="edge") for measure in measures)
         belief = scores.loop.calmed(smoothed(scores.loop, scored), VoiceGate().push(*wide)[ahead:])
         found.append(belief.sum(axis=-1).astype(np.float32))
-    whole: Singles = np.concatenate(found)
-    return whole
+    return np.concatenate(found)
 
 
 @cache

@@ -17,7 +17,7 @@ from lipsync_lang.sound.listening.recording import (
     risks,
 )
 from lipsync_lang.sound.speech.hearing import progress
-from lipsync_lang.sound.speech.hearing.recognise import whisper_models
+from lipsync_lang.sound.speech.hearing.recognise import whisper_recogniser
 from lipsync_lang.sound.speech.hearing.recognition import _recogniser, recognised
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import MAX_PART_SAMPLES
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
@@ -159,11 +159,11 @@ def test_the_default_is_what_knows_most_of_the_language(finnish, monkeypatch):
         raise ll.SpeechError("no Whisper model is installed")
 
     english = Speaker.of("english")
-    monkeypatch.setattr(whisper_models, "whisper_model", no_model)
+    monkeypatch.setattr(whisper_recogniser, "whisper_model", no_model)
     assert (chosen(finnish), chosen(english)) == ("SoundRecogniser", "PocketsphinxRecogniser")
 
     class English:
         supported_languages = ("en",)
 
-    monkeypatch.setattr(whisper_models, "whisper_model", lambda _: English)
+    monkeypatch.setattr(whisper_recogniser, "whisper_model", lambda _: English)
     assert (chosen(finnish), chosen(english)) == ("SoundRecogniser", "WhisperRecogniser")

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lipsync_lang.sound.listening.voice import ToneTrack, VoiceGate
+from lipsync_lang.sound.listening.ear import ToneTrack, VoiceGate
 
 VOWEL, NOISE = 10.0, 4.0
 GLIDES, STAYS = 0.0, 0.8

@@ -13,9 +13,14 @@ from lipsync_lang.sound.speech.hearing.sphinx.features import (
     CepstralFrames,
     features,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models, models_in, read_model
+from lipsync_lang.sound.speech.hearing.sphinx.folder import (
+    find_models,
+    models_in,
+    read_gaussians,
+    read_model,
+    read_sphinx,
+)
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import prepared
-from lipsync_lang.sound.speech.hearing.sphinx.sphinx_files import read_gaussians, read_sphinx
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 pytest.importorskip("pocketsphinx")

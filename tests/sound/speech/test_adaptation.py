@@ -19,9 +19,8 @@ from lipsync_lang.sound.speech.hearing.adaptation import (
     write_adapted,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import Listening
-from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models, models_in
+from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models, models_in, read_gaussians
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
-from lipsync_lang.sound.speech.hearing.sphinx.sphinx_files import read_gaussians
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 pytest.importorskip("pocketsphinx")

@@ -31,7 +31,15 @@ from lipsync_lang.sound.speech.hearing.sphinx import line_search
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.features import HOP_SAMPLES, features
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
-from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme, lay
+from lipsync_lang.sound.speech.hearing.sphinx.forced import (
+    ACOUSTIC_SCALE,
+    NEAR_FRAMES,
+    SOUND_START,
+    HeardPhoneme,
+    lay,
+    likeliest_way,
+    median_starts,
+)
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     Saying,
     line_confidence,
@@ -39,16 +47,9 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     timed_labels,
     word_confidence,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.trellis import (
-    ACOUSTIC_SCALE,
-    NEAR_FRAMES,
-    SOUND_START,
-    likeliest_way,
-    median_starts,
-)
 from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.sound.speech.speaking.written_text import WrittenText
+from lipsync_lang.sound.speech.speaking.transcripts import WrittenText
 
 pytest.importorskip("pocketsphinx")
 pytest.importorskip("soundfile")

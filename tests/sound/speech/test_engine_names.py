@@ -7,8 +7,7 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules import Audio, Schedule
 from lipsync_lang.schedules.schedule import Word
 from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS
-from lipsync_lang.sound.speech.hearing.alignment import aligned
-from lipsync_lang.sound.speech.hearing.engine_names import engine_and_model
+from lipsync_lang.sound.speech.hearing.alignment import aligned, engine_and_model
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import RECOGNISERS
 from lipsync_lang.sound.speech.hearing.recognition import recognised
 from lipsync_lang.sound.speech.speaking.speaker import Speaker

@@ -12,7 +12,7 @@ import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.sound.speech.hearing.alignment import aligned
 from lipsync_lang.sound.speech.hearing.sphinx import line_search
-from lipsync_lang.sound.speech.hearing.sphinx.text_errors import UnwrittenSpeech
+from lipsync_lang.sound.speech.hearing.sphinx.line_search import UnwrittenSpeech
 from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 

@@ -14,8 +14,7 @@ from lipsync_lang.authoring.printing import transcript_table
 from lipsync_lang.packs.library import Library
 from lipsync_lang.schedules import Schedule
 from lipsync_lang.sound.speech.speaking.joining import estimate, join
-from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.sound.speech.speaking.synthesis import transcribe
+from lipsync_lang.sound.speech.speaking.speaker import Speaker, transcribe
 from lipsync_lang.sound.speech.speaking.transcripts import Transcript
 from lipsync_lang.text.phonology.align import align
 from lipsync_lang.text.phonology.g2p import SpokenWord

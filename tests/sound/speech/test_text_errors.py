@@ -8,9 +8,9 @@ from lanes import full, swept
 import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.sound.speech.hearing.alignment import aligned
-from lipsync_lang.sound.speech.hearing.sphinx import text_errors
+from lipsync_lang.sound.speech.hearing.sphinx import line_search
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
-from lipsync_lang.sound.speech.hearing.sphinx.text_errors import TextErrors
+from lipsync_lang.sound.speech.hearing.sphinx.line_search import TextErrors
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 pytest.importorskip("pocketsphinx")
@@ -95,7 +95,7 @@ def test_a_right_text_has_no_such_remark(english, spoken):
 def test_one_odd_frame_moves_no_word(english, spoken, monkeypatch):
     hogs = spoken.words[1]
 
-    class OddListening(text_errors.Listening):
+    class OddListening(line_search.Listening):
         """Within "hogs", a frame is like a sound of "garbage" alone."""
 
         def scores(self, phones):
@@ -104,7 +104,7 @@ def test_one_odd_frame_moves_no_word(english, spoken, monkeypatch):
             scores[round((hogs.start + hogs.end) / 2 / FRAME_SECONDS), others] -= 1e5
             return scores
 
-    monkeypatch.setattr(text_errors, "Listening", OddListening)
+    monkeypatch.setattr(line_search, "Listening", OddListening)
     found = aligned(english, spoken.audio, TEXT, aligner="pocketsphinx")
     assert not told(found, ORDER)
 

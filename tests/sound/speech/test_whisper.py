@@ -12,12 +12,13 @@ import lipsync_lang as ll
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import Word
-from lipsync_lang.sound.speech.hearing.recognise import whisper_models, whisper_recogniser
-from lipsync_lang.sound.speech.hearing.recognise.whisper_models import language_code, whisper_model
+from lipsync_lang.sound.speech.hearing.recognise import whisper_recogniser
 from lipsync_lang.sound.speech.hearing.recognise.whisper_recogniser import (
     RecognisedWord,
     joined,
+    language_code,
     stretches,
+    whisper_model,
 )
 from lipsync_lang.sound.speech.hearing.recognition import recognised
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -292,15 +293,15 @@ def test_the_command_that_fetches_a_model_makes_a_folder_that_is_taken(monkeypat
         assert name == "small"
         folder = tmp_path / output_dir
         folder.mkdir(parents=True)
-        for file in whisper_models.MODEL_FILES:
+        for file in whisper_recogniser.MODEL_FILES:
             (folder / file).write_text("{}")
 
     fetched = SimpleNamespace(download_model=download_model)
     monkeypatch.setitem(sys.modules, "faster_whisper", fetched)
     monkeypatch.chdir(tmp_path)
-    assert whisper_models.FETCH_CODE in whisper_models.FETCH_LINE
-    exec(whisper_models.FETCH_CODE, {})  # noqa: S102 our own code
-    whisper_models.check_folder(tmp_path / "models/whisper-small")
+    assert whisper_recogniser.FETCH_CODE in whisper_recogniser.FETCH_LINE
+    exec(whisper_recogniser.FETCH_CODE, {})  # noqa: S102 our own code
+    whisper_recogniser.check_folder(tmp_path / "models/whisper-small")
 
 
 def test_the_library_has_the_function_of_that_command():
@@ -310,7 +311,7 @@ def test_the_library_has_the_function_of_that_command():
 
 @pytest.mark.usefixtures("installed")
 def test_no_model_is_told_with_its_cure(monkeypatch):
-    monkeypatch.setattr(whisper_models, "SHIPPED", {"no_such_package": "model"})
+    monkeypatch.setattr(whisper_recogniser, "SHIPPED", {"no_such_package": "model"})
     with pytest.raises(SpeechError, match=r"no Whisper model is installed.*\[whisper\]"):
         whisper_model(None)
 

@@ -10,7 +10,7 @@ import pytest
 from lanes import swept
 from shipped import LANGUAGES, LIBRARY
 
-from lipsync_lang.sound.speech.speaking.synthesis import transcribe
+from lipsync_lang.sound.speech.speaking.speaker import transcribe
 from lipsync_lang.text.phonology.labels import Notation, normalise
 
 every_pack = pytest.mark.parametrize("pack", LANGUAGES, indirect=True)

@@ -8,7 +8,7 @@ from lanes import full
 from shipped import LIBRARY
 
 from lipsync_lang import SpeechError, read_schedule, resolve
-from lipsync_lang.sound.speech.speaking.synthesis import speak, transcribe
+from lipsync_lang.sound.speech.speaking.speaker import speak, transcribe
 from lipsync_lang.text.phonology.g2p import Settings, SpokenWord, engine
 from lipsync_lang.text.phonology.g2p import pinyin as module
 from lipsync_lang.text.phonology.g2p.g2p_engines import Rule

@@ -16,12 +16,10 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS, Aligner, BatchAligner
-from lipsync_lang.sound.speech.hearing.engine_names import engine_and_model
 from lipsync_lang.sound.speech.results import exhaust, next_result, raised
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
-from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.sound.speech.speaking.synthesis import NO_VALUES, PlaceholderValues
-from lipsync_lang.sound.speech.speaking.written_text import WrittenText, as_written, silent
+from lipsync_lang.sound.speech.speaking.speaker import NO_VALUES, PlaceholderValues, Speaker
+from lipsync_lang.sound.speech.speaking.transcripts import WrittenText, as_written, silent
 from lipsync_lang.text.lines.markup import Cleaning
 
 MAX_DOUBTFUL_WORDS = 5
@@ -29,6 +27,47 @@ MAX_DOUBTFUL_WORDS = 5
 
 MAX_WAITING_LINES, MAX_WAITING_SECONDS = 64, 600.0
 """Maximum number and length of lines that wait, so that the next aligner starts once for many."""
+
+
+def engine_and_model(
+    named: str | None, stated: str | None, model: str | None = None
+) -> tuple[str | None, str | None]:
+    """Return the name of an engine and its model; None for a missing name or model.
+
+    Parameters
+    ----------
+    named : what the user names, which comes first
+    stated : what the language's pack states
+    model : the pack's model, for the engine that it states
+
+    Raises
+    ------
+    SpeechError
+        Nothing stands before or after the colon.
+
+    Examples
+    --------
+    >>> engine_and_model("mfa:german_mfa", "warp")
+    ('mfa', 'german_mfa')
+    >>> engine_and_model("mfa", "mfa:german_mfa")
+    ('mfa', 'german_mfa')
+    """
+    name, own = _parted(named)
+    default, default_model = _parted(stated)
+    if name is None or name == default:
+        name, model = default, own or default_model or model
+    else:
+        model = own
+    return name, model
+
+
+def _parted(spelling: str | None) -> tuple[str | None, str | None]:
+    if spelling is None:
+        return None, None
+    name, colon, model = (part.strip() for part in spelling.partition(":"))
+    if not name or (colon and not model):
+        raise SpeechError(f"'{spelling}': write NAME, or NAME:MODEL")
+    return name, model or None
 
 
 @overload

@@ -8,7 +8,7 @@ from typing import overload
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.sound.speech.hearing.engine_names import engine_and_model
+from lipsync_lang.sound.speech.hearing.alignment import engine_and_model
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import RECOGNISERS, Recogniser
 from lipsync_lang.sound.speech.results import each, raised, tried
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
@@ -107,7 +107,7 @@ def _recogniser(speaker: Speaker, name: str | None) -> tuple[Recogniser, str | N
 
 def _words_known(speaker: Speaker) -> bool:
     """Return True if a Whisper model is installed that knows the language."""
-    from lipsync_lang.sound.speech.hearing.recognise.whisper_models import (
+    from lipsync_lang.sound.speech.hearing.recognise.whisper_recogniser import (
         language_code,
         whisper_model,
     )

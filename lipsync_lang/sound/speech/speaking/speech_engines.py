@@ -18,11 +18,9 @@ class Engine(Protocol):
 
     def speak(self, text: str, voice: str, *, words_per_minute: int | None = None) -> Schedule:
         """Return timed phonemes from 0 s to the end of the sound, with words, pauses and sound."""
-        ...
 
     def voices(self) -> dict[str, str]:
         """Map available voice names, as taken by `speak`, to display titles."""
-        ...
 
 
 @runtime_checkable
@@ -33,7 +31,6 @@ class BatchEngine(Protocol):
         self, texts: Iterable[str], voice: str, *, words_per_minute: int | None = None
     ) -> Iterable[Schedule | SpeechError]:
         """Return for each text, in order, the schedule of `speak`, or the error that it raises."""
-        ...
 
 
 ENGINES: Extensions[Engine] = Extensions(

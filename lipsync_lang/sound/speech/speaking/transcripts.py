@@ -1,8 +1,72 @@
-"""Transcripts: the phonemes of a text, in the labels of its language, before they have times."""
+"""Texts as they are read, and transcripts: their phonemes, before they have times."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
+import numpy as np
+
+from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
+from lipsync_lang.text.phonology.emphasis import touched
 from lipsync_lang.text.phonology.g2p import SpokenWord
+from lipsync_lang.text.phonology.manner import Manner
+
+MAX_SHOWN_CHARS = 60
+"""Characters of a text in a remark."""
+
+
+class WrittenText(NamedTuple):
+    """A text as it is read: the spoken part of what was written.
+
+    Parameters
+    ----------
+    text : without markup, in the letters that the language's engine knows
+    spans : offsets of the passages with emphasis
+    dropped : markup that is not spoken, in order
+    remarks : doubts about the markup
+    """
+
+    text: str
+    spans: tuple[tuple[int, int], ...] = ()
+    dropped: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def silent(self) -> bool:
+        """True for a text of markup and punctuation alone, so that there is nothing to say."""
+        if any(map(str.isalnum, self.text)):
+            return False
+        signs = any(c.isprintable() and not c.isspace() for c in self.text)
+        return signs or bool(self.dropped and not self.text)  # an empty text is a mistake
+
+
+def as_written(text: WrittenText, schedule: Schedule) -> Schedule:
+    """Return a schedule with the emphasis of its text, and what was left out of that."""
+    words = schedule.words
+    if text.spans:
+        marked = touched((word.text for word in words), text.text, text.spans)
+        words = tuple(
+            replace(word, emphasis=float(one)) for word, one in zip(words, marked, strict=True)
+        )
+    elif not (text.dropped or text.remarks):
+        return schedule
+    remarks = (*schedule.remarks, *text.remarks)
+    return replace(schedule, words=words, dropped=text.dropped, remarks=remarks)
+
+
+def silent(text: WrittenText, manner: Manner, audio: Audio | None = None) -> Schedule:
+    """Return a schedule of silence, as long as the sound if there is one."""
+    seconds = manner.durations["silence"] if audio is None else audio.seconds
+    wordless = f"'{text.text[:MAX_SHOWN_CHARS]}' has no letter or digit, so the mouth rests"
+    rest = Schedule(
+        (SILENCE,),
+        np.array([0.0, seconds]),
+        notation=manner.notation or None,
+        language=manner.language,
+        estimated=audio is None,
+        audio=audio,
+        remarks=(wordless,) if text.text else (),
+    )
+    return as_written(text, rest)
 
 
 @dataclass(frozen=True)

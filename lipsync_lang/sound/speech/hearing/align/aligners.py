@@ -23,7 +23,6 @@ class Aligner(Protocol):
 
         The schedule has the sound, a confidence, and remarks on mismatches of text and sound.
         """
-        ...
 
 
 @runtime_checkable
@@ -47,7 +46,6 @@ class BatchAligner(Aligner, Protocol):
 
         Texts may be taken ahead; each recording comes as a function that reads it.
         """
-        ...
 
 
 ALIGNERS: Extensions[Aligner] = Extensions(

@@ -185,8 +185,7 @@ def _starts(path: Ints, count: int) -> Floats:
     """Return the start in the first sound of each frame of the second: (count,)."""
     at = np.searchsorted(path[:, 1], np.arange(count))
     # Half-way between the frames that two voice frames are matched with.
-    starts: Floats = (path[at, 0] + path[np.maximum(at - 1, 0), 0]) / 2
-    return starts
+    return (path[at, 0] + path[np.maximum(at - 1, 0), 0]) / 2
 
 
 def _edges(a: Floats, b: Floats, path: Ints) -> Floats:

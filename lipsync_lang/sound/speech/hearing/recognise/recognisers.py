@@ -26,7 +26,6 @@ class Recogniser(Protocol):
         The schedule has the sound and a confidence, and is marked as recognised. Threads may call
         this at once; what is slow to load is to be kept for the next recording.
         """
-        ...
 
 
 RECOGNISERS: Extensions[Recogniser] = Extensions(

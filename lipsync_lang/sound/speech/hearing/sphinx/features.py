@@ -143,8 +143,7 @@ def voice_mean(cepstra: Floats, power: Floats) -> Floats:
     voiced = int((~quiet).sum()) or len(quiet)
     most = PAUSE_SHARE / (1 - PAUSE_SHARE) * voiced / max(int(quiet.sum()), 1)
     weights = np.where(quiet, min(most, 1.0), 1.0)
-    mean: Floats = np.average(cepstra, axis=0, weights=weights)
-    return mean
+    return np.average(cepstra, axis=0, weights=weights)
 
 
 def derived(wide: Floats) -> Floats:
@@ -192,8 +191,7 @@ class CepstralFrames:
             if self._noise is None:
                 self._noise = _BandNoise(spectra[0])
             spectra = self._noise.quieted(spectra)
-        cepstra: Floats = np.log(spectra + 1e-4) @ _cosines(self._settings).T
-        return cepstra
+        return np.log(spectra + 1e-4) @ _cosines(self._settings).T
 
     def last(self, samples: Floats) -> Floats:
         """Return the power of the last frames: the rest of the samples, filled up with zeros."""
@@ -247,15 +245,13 @@ def band_edges(settings: SphinxFrontEnd) -> Floats:
     """Return the corners of bands in hertz, which the trainer rounds to bins of the spectrum."""
     spacing = SPEECH_RATE / FFT_POINTS
     corners = mel_edges(settings.lowest, settings.highest, settings.bands)
-    edges: Floats = np.floor(corners / spacing + 0.5) * spacing
-    return edges
+    return np.floor(corners / spacing + 0.5) * spacing
 
 
 def mel_edges(lowest: float, highest: float, bands: int) -> Floats:
     """Return the corners of bands that are evenly spaced in mel, in hertz: (bands + 2,)."""
     low, high = (2595 * np.log10(1 + hertz / 700) for hertz in (lowest, highest))
-    edges: Floats = 700 * (10 ** (np.linspace(low, high, bands + 2) / 2595) - 1)
-    return edges
+    return 700 * (10 ** (np.linspace(low, high, bands + 2) / 2595) - 1)
 
 
 def triangles(edges: Floats) -> Floats:

@@ -1,21 +1,71 @@
 """Acoustic models by name or folder, with their phones in IPA, dictionary and language model."""
 
 import struct
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
+from lipsync_lang.base.arrays import Floats, Ints, Singles
 from lipsync_lang.base.errors import SpeechError, did_you_mean
 from lipsync_lang.base.extensions import Extensions
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE, AcousticModel
-from lipsync_lang.sound.speech.hearing.sphinx.sphinx_files import read_sphinx
+from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
+    OUTSIDE,
+    STATES,
+    AcousticModel,
+    Phone,
+    WordPosition,
+    context_key,
+    gaussian_factors,
+)
+from lipsync_lang.sound.speech.hearing.sphinx.features import CEPSTRA, SphinxFrontEnd, band_edges
+from lipsync_lang.sound.speech.sound import SPEECH_RATE
 
 if TYPE_CHECKING:
     from lipsync_lang.resolver.nearest_phonemes import ModelPhones
+
+WEIGHT_STEP = 1024 * np.log(1.0001)
+"""Natural logarithm per step of a quantised weight."""
+
+WEIGHT_FLOOR = 1e-7
+"""Least mixture weight."""
+
+SILENCE_NAME = "SIL"
+"""Name of silence in all models of Sphinx."""
+
+POSITIONS = dict(zip("ibes-", (*WordPosition, WordPosition.INSIDE), strict=True))
+"""Positions in the word, as text spells them."""
+
+FRONT_END: Mapping[str, tuple[str, Callable[[str], Any]]] = {
+    "nfilt": ("bands", int),
+    "lowerf": ("lowest", float),
+    "upperf": ("highest", float),
+    "transform": ("transform", str),
+    "lifter": ("lifter", int),
+    "remove_noise": ("quieted", "yes".__eq__),
+}  # fmt: skip
+"""Parameters of `feat.params` that the features follow, with their settings."""
+
+FIXED_PARAMETERS: Mapping[str, tuple[str, ...]] = MappingProxyType({
+    "feat": ("1s_c_d_dd",), "cmn": ("batch", "current", "live", "prior"), "varnorm": ("no",),
+    "agc": ("none",), "lda": (), "ldadim": ("0",), "svspec": ("0-12/13-25/26-38",),
+    "samprate": ("16000",), "frate": ("100",), "wlen": ("0.025625", "0.0256"), "nfft": ("0", "512"),
+    "alpha": ("0.97",), "ncep": ("13",), "ceplen": ("13",), "unit_area": ("yes",),
+    "round_filters": ("yes",), "remove_dc": ("no",), "doublebw": ("no",), "logspec": ("no",),
+    "smoothspec": ("no",), "warp_params": (),
+})  # fmt: skip
+"""Parameters that the features cannot follow, with the values that they have."""
+
+INERT_PARAMETERS = frozenset({
+    "cmninit", "dither", "model", "remove_silence", "seed", "input_endian", "warp_type",
+})  # fmt: skip
+"""Parameters that no feature of a whole recording depends on."""
 
 MODEL_FOLDER = "models"
 """The folder of a project with its models, each a folder."""
@@ -33,6 +83,219 @@ model_reader = MODEL_READERS.register
 
 LICENCE_FILES = ("LICENSE*", "LICENCE*", "COPYING*", "README*")
 """Patterns of files with a model's terms, the most telling first."""
+
+
+def read_sphinx(folder: Path) -> AcousticModel:
+    """Read a model of CMU Sphinx; another form is an `OSError`, or any error of the files' bytes.
+
+    `mdef` is binary or text, and the weights are in `sendump` or `mixture_weights`. The numbers of
+    codebooks and of states tell how they are tied. Features are `1s_c_d_dd`, as three streams of 13
+    or as one of 39.
+    """
+    front_end = _front_end(folder)
+    means, variances = (read_gaussians(folder / name) for name in ("means", "variances"))
+    if means.shape[1] * means.shape[3] != 3 * CEPSTRA or means.shape != variances.shape:
+        raise ValueError("means and variances have streams of another form")
+    path = folder / "mdef"
+    content = path.read_bytes()
+    entries = _binary_entries(content) if content[:4] == b"BMDF" else _text_entries(content)
+    weights = _weights(folder, means.shape[1:3], int(entries.states.max()) + 1)
+    sizes, values = _numbers(folder / "transition_matrices")
+    if sizes[1:] != (STATES, STATES + 1):
+        raise ValueError(f"{sizes[1]} states per phoneme instead of {STATES}")
+    moves = values.astype(np.float64).reshape(-1, STATES, STATES + 1)
+    # The diagonal has the moves from a state to itself; rows of some models do not sum to 1.
+    staying = np.einsum("pss->ps", moves[:, :, :STATES]) / moves.sum(axis=-1)
+    simple = len(entries.names)
+    # The first entries have no context. The others are sorted for a search by halves.
+    keys = context_key(*entries.contexts.T)
+    order = simple + np.argsort(keys[simple:])
+    alone = entries.states[entries.rows[:simple]].tolist()
+    return AcousticModel(
+        entries.names, entries.names.index(SILENCE_NAME), entries.fillers,
+        tuple(Phone(n, tuple(row)) for n, row in enumerate(alone)),
+        keys[order], entries.rows[order], entries.states,
+        # certain moves would leave no way out
+        np.log(np.clip(staying[entries.moves[:simple]], 1e-6, 1 - 1e-6)),
+        gaussian_factors(means, variances), weights,
+        _books(entries, len(means), weights.shape[-1]), front_end,
+    )  # fmt: skip
+
+
+class ModelEntries(NamedTuple):
+    """Phonemes of a model, first those without context: for each its context and states."""
+
+    names: tuple[str, ...]
+    fillers: frozenset[int]
+    contexts: Ints
+    """(entries, 4): numbers of the phoneme and its neighbours, and its position."""
+    rows: Ints
+    """Row of each entry in `states`."""
+    moves: Ints
+    """Number of each entry's transition matrix."""
+    states: Ints
+
+
+def _front_end(folder: Path) -> SphinxFrontEnd:
+    """Return the settings of features; a parameter that cannot be followed is a `SpeechError`."""
+    if (folder / "feature_transform").exists():
+        raise refused(folder / "feature_transform", "-lda", "the features have no transform")
+    path = folder / "feat.params"
+    settings: dict[str, Any] = {}
+    words = path.read_text("utf-8").split() if path.is_file() else []
+    for name, value in zip(words[::2], words[1::2], strict=False):
+        known = name.removeprefix("-")
+        if known in FRONT_END:
+            field, kind = FRONT_END[known]
+            settings[field] = kind(value)
+        elif known in FIXED_PARAMETERS:
+            if not same_value(value, FIXED_PARAMETERS[known]):
+                only = " or ".join(FIXED_PARAMETERS[known]) or "no such parameter"
+                raise refused(path, f"{name} {value}", f"the features have {only}")
+        elif known not in INERT_PARAMETERS:
+            raise refused(path, name, "this parameter is unknown")
+    made = SphinxFrontEnd(**settings)
+    edges = band_edges(made)
+    if made.transform not in ("legacy", "dct", "htk"):
+        raise refused(path, f"-transform {made.transform}", "the features have legacy, dct or htk")
+    if edges[0] < 0 or edges[-1] > SPEECH_RATE / 2 or (np.diff(edges) <= 0).any():
+        raise refused(path, "-nfilt, -lowerf, -upperf", "the bands overlap or leave 0 to 8000 Hz")
+    return made
+
+
+def refused(path: Path, what: str, why: str) -> SpeechError:
+    """Return the error for a model whose features cannot be computed."""
+    return SpeechError(
+        f"{path}: {what}: {why}; take another model, or one that was trained with other features"
+    )
+
+
+def same_value(value: str, known: tuple[str, ...]) -> bool:
+    """Return True for one of some values, numbers in any spelling."""
+    try:
+        return float(value) in map(float, known)
+    except ValueError:
+        return value in known
+
+
+def read_gaussians(path: Path) -> Floats:
+    """Read means or variances: (books, streams, Gaussians, values)."""
+    content, at = _body(path)
+    books, streams, count = struct.unpack_from("<3i", content, at)
+    lengths = struct.unpack_from(f"<{streams}i", content, at + 12)
+    if len(set(lengths)) != 1:
+        raise ValueError(f"{path.name} has streams of different lengths")
+    size = books * streams * count * lengths[0]
+    values = np.frombuffer(content, "<f4", size, at + 16 + 4 * streams)
+    return values.reshape(books, streams, count, lengths[0]).astype(np.float64)
+
+
+def _body(path: Path) -> tuple[bytes, int]:
+    """Return a file's content and the offset of its numbers."""
+    content = path.read_bytes()
+    # The mark of the byte order follows the head, which is text of any length.
+    at = content.index(b"endhdr\n") + 7
+    if struct.unpack_from("<I", content, at) != (0x11223344,):
+        raise ValueError(f"{path.name} has another byte order")
+    return content, at + 4
+
+
+def _numbers(path: Path) -> tuple[tuple[int, ...], Singles]:
+    """Return the three sizes of a table, and its values."""
+    content, at = _body(path)
+    *sizes, count = struct.unpack_from("<4i", content, at)
+    return tuple(sizes), np.frombuffer(content, "<f4", count, at + 16)
+
+
+def _binary_entries(content: bytes) -> ModelEntries:
+    (skipped,) = struct.unpack_from("<i", content, 8)
+    at = 12 + skipped
+    head = struct.unpack_from("<10i", content, at)
+    simple, count, length, _, _, _, rows, _, nodes, _ = head
+    if length != STATES:
+        raise ValueError(f"{length} states per phoneme instead of {STATES}")
+    at += 40
+    names = content[at:].split(b"\0", simple)[:simple]
+    # Names are padded to four bytes; the tree of contexts after them is not needed.
+    at += -(-sum(len(name) + 1 for name in names) // 4) * 4 + nodes * 8
+    entry = np.dtype([("row", "<i4"), ("moves", "<i4"), ("where", "u1", 4)])
+    found = np.frombuffer(content, entry, count, at)
+    table = np.frombuffer(content, "<u2", rows * STATES, at + count * entry.itemsize + 4)
+    where = found["where"].astype(np.int64)
+    fillers = frozenset(np.flatnonzero(where[:simple, 0]).tolist())
+    contexts = where[:, [1, 2, 3, 0]]
+    contexts[:simple, 0] = range(simple)
+    return ModelEntries(
+        tuple(name.decode() for name in names), fillers, contexts, found["row"].astype(np.int64),
+        found["moves"].astype(np.int64), table.reshape(rows, STATES).astype(np.int64),
+    )  # fmt: skip
+
+
+def _text_entries(content: bytes) -> ModelEntries:
+    lines = [
+        line.split() for line in content.decode().splitlines() if line.strip() and line[0] != "#"
+    ]
+    rows = [row for row in lines if row[-1] == "N"]
+    if any(len(row) != 7 + STATES for row in rows):
+        raise ValueError(f"mdef has phonemes with another number of states than {STATES}")
+    names = tuple(row[0] for row in rows if row[1] == "-" == row[2])
+    numbers = {name: number for number, name in enumerate(names)} | {"-": OUTSIDE}
+    contexts = [(*(numbers[name] for name in row[:3]), POSITIONS[row[3]]) for row in rows]
+    fillers = (n for n, row in enumerate(rows[: len(names)]) if row[4] == "filler")
+    return ModelEntries(
+        names, frozenset(fillers), np.array(contexts), np.arange(len(rows)),
+        np.array([int(row[5]) for row in rows]),
+        np.array([[int(state) for state in row[6:-1]] for row in rows]),
+    )  # fmt: skip
+
+
+def _books(entries: ModelEntries, books: int, states: int) -> Ints:
+    """Return the codebook of each state."""
+    if books == 1:
+        return np.zeros(states, np.int64)
+    if books == len(entries.names):  # phonetically tied: that of the phoneme
+        found = np.zeros(states, np.int64)
+        found[entries.states[entries.rows]] = entries.contexts[:, :1]
+        return found
+    if books == states:
+        return np.arange(states)
+    raise ValueError(f"{books} codebooks for {len(entries.names)} phonemes and {states} states")
+
+
+def _weights(folder: Path, sizes: tuple[int, int], states: int) -> Singles:
+    """Read mixture weights: (streams, Gaussians, states)."""
+    path = folder / "sendump"
+    found: Singles
+    if path.is_file():
+        found = _quantised(path, sizes[0])
+    else:
+        path = folder / "mixture_weights"
+        shape, values = _numbers(path)
+        counts = np.moveaxis(values.reshape(shape), 0, -1)
+        shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1e-30)
+        found = np.maximum(shares, WEIGHT_FLOOR).astype(np.float32)
+    if found.shape[:2] != sizes or found.shape[2] < states:
+        raise ValueError(f"{path.name} does not fit the other files")
+    return np.ascontiguousarray(found)
+
+
+def _quantised(path: Path, streams: int) -> Singles:
+    """Read quantised weights: (streams, Gaussians, states)."""
+    content = path.read_bytes()
+    at = 0
+    strings: list[str] = []
+    # Strings with their lengths come first. The list has no count: a length of 0 ends it.
+    while (size := struct.unpack_from("<i", content, at)[0]) > 0:
+        strings.append(content[at + 4 : at + 4 + size].rstrip(b"\0").decode())
+        at += 4 + size
+    at += 4
+    if "cluster_count 0" not in strings:
+        raise ValueError(f"{path.name} is clustered")
+    rows, columns = struct.unpack_from("<2i", content, at)
+    # A byte is the logarithm of a weight, in negative steps.
+    steps = np.frombuffer(content, "u1", streams * rows * columns, at + 8)
+    weights = np.exp(-WEIGHT_STEP * np.arange(256)).astype(np.float32)
+    return weights[steps.reshape(streams, rows, columns)]
 
 
 @dataclass(frozen=True)

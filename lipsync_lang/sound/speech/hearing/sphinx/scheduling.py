@@ -96,8 +96,7 @@ def prepared(audio: Audio, peak: float | None = None) -> Floats:
         peak = float(np.abs(samples).max(initial=0.0))
     # A fixed seed: the same sound must always give the same schedule.
     noise = np.random.default_rng(0).normal(0.0, HISS_DEVIATION, len(samples))
-    scaled: Floats = samples * (PEAK_AMPLITUDE / peak if peak > 0 else 1.0) + noise
-    return scaled
+    return samples * (PEAK_AMPLITUDE / peak if peak > 0 else 1.0) + noise
 
 
 def confidence(models: "Models", heard: Sequence[HeardPhoneme]) -> float:
