@@ -31,9 +31,9 @@ def _add_new(add: Add) -> None:
         type=Path,
     )  # fmt: skip
     option(
-        made, "--from TABLE",
-        "make a project of this script in the current folder, one row for each line", type=Path,
-        dest="table",
+        made, "--from SCRIPT",
+        "make a project of this script in the current folder: a table with a row for each line, "
+        "or a file or folder of another format", type=Path, dest="table",
     )  # fmt: skip
     option(
         made, "-l, --language LANGUAGE",
@@ -54,7 +54,7 @@ def new(options: Namespace) -> int:
     if options.example is not None:
         return _of_example(options)
     if options.table is None and options.recordings is not None:
-        raise LipsyncError("--recordings FOLDER needs their script too: --from TABLE")
+        raise LipsyncError("--recordings FOLDER needs their script too: --from SCRIPT")
     if options.table is not None and options.name is not None:
         raise LipsyncError(
             f"NAME '{options.name}' makes a new folder, and --from a project in the current one; "

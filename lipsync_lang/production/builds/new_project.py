@@ -18,7 +18,7 @@ from lipsync_lang.packs.finding import Finder, Kind
 from lipsync_lang.production.builds.project_folder import from_template, starter
 from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
 from lipsync_lang.text.lines.columns import NAME_COLUMNS, SPEAKER_COLUMNS, first_column, text_column
-from lipsync_lang.text.lines.line_readers import LineFile, by_suffix, line_files
+from lipsync_lang.text.lines.line_readers import LineFile, by_suffix, line_files, read_lines
 from lipsync_lang.text.lines.table import cell
 
 FACE_KINDS: tuple[Kind, ...] = ("character", "poseset")
@@ -52,10 +52,12 @@ class FoundRecording(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """A table by its columns."""
+    """A table by its columns, or the names and speakers of a script of another format."""
 
     head: list[str]
     columns: list[list[str]]
+    table: bool = True
+    """False for a script that names its lines itself, so that a project states no columns."""
 
     def at(self, column: int) -> list[str]:
         """Return the cells of a column that are not empty; none for the column -1."""
@@ -137,7 +139,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     same = all(name == word for name, word in languages.items())
     drafted: dict[str, Any] = {
         "lines": table.resolve().relative_to(folder.resolve()).as_posix(),
-        "columns": columns,
+        "columns": columns if cells.table else {},
         "languages": list(languages) if same else languages,
         "audio": "/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
         "usual_audio": f"vo/{several}{{id}}.wav",
@@ -172,12 +174,16 @@ def recordings_below(recordings: Path, folder: Path) -> tuple[list[FoundRecordin
 
 
 def read_cells(table: Path) -> Cells:
-    """Read the first rows of a table."""
-    ((file, _),) = line_files(table, lambda _: None)
-    opened = by_suffix()[file.suffix.lower()].table
+    """Read the first rows of a table, or lines of a script of another format, or of a folder."""
+    found = [file for file, _ in line_files(table, lambda _: None)]
+    if not found:
+        raise LipsyncError(f"{table}: has no script; name a folder with {', '.join(by_suffix())}")
+    file = found[0]
+    opened = by_suffix()[file.suffix.lower()].table if len(found) == 1 else None
     if opened is None:
-        known = ", ".join(sorted(s for s, one in by_suffix().items() if one.table is not None))
-        raise LipsyncError(f"{table}: is not a table; known: {known}")
+        lines = [*islice(read_lines(table, remark=lambda _: None), MAX_TABLE_ROWS)]
+        names, speakers = [one.name for one in lines], [one.speaker for one in lines]
+        return Cells([NAME_COLUMNS[0], SPEAKER_COLUMNS[0]], [names, speakers], table=False)
     head, rows = opened(LineFile(file, lambda _: None).at(file))
     taken = [row for _, row in islice(rows, MAX_TABLE_ROWS)]
     return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
@@ -202,6 +208,13 @@ def find_ids(
         most, _, best = max(shares, default=(0, 0, IdColumn(0)))
         if most >= LEAST_SHARE * len(stems):
             return best
+    shown = ", ".join(one.stem for one in found[:SHOWN_FILES])
+    if not cells.table:
+        names = shortlist([one for one in cells.columns[0] if one] or ["none"], SHOWN_FILES)
+        raise LipsyncError(
+            f"{table}: no line is named like a recording in {recordings}, such as {shown}; rename "
+            f"the recordings, or write a table. Names of lines: {names}"
+        )
     columns = ""
     for at, name in enumerate(cells.head):
         text = ", ".join(cells.at(at)[:2]) or "empty"
@@ -209,9 +222,7 @@ def find_ids(
         columns += f"\n  {name}: {short}"
     raise LipsyncError(
         f"{table}: no column names the {len(found)} recordings in {recordings}, such as "
-        f"{', '.join(one.stem for one in found[:SHOWN_FILES])}; add a column with their names. Its "
-        "columns:"
-        f"{columns}"
+        f"{shown}; add a column with their names. Its columns:{columns}"
     )
 
 

@@ -127,6 +127,33 @@ def test_what_has_nothing_in_common_is_told_with_what_there_is(cli, game):
     assert not (game / "lipsync.yaml").exists()
 
 
+RENPY = """label start:
+    e "Hello there, world."
+    "Bo Li" "Hi."
+"""
+
+
+@pytest.mark.parametrize("script", ["game", "game/script.rpy"])
+def test_a_script_that_names_its_lines_makes_a_project_without_columns(folder, cli, script):
+    (folder / "game").mkdir()
+    (folder / "game" / "script.rpy").write_text(RENPY, "utf-8")
+    (folder / "game" / "more.rpy").write_text(RENPY.replace("start", "other"), "utf-8")
+    ended = cli("new", "--from", script)
+    assert ended.code == 0, ended.err
+    text = (folder / "lipsync.yaml").read_text("utf-8")
+    assert f"lines: {script}\n" in text
+    assert "columns" not in text
+    assert "Bo Li" in text
+    assert cli("validate").code == 0
+
+
+def test_a_folder_without_a_script_is_refused(folder, cli):
+    (folder / "game").mkdir()
+    ended = cli("new", "--from", "game")
+    assert ended.code == 2
+    assert "game: has no script; name a folder with .csv" in ended.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -140,7 +167,7 @@ def test_what_has_nothing_in_common_is_told_with_what_there_is(cli, game):
         (("empty", "script.csv"), "empty: contains no .wav"),
         (("vo", "none.csv"), "none.csv: no such file"),
         (("vo", "/etc/hosts"), "/etc/hosts: is outside of"),
-        (("vo", "script.txt"), "script.txt: is not a table; known: .csv"),
+        (("vo", "script.txt"), "script.txt: no line is named like a recording in vo"),
     ],
 )
 def test_what_cannot_be_told_is_asked_for(cli, game, arguments, told):
@@ -172,7 +199,7 @@ def test_faults_of_the_script_are_told_at_once(cli, game):
     ("arguments", "told"),
     [
         ((), "give the NAME of the new folder"),
-        (("--recordings", "vo"), "--recordings FOLDER needs their script too: --from TABLE"),
+        (("--recordings", "vo"), "--recordings FOLDER needs their script too: --from SCRIPT"),
         (("game", "--from", "script.csv"), "leave one of the two out"),
         (("game", "--recordings", "vo", "--from", "script.csv"), "leave one of the two out"),
         (("game", "-c", "crab", "-c", "arkit"), "a new folder has one character"),
