@@ -17,8 +17,8 @@ from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.describe import show
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import BigramCurves
+from lipsync_lang.reports.coverage import page
 from lipsync_lang.reports.coverage.matrix import coverage
-from lipsync_lang.reports.coverage.page import STATE_CODES, STATUSES
 from lipsync_lang.reports.coverage.report import authored
 from lipsync_lang.reports.quality.baselines import dominance
 from lipsync_lang.resolver.bank_diff import diff_banks
@@ -259,7 +259,7 @@ STUDIO, PAGE = PACKAGE / "studio/static", PACKAGE / "base/presentation/templates
 
 @pytest.mark.parametrize("status", sorted(STATUSES))
 def test_every_status_has_a_colour_and_words_wherever_statuses_are_shown(status):
-    code = STATE_CODES[list(STATUSES).index(status)]
+    code = page.STATE_CODES[list(page.STATUSES).index(status)]
     assert f".s{code} {{ --c: var(--{status}) }}" in (PAGE / "style.css").read_text("utf-8")
     curves = (STUDIO / "curves/curves.css").read_text("utf-8")
     assert curves.count(f"--status-{status}: #") == 2, "by day and by night"
