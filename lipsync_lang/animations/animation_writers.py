@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from io import TextIOWrapper
 from pathlib import Path
 from typing import BinaryIO, TextIO
@@ -71,6 +71,13 @@ def binary_writer(
     """Register ``(animation, byte stream) -> None`` as the writer of a binary format."""
     settings = remarks, False, shows, refuse
     return WRITERS.adding(lambda title, write: Writer(name, (suffix,), title, write, *settings))
+
+
+@cache
+def template(file: str) -> list[str]:
+    """Read a template of `writers/templates`: its parts, which a line of ``=====`` separates."""
+    text = (Path(__file__).parent / "writers" / "templates" / file).read_text(encoding="utf-8")
+    return text.split("=====\n")
 
 
 def find_writer(path: Path, name: str | None = None) -> Writer:

@@ -4,7 +4,7 @@ For lines, the algorithm is greedy: from each key, the longest line within the e
 leads to the next key. Both ends of a run of equal values are always keys, so contacts and rests
 keep their exact duration and depth.
 
-Cubic curves have few keys, for curve editors; `rigs.splines` has their formula. Keys have the
+Cubic curves have few keys, for curve editors; `rigs.tracks` has their formula. Keys have the
 values of their frames. Slopes are chosen by least squares; from each key, the longest span within
 the bounds of all frames leads to the next key. Where both neighbouring spans allow it, a key has
 one slope on both sides.
@@ -21,7 +21,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.faces.rigs.splines import Spline, hermite
+from lipsync_lang.faces.rigs.tracks import Spline, hermite
 
 ERROR = 0.005
 """Default maximum error, in units of pose weight."""

@@ -15,10 +15,10 @@ from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import ExportSettings
+from lipsync_lang.animations.animation_writers import template
 from lipsync_lang.animations.keys import CONTACT_TOLERANCE, curves, fit
 from lipsync_lang.animations.readers.glb import read_glb
-from lipsync_lang.animations.writers.blender import TEMPLATE
-from lipsync_lang.faces.rigs.splines import Spline, sample
+from lipsync_lang.faces.rigs.tracks import Spline, sample
 from lipsync_lang.packs.yaml.events import load_yaml
 
 LABELS = (
@@ -198,7 +198,7 @@ class Point(SimpleNamespace):
 def blender(content, animation):
     text = content.decode()
     take = json.loads(text.split('json.loads(r"""\n')[1].split('\n"""')[0])
-    source = TEMPLATE.read_text(encoding="utf-8")
+    source = template("blender.txt")[0]
     bend = "def bend" + source.split("def bend")[1].split("\n\n\n")[0]
     scope = {}
     exec(bend, scope)  # noqa: S102 our own template

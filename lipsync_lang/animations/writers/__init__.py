@@ -9,4 +9,5 @@ tests sweep over all writers, and need a function that reads the file back (`REA
 
 from lipsync_lang.animations.animation import Animation as Animation
 from lipsync_lang.animations.animation_writers import binary_writer as binary_writer
+from lipsync_lang.animations.animation_writers import template as template
 from lipsync_lang.animations.animation_writers import writer as writer

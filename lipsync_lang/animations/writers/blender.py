@@ -10,7 +10,6 @@ plus the offset; movement before the sound is at earlier frames.
 import json
 from functools import partial
 from math import ceil
-from pathlib import Path
 from typing import TextIO
 
 import numpy as np
@@ -18,10 +17,9 @@ import numpy as np
 from lipsync_lang.animations.fixed import boneless, shape_columns
 from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.animations.moving_shapes import on_model
-from lipsync_lang.animations.writers import Animation, writer
+from lipsync_lang.animations.writers import Animation, template, writer
 from lipsync_lang.base.arrays import Floats
 
-TEMPLATE = Path(__file__).parent / "templates" / "blender.txt"
 FIRST = 1
 """First frame number of a Blender scene."""
 
@@ -54,7 +52,7 @@ def write_blender(animation: Animation, out: TextIO) -> None:
         "channels": channels,
     }
     [sound] = _frames(animation, np.zeros(1))
-    script = TEMPLATE.read_text(encoding="utf-8").replace("@SOUND@", f"{sound:g}")
+    script = template("blender.txt")[0].replace("@SOUND@", f"{sound:g}")
     out.write(script.replace("@TAKE@", json.dumps(take)))
 
 

@@ -12,7 +12,6 @@ import re
 from collections.abc import Iterator
 from functools import partial
 from itertools import count
-from pathlib import Path
 from typing import TextIO
 
 import numpy as np
@@ -20,7 +19,7 @@ import numpy as np
 from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
 from lipsync_lang.animations.moving_shapes import keys, shapes
-from lipsync_lang.animations.writers import Animation, writer
+from lipsync_lang.animations.writers import Animation, template, writer
 
 MAYA = "Maya"
 
@@ -36,9 +35,6 @@ NODE = "face"
 ODD = re.compile(r"\W", re.ASCII)
 """Characters that names of attributes and nodes cannot have."""
 
-MAYA_TEMPLATE = Path(__file__).parent / "templates" / "maya.txt"
-"""Head and curve of a file, with an empty line between them."""
-
 
 @writer("maya", suffix=".maya.anim", remarks=partial(boneless, program=MAYA))
 def write_maya(animation: Animation, out: TextIO) -> None:
@@ -48,9 +44,9 @@ def write_maya(animation: Animation, out: TextIO) -> None:
     per_second = rate if unit else 1.0
     first = (FIRST_FRAME / rate + animation.offset - animation.begins) * per_second
     start, end = (first + float(time) * per_second for time in animation.timeline[[0, -1]])
-    head, row = MAYA_TEMPLATE.read_text(encoding="utf-8").split("\n\n")
     named = {"fps": _number(rate), "unit": unit or "sec"}
-    out.write(head.format(start=_number(start), end=_number(end), **named) + "\n")
+    head, curve_form = template("maya.txt")
+    out.write(head.format(start=_number(start), end=_number(end), **named))
     found = shapes(animation)
     taken: set[tuple[str, str]] = set()
     for number, (shape, curve) in enumerate(zip(found, keys(animation, found, ERROR), strict=True)):
@@ -61,7 +57,7 @@ def write_maya(animation: Animation, out: TextIO) -> None:
         own = next(each for each in numbered if (node, each) not in taken)
         taken.add((node, own))
         rows = _keys(curve, (first + curve.times * per_second).tolist(), rate)
-        out.write(row.format(name=own, node=node, number=number, keys="".join(rows)))
+        out.write(curve_form.format(name=own, node=node, number=number, keys="".join(rows)))
 
 
 def _keys(curve: KeyedCurve, times: list[float], fps: float) -> Iterator[str]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TextIO
 
 from lipsync_lang.animations.held import HeldShape, held
-from lipsync_lang.animations.writers import Animation, writer
+from lipsync_lang.animations.writers import Animation, template, writer
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.model import some
 
@@ -56,18 +56,8 @@ def write_xml(animation: Animation, out: TextIO) -> None:
         f'    <mouthCue start="{shape.start:.2f}" end="{shape.end:.2f}">{shape.name}</mouthCue>\n'
         for shape in shapes
     )
-    out.write(
-        '<?xml version="1.0" encoding="utf-8"?>\n'
-        "<rhubarbResult>\n"
-        "  <metadata>\n"
-        f"    <soundFile>{escape(file, quote=False)}</soundFile>\n"
-        f"    <duration>{shapes[-1].end:.2f}</duration>\n"
-        "  </metadata>\n"
-        "  <mouthCues>\n"
-        f"{cues}"
-        "  </mouthCues>\n"
-        "</rhubarbResult>\n"
-    )
+    name = escape(file, quote=False)
+    out.write(template("rhubarb.txt")[0].format(file=name, duration=shapes[-1].end, cues=cues))
 
 
 @writer("rhubarb-json", suffix=".rhubarb.json", refuse=_refuse_others)
@@ -79,17 +69,8 @@ def write_json(animation: Animation, out: TextIO) -> None:
         f'    {{ "start": {shape.start:.2f}, "end": {shape.end:.2f}, "value": "{shape.name}" }}'
         for shape in shapes
     )
-    out.write(
-        "{\n"
-        '  "metadata": {\n'
-        f'    "soundFile": {json.dumps(animation.schedule.source, ensure_ascii=False)},\n'
-        f'    "duration": {shapes[-1].end:.2f}\n'
-        "  },\n"
-        '  "mouthCues": [\n'
-        f"{cues}\n"
-        "  ]\n"
-        "}\n"
-    )
+    file = json.dumps(animation.schedule.source, ensure_ascii=False)
+    out.write(template("rhubarb.txt")[1].format(file=file, duration=shapes[-1].end, cues=cues))
 
 
 def _shapes(animation: Animation) -> list[HeldShape]:

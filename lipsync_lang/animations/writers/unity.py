@@ -12,12 +12,11 @@ bindings, is omitted because Unity rebuilds it. Clips have no negative time.
 import re
 from functools import partial
 from itertools import pairwise
-from pathlib import Path
 from typing import TextIO
 
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
 from lipsync_lang.animations.moving_shapes import keys, node_paths, shapes, unshown
-from lipsync_lang.animations.writers import Animation, writer
+from lipsync_lang.animations.writers import Animation, template, writer
 
 UNITY = "Unity"
 PERCENT_OF_WEIGHT = 100
@@ -26,29 +25,25 @@ LINEAR = 69
 PLAIN_YAML = r"(?ai)(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*"
 """Text that YAML accepts without quotes."""
 
-UNITY_TEMPLATE = Path(__file__).parent / "templates" / "unity.txt"
-"""Head, curve, key and tail of a clip, with empty lines between them."""
-
 
 @writer("unity", suffix=".anim", remarks=partial(unshown, program=UNITY))
 def write_unity(animation: Animation, out: TextIO) -> None:
     """A Unity animation clip: keyframes of blend shapes."""
     found, paths = shapes(animation), node_paths(animation)
-    parts = UNITY_TEMPLATE.read_text(encoding="utf-8").rstrip().split("\n\n")
-    head, row, key, tail = (f"{part}\n" for part in parts)
+    head, curve_form, key_form, tail = template("unity.txt")
     out.write(head.format(name=_text(animation.title)))
     for shape, curve in zip(found, keys(animation, found, ERROR), strict=True):
-        told, attribute = _keys(key, curve), _text(f"blendShape.{shape.name}")
+        told, attribute = _keys(curve, key_form), _text(f"blendShape.{shape.name}")
         out.writelines(
-            row.format(keys=told, attribute=attribute, path=_text(path))
+            curve_form.format(keys=told, attribute=attribute, path=_text(path))
             for path in paths.get(shape.mesh, [shape.mesh])
         )
     stop = _number(float(animation.timeline[-1]))
     out.write(tail.format(fps=_number(animation.fps), stop=stop))
 
 
-def _keys(key: str, curve: KeyedCurve) -> str:
-    """Format each `key`, with the slopes on both sides in percent per second."""
+def _keys(curve: KeyedCurve, form: str) -> str:
+    """Format the keys, with the slopes on both sides in percent per second."""
     points = list(zip(curve.times.round(6).tolist(), curve.values.tolist(), strict=True))
     points = [(time, round(value * PERCENT_OF_WEIGHT, 4)) for time, value in points]
     if curve.cubic:
@@ -62,7 +57,7 @@ def _keys(key: str, curve: KeyedCurve) -> str:
     for (time, value), m, n in zip(points, before, after, strict=True):
         sides = {"before": _number(m), "after": _number(n)}
         mode = int(m != n) if curve.cubic else LINEAR
-        rows.append(key.format(time=_number(time), value=_number(value), mode=mode, **sides))
+        rows.append(form.format(time=_number(time), value=_number(value), mode=mode, **sides))
     return "".join(rows)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.moving_shapes import shapes
-from lipsync_lang.animations.writers import Animation, writer
+from lipsync_lang.animations.writers import Animation, template, writer
 from lipsync_lang.animations.writers.glb import unplaced
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.model import some
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 USD_ESCAPES = str.maketrans({"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\t": r"\t"})
 """Characters of a name that a string of USD cannot hold."""
-
-PRIM_NAME = "Speech"
 
 
 def doubts(animation: Animation) -> Iterator[str]:
@@ -52,21 +50,10 @@ def write_usd(animation: Animation, out: TextIO) -> None:
     codes = [number.rstrip("0").rstrip(".") for number in numbers]
     rate = repr(float(animation.fps)).removesuffix(".0")
     tokens = ", ".join(f'"{name.translate(USD_ESCAPES)}"' for name in moves)
-    out.write(
-        f'#usda 1.0\n(\n    defaultPrim = "{PRIM_NAME}"\n'
-        f"    endTimeCode = {codes[-1]}\n"
-        f"    framesPerSecond = {rate}\n"
-        "    metersPerUnit = 1\n"
-        f"    startTimeCode = {codes[0]}\n"
-        f"    timeCodesPerSecond = {rate}\n"
-        '    upAxis = "Y"\n)\n\n'
-        f'def SkelAnimation "{PRIM_NAME}"\n{{\n'
-        f"    uniform token[] blendShapes = [{tokens}]\n"
-        "    float[] blendShapeWeights.timeSamples = {\n"
-    )
     row = "        %s: [" + ", ".join(["%.6g"] * len(moves)) + "],\n"
     # Adding 0.0 turns the negative zeros of rounding into zeros.
     table = np.column_stack([*moves.values()]).round(6) + 0.0
     samples = zip(codes, table.tolist(), strict=True)
-    out.writelines(row % (code, *weights) for code, weights in samples)
-    out.write("    }\n}\n")
+    rows = "".join(row % (code, *weights) for code, weights in samples)
+    values = {"start": codes[0], "end": codes[-1], "rate": rate, "tokens": tokens, "samples": rows}
+    out.write(template("usd.txt")[0].format(**values))
