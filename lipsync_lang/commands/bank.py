@@ -118,7 +118,7 @@ def diff(options: Namespace) -> int:
         options.bigrams,
     )  # fmt: skip
     if options.plot:
-        from lipsync_lang.render.bank_diff_plot import plot_diff
+        from lipsync_lang.render.bigram_plot import plot_diff
 
         with atomic(options.plot) as stream:
             plot_diff(found, stream, plot_kind(options.plot))

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 from math import floor, isfinite, nan
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -33,10 +33,7 @@ from lipsync_lang.performing.stream_frames import StreamFrames, StreamGestures
 from lipsync_lang.pipeline.perform import BLOCK, FinalFrames
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, Word
 from lipsync_lang.text.phonology.g2p.tokens import plain
-
-if TYPE_CHECKING:
-    from lipsync_lang.pipeline.overlay import Overlay
-    from lipsync_lang.text.phonology.labels import Value
+from lipsync_lang.text.phonology.labels import Value
 
 Late = Literal["refuse", "shorten"]
 """Treatments of a phoneme that starts before the time until which everything is known."""
@@ -121,7 +118,7 @@ class Intake:
         return labels, words, spoken
 
     def _heard(
-        self, text: str, start: float, end: float | None, value: "Value", mark: int | None
+        self, text: str, start: float, end: float | None, value: Value, mark: int | None
     ) -> HeardLabel:
         reader = self.performer.labels
         sounds = tuple((reader.numbers[name], share) for name, share in value)
@@ -138,9 +135,8 @@ class Intake:
             raise LipsyncError(
                 f"word {word.text!r} has emphasis; open the stream with `emphasis=True`"
             )
-        laid: tuple[Overlay, ...] = ()
-        if compiled.word_edits:
-            laid = overlays(compiled, replace(part, words=(word,)), silent, None)
+        alone = replace(part, words=(word,))
+        laid = overlays(compiled, alone, silent, None) if compiled.word_edits else ()
         high = word.emphasis * (stated["emphasised"] - 1) if stated is not None else 0.0
         if not laid and not word.emphasis:
             return None

@@ -277,7 +277,7 @@ def test_what_cannot_be_done_is_told(arguments, message, cli, folder):
 
 
 def texts(found):
-    from lipsync_lang.render.bank_diff_plot import plot_diff
+    from lipsync_lang.render.bigram_plot import plot_diff
 
     out = BytesIO()
     plot_diff(found, out, "svg")
@@ -308,7 +308,7 @@ def test_the_same_picture_each_time_and_what_is_the_same_says_so():
 @full
 @drawn
 def test_only_as_many_as_there_is_room_for():
-    from lipsync_lang.render.bank_diff_plot import MOST
+    from lipsync_lang.render.bigram_plot import MOST
 
     keys = [f"l-{sound}" for sound in Library().common().model.base]
     shown = texts(diff("anna", wanted=keys))
@@ -318,7 +318,7 @@ def test_only_as_many_as_there_is_room_for():
 
 @full
 def test_nothing_to_draw():
-    from lipsync_lang.render.bank_diff_plot import plot_diff
+    from lipsync_lang.render.bigram_plot import plot_diff
 
     with pytest.raises(OutputError, match="no bigram differs from those of anna"):
         plot_diff(diff("anna", "anna"), BytesIO())
