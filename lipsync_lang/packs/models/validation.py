@@ -136,13 +136,6 @@ def _translate(source: YamlSource, model: type[BaseModel], error: ValidationErro
     return faults
 
 
-_ELSEWHERE = {
-    ("project", "words"): "words belong in the pack of a language, in the folder `languages`; "
-    "one that `extends` its own name adds to it"
-}
-"""Hints for fields that belong in another file, by kind of file and field."""
-
-
 def _say(  # noqa: C901, PLR0911 one return for each family of errors
     source: YamlSource, model: type[BaseModel], loc: Loc, report: PydanticError
 ) -> tuple[str, str, str]:
@@ -150,8 +143,7 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
     subject = _subject(source, loc)
     if sort == "extra_forbidden":
-        elsewhere = _ELSEWHERE.get((source.data["kind"], *loc))
-        hint = elsewhere or did_you_mean(str(loc[-1]), _fields(model, loc))
+        hint = _elsewhere(loc) or did_you_mean(str(loc[-1]), _fields(model, loc))
         return "P101", f"unknown field `{loc[-1]}`", hint
     if sort == "missing" and isinstance(loc[-1], str):
         form = "format: 1" if loc[-1] == "format" else f"{loc[-1]}: ..."
@@ -251,6 +243,18 @@ def _got(value: Data) -> str:
         short = value if len(value) <= MAX_QUOTED_CHARS else value[: MAX_QUOTED_CHARS - 3] + "..."
         return f"text {short!r}"
     return "a mapping" if isinstance(value, dict) else "a list"
+
+
+def _elsewhere(loc: Loc) -> str:
+    """Say which kind of file has an unknown field at the top; empty if not exactly one has it."""
+    kinds = [
+        kind for kind, model in MODELS.items() if len(loc) == 1 and loc[0] in _fields(model, loc)
+    ]
+    if len(kinds) != 1:
+        return ""
+    extended = "extends" in MODELS[kinds[0]].model_fields
+    more = "; one that `extends` its own name adds to it" if extended else ""
+    return f"`{loc[0]}` is a field of files of the kind {kinds[0]}{more}"
 
 
 def _fields(model: type[BaseModel], loc: Loc) -> dict[str, str]:
