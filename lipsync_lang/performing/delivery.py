@@ -96,7 +96,7 @@ def _levels(
             if name in known:  # unknown names already caused a warning while reading the packs
                 # a single point is a constant, at whatever word of whatever line
                 single = len(points) == 1
-                at = [0.0] if single else [second(name, at, schedule) for at, _ in points]
+                at = [0.0] if single else [in_seconds(name, at, schedule) for at, _ in points]
                 values = np.array([value for _, value in points], np.float64)
                 found[name] = Level(np.array(at), values)
     for stated_name, level in asked.items():
@@ -142,7 +142,7 @@ def bends_of(
     """
     stated = compiled.line_deliveries.get(line or "", {}).get("bends", {})
     found = {
-        pose: [(second(f"the bend of {pose}", at, schedule), amount) for at, amount in points]
+        pose: [(in_seconds(f"the bend of {pose}", at, schedule), amount) for at, amount in points]
         for pose, points in stated.items()
     }
     bends = []
@@ -161,7 +161,7 @@ def bends_of(
 
 
 def in_words(seconds: float, schedule: "Schedule") -> float:
-    """Convert seconds to a position in words, with a fraction; the reverse of `second`.
+    """Convert seconds to a position in words, with a fraction; the reverse of `in_seconds`.
 
     A time in a pause becomes the end of the word before. A line without words counts as one.
     """
@@ -175,7 +175,7 @@ def in_words(seconds: float, schedule: "Schedule") -> float:
     return round(number + share, 4)
 
 
-def second(name: str, at: float, schedule: "Schedule") -> float:
+def in_seconds(name: str, at: float, schedule: "Schedule") -> float:
     """Convert a position in words, with a fraction, to seconds."""
     words, times = schedule.words, schedule.times
     if not words:

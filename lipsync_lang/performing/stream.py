@@ -146,7 +146,7 @@ class Intake:
         return HeardWord(word.first, ramp, high, later)
 
 
-def second(here: str, value: object) -> float:
+def checked_time(here: str, value: object) -> float:
     """Return a time as a float; other values are errors."""
     is_number = isinstance(value, (int, float, np.integer, np.floating))
     try:
@@ -307,11 +307,11 @@ class Stream:
         """
         self._refuse_finished()
         if isinstance(phoneme, Schedule):
-            self._feed_part(phoneme, second("the schedule", 0.0 if start is None else start))
+            self._feed_part(phoneme, checked_time("the schedule", 0.0 if start is None else start))
             return
         here = f"phoneme {phoneme!r}"
-        at = second(here, start)
-        stop = None if end is None else second(here, end)
+        at = checked_time(here, start)
+        stop = None if end is None else checked_time(here, end)
         if stop is not None and stop <= at:
             raise ScheduleError(
                 f"{here} from {at:g} s ends at {stop:g} s, before it starts; check both times"
@@ -331,7 +331,7 @@ class Stream:
             The time is before the known time, or no phoneme was fed yet.
         """
         self._refuse_finished()
-        at = second("known_until", seconds)
+        at = checked_time("known_until", seconds)
         if not self._heard.labels:
             raise ScheduleError(
                 f"the stream has no phonemes until {at:g} s; feed a phoneme first, or silence "
@@ -361,7 +361,7 @@ class Stream:
             Another end was stated, or the stream is finished.
         """
         self._refuse_finished()
-        at = second("ends_at", seconds)
+        at = checked_time("ends_at", seconds)
         if self._end not in (None, at):
             raise LipsyncError(f"the end of the line was stated as {self._end:g} s already")
         self._end = at
@@ -377,7 +377,7 @@ class Stream:
             Returned frames depend on these phonemes, or the time divides a word.
         """
         self._refuse_finished()
-        at = second("revise", seconds)
+        at = checked_time("revise", seconds)
         word = self._heard.parted(at)
         if word is not None:
             raise LipsyncError(
@@ -439,7 +439,7 @@ class Stream:
         begin, heard, frames = self._given, self._heard, self._frames
         stop = final = self.final
         if until is not None:
-            passed = min((second("until", until) - heard.start) * self.fps, MAX_FRAMES)
+            passed = min((checked_time("until", until) - heard.start) * self.fps, MAX_FRAMES)
             shown = floor(passed + ROUNDED_FRAMES) + (frames.lead or 0) + 1
             stop = min(final, max(shown, begin))
         parts = [self._made]

@@ -6,7 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from lipsync_lang.performing.delivery import in_words, second
+from lipsync_lang.performing.delivery import in_seconds, in_words
 from lipsync_lang.schedules.schedule import Schedule
 
 
@@ -30,14 +30,14 @@ class LineSettings:
                 name: (
                     points[0][1]
                     if len(points) == 1
-                    else [[round(second(name, at, whole), 5), level] for at, level in points]
+                    else [[round(in_seconds(name, at, whole), 5), level] for at, level in points]
                 )
                 for name, points in stated.get(kind, {}).items()
             }
             for kind in ("styles", "dials")
         )
         bends = {
-            pose: [[round(second(pose, at, whole), 5), amount] for at, amount in keys]
+            pose: [[round(in_seconds(pose, at, whole), 5), amount] for at, amount in keys]
             for pose, keys in stated.get("bends", {}).items()
         }
         placed = [dict(one) for one in stated.get("placed", ())]

@@ -8,25 +8,21 @@ audio file is unknown here.
 
 import json
 from html import escape
-from pathlib import Path
 from typing import TextIO
 
+from lipsync_lang.animations.fixed import names
 from lipsync_lang.animations.held import HeldShape, held
 from lipsync_lang.animations.writers import Animation, template, writer
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.model import some
 
-RHUBARB_NAMES = Path(__file__).parent / "names" / "rhubarb.txt"
-
-
-def _known() -> list[str]:
-    """Return the shape names, with the rest shape last."""
-    return RHUBARB_NAMES.read_text("utf-8").split()
+RHUBARB_NAMES = "rhubarb.txt"
+"""List of the shapes' names, with the rest shape last."""
 
 
 def _refuse_others(animation: Animation) -> dict[str, str]:
     """Return Rhubarb's names by their folded form; refuse poses of other names."""
-    known = {name.casefold(): name for name in _known()}
+    known = {name.casefold(): name for name in names(RHUBARB_NAMES).shapes}
     poses = animation.without_gestures().poses
     others = [pose for pose in poses if pose.casefold() not in known]
     if others:
@@ -42,7 +38,7 @@ def write_tsv(animation: Animation, out: TextIO) -> None:
     """Rhubarb's table of mouth shapes: the start of each, and the end of the sound."""
     shapes = _shapes(animation)
     out.writelines(f"{shape.start:.2f}\t{shape.name}\n" for shape in shapes)
-    out.write(f"{shapes[-1].end:.2f}\t{_known()[-1]}\n")
+    out.write(f"{shapes[-1].end:.2f}\t{names(RHUBARB_NAMES).shapes[-1]}\n")
 
 
 @writer("rhubarb-xml", suffix=".xml", refuse=_refuse_others)
@@ -76,5 +72,5 @@ def write_json(animation: Animation, out: TextIO) -> None:
 def _shapes(animation: Animation) -> list[HeldShape]:
     """Return the held shapes under Rhubarb's names, ignoring case."""
     known = _refuse_others(animation)
-    shapes = held(animation, _known()[-1])
+    shapes = held(animation, names(RHUBARB_NAMES).shapes[-1])
     return [shape._replace(name=known[shape.name.casefold()]) for shape in shapes]
