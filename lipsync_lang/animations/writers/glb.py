@@ -181,11 +181,6 @@ class _NewAnimation:
         """Connect a sampler to a property of a node."""
         self.channels.append({"sampler": sampler, "target": {"node": node, "path": path}})
 
-    def replace_node(self, number: int, node: Json) -> None:
-        """Replace a node of the model."""
-        nodes = self.changed.setdefault("nodes", list(self.model.document["nodes"]))
-        nodes[number] = node
-
     def finish(self, name: str, extras: Json) -> None:
         """Append the collected rows to the lists of the model."""
         # Floats begin at multiples of 4 bytes (glTF 2.0, 3.6.2.4), even if the data before do not.
@@ -276,7 +271,7 @@ def _move_node(take: _NewAnimation, number: int, moves: list[tuple[Channel, Floa
     path, node = take.model.path, take.model.document["nodes"][number]
     what = f"node '{node['name']}'"
     node = _parted(path, what, node)
-    take.replace_node(number, node)
+    take.changed.setdefault("nodes", list(take.model.document["nodes"]))[number] = node
     rotations = [turns(np.array(c.rotation, float), v) for c, v in moves if c.rotation is not None]
     if rotations:
         rest = numbers(path, f"rotation of {what}", node.get("rotation", [*IDENTITY]), 4)

@@ -15,7 +15,8 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Any, BinaryIO, cast
+from shutil import copyfileobj
+from typing import IO, BinaryIO, cast
 
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.files.signals import undisturbed
@@ -223,12 +224,7 @@ def _feed(path: Path, source: IO[bytes]) -> None:
         # A terminal that is opened would become the one of this process, and send it Ctrl-C.
         handle = os.open(path, os.O_WRONLY | getattr(os, "O_NOCTTY", 0))
     with os.fdopen(handle, "wb") as out:
-        _copy(source, out)
-
-
-def _copy(source: IO[bytes], out: Any) -> None:
-    while block := source.read(MAX_SPOOLED_BYTES):
-        out.write(block)
+        copyfileobj(source, out, MAX_SPOOLED_BYTES)
 
 
 def _feed_standard(source: IO[bytes]) -> None:
@@ -239,7 +235,7 @@ def _feed_standard(source: IO[bytes]) -> None:
     out.flush()
     binary = getattr(out, "buffer", None)
     if binary is not None and not out.isatty():
-        _copy(source, binary)
+        copyfileobj(source, binary, MAX_SPOOLED_BYTES)
         binary.flush()
         return
     try:

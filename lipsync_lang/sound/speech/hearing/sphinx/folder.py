@@ -320,7 +320,8 @@ class Models:
     @property
     def dictionary(self) -> Path | None:
         """The pronunciation dictionary file; None without one, or with several."""
-        return self._only("*.dict", "*.dic")
+        found = [*self.folder.glob("*.dict"), *self.folder.glob("*.dic")]
+        return found[0] if len(found) == 1 else None
 
     @property
     def language_model(self) -> Path | None:
@@ -334,10 +335,6 @@ class Models:
         places = dict.fromkeys((self.acoustic, self.folder))
         found = (one for name in LICENCE_FILES for place in places for one in place.glob(name))
         return next(found, None)
-
-    def _only(self, *patterns: str) -> Path | None:
-        found = [path for pattern in patterns for path in self.folder.glob(pattern)]
-        return found[0] if len(found) == 1 else None
 
     @cached_property
     def model(self) -> AcousticModel:
