@@ -136,6 +136,10 @@ def _translate(source: YamlSource, model: type[BaseModel], error: ValidationErro
     return faults
 
 
+MAX_KINDS = 2
+"""Maximum number of kinds of files that a hint names for a field of theirs."""
+
+
 def _say(  # noqa: C901, PLR0911 one return for each family of errors
     source: YamlSource, model: type[BaseModel], loc: Loc, report: PydanticError
 ) -> tuple[str, str, str]:
@@ -246,15 +250,13 @@ def _got(value: Data) -> str:
 
 
 def _elsewhere(loc: Loc) -> str:
-    """Say which kind of file has an unknown field at the top; empty if not exactly one has it."""
-    kinds = [
-        kind for kind, model in MODELS.items() if len(loc) == 1 and loc[0] in _fields(model, loc)
-    ]
-    if len(kinds) != 1:
+    """Say which kinds of files have an unknown field at the top; empty if none or many do."""
+    kinds = [kind for kind, made in MODELS.items() if len(loc) == 1 and loc[0] in made.model_fields]
+    if not 1 <= len(kinds) <= MAX_KINDS:
         return ""
-    extended = "extends" in MODELS[kinds[0]].model_fields
+    extended = any("extends" in MODELS[kind].model_fields for kind in kinds)
     more = "; one that `extends` its own name adds to it" if extended else ""
-    return f"`{loc[0]}` is a field of files of the kind {kinds[0]}{more}"
+    return f"`{loc[0]}` is a field of files of the kind {' or '.join(kinds)}{more}"
 
 
 def _fields(model: type[BaseModel], loc: Loc) -> dict[str, str]:

@@ -172,7 +172,7 @@ def test_words_in_a_project_file_are_sent_to_a_pack(project):
     path.write_text("kind: project\nformat: 1\nwords: {polish: {a: b}}\n", encoding="utf-8")
     (fault,) = validate(Library(), [path])
     assert (fault.code, fault.line) == ("P101", 3)
-    assert "in the folder `languages`" in fault.hint
+    assert "files of the kind language or character" in fault.hint
 
 
 @pytest.mark.parametrize("name", LANGUAGES)
