@@ -131,6 +131,7 @@ def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
     starts = np.cumsum([0, *map(len, blocks)])
     rest = np.concatenate(blocks)
     shapes = {name: np.zeros_like(rest) for name in model.shape_names}
+    # `starts` has one value more: the number of all points.
     for (mesh, primitive), start, block in zip(rows, starts, blocks, strict=False):
         for name, target in zip(mesh.shapes, primitive["targets"], strict=True):
             if "POSITION" in target:
@@ -152,8 +153,10 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
             continue
         parted = np.array([np.abs(np.diff(moved[pairs, 1], axis=0)).max() for moved in moving])
         share = float(np.mean(parted > PARTED_SHARE * parted.max()))
+        # Lids that shut lower many points as well, but hardly any other shape parts those.
         if share > 2 * best:
             best, (upper, lower) = share, pairs
+        # The search for pairs takes most of the time, and the first shape is nearly always a jaw.
         if best >= USED_SHARE:
             break
     if not best:
