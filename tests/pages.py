@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from places import ROOT
-from shipped import LIBRARY
 from small_models import glb
 
 from lipsync_lang.base.extras import extras
 from lipsync_lang.cli import main
 from lipsync_lang.packs.finding import built_in
+from lipsync_lang.packs.library import Library
 
 PAGES = sorted(p for p in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
 assert PAGES, "a sweep over nothing passes"
@@ -242,7 +242,7 @@ def console(told, text, start):
 
 def bring_a_recording_and_a_head():
     """Provide the files of a reader of the README: a recording, and a head with shapes."""
-    glb(Path("face.glb"), *LIBRARY.poseset("arkit").model.poses)
+    glb(Path("face.glb"), *Library(project=None).poseset("arkit").model.poses)
     text, pair = "Hello, people.", ["-l", "english", "-c", "facefx"]
     assert main(["run", text, *pair, "--cut", "-o", "take.wav"]) == 0
 

@@ -228,7 +228,9 @@ def _contacts(rng, held, phonemes, silence):
 
 
 @st.composite
-def lines(draw, known=None, *, pauses=True, longest=12, steady=False):
+def lines(  # noqa: PLR0913 what a line may have
+    draw, known=None, *, pauses=True, longest=12, steady=False, two_dials=False
+):
     """Phonemes from 5 ms to 3 s over random tables, or over those of the built-in pair."""
     made = draw(tables()) if known is None else known
     sounds = [i for i in range(len(made.pairs)) if i != made.silence]
@@ -244,7 +246,8 @@ def lines(draw, known=None, *, pauses=True, longest=12, steady=False):
     share, level = st.sampled_from([0, 0.3, 1]), st.sampled_from([0, 0.5, 1, 2])
     shares = [(draw(share), draw(share)) for _ in made.styles]
     dial = st.tuples(st.integers(1, 3), level, level)
-    dials = draw(st.one_of(st.just([]), st.just([]), st.lists(dial, min_size=1, max_size=2)))
+    some = st.lists(dial, min_size=2, max_size=2) if two_dials else st.just([draw(dial)])
+    dials = draw(st.one_of(st.just([]), st.just([]), some))
     if steady:
         shares = [(first, first) for first, _ in shares]
         dials = [(nth, first, first) for nth, first, _ in dials]

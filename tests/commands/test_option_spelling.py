@@ -20,6 +20,7 @@ ELSEWHERE = {
     "reports/coverage/forms/text.py": "the command's own report",
     "base/extras.py": "an option of another program",
     "base/files/reach.py": "names the option by which a user permits a folder",
+    "packs/banks/write.py": "names the option that keeps bigrams for one character",
     "packs/project.py": "names the option by which a user permits a folder",
     "render/fonts.py": "an option of another program",
     "resolver/bank_diff.py": "the command's own report",

@@ -58,7 +58,7 @@ def assert_agreement(line, motion, fps):
 
 
 @needs_kernel
-@given(any_lines(), SERVED, RATES)
+@given(any_lines(two_dials=True), SERVED, RATES)
 def test_the_kernel_agrees_with_numpy(line, motion, fps):
     assert kernel_plan.serves(motion)
     assert_agreement(line, motion, fps)

@@ -34,11 +34,11 @@ def read_input(
     try:
         if path != STANDARD_STREAM:
             with path.open("rb") as stream:
-                content = b"".join(_blocks(stream, max_bytes + 1))
+                content = b"".join(read_blocks(stream, max_bytes + 1))
         elif sys.stdin is None:
             raise ValueError("there is no standard input here")  # noqa: TRY301 told below
         else:
-            content = b"".join(_blocks(sys.stdin.buffer, max_bytes + 1))
+            content = b"".join(read_blocks(sys.stdin.buffer, max_bytes + 1))
     except (OSError, ValueError) as wrong:
         why = getattr(wrong, "strerror", None) or wrong
         raise error(f"{path}: cannot be read: {why}; check the path") from None
@@ -70,7 +70,7 @@ def marked_encoding(content: bytes) -> str | None:
     return next((name for mark, name in WIDE_MARKS.items() if content.startswith(mark)), None)
 
 
-def _blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
+def read_blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
     """Yield the bytes in blocks; one `read` of the whole limit would allocate all of it."""
     left = max_bytes
     while block := stream.read(min(left, MIB_BYTES)):

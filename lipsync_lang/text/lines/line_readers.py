@@ -13,7 +13,7 @@ from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, ScheduleError, sho
 from lipsync_lang.base.extensions import Format, Formats
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path
 from lipsync_lang.base.files.reach import refuse_outside
-from lipsync_lang.base.files.reading import MIB_BYTES, marked_encoding, read_input
+from lipsync_lang.base.files.reading import MIB_BYTES, marked_encoding, read_blocks, read_input
 from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
 
 if TYPE_CHECKING:
@@ -329,7 +329,7 @@ def is_timed(source: LineFile, *, unreadable: bool = False) -> bool:
             begins = TimingFile(source.path, stream.read(HEAD_BYTES))
             is_json = begins.head.lstrip()[:1] in {"{", "["}
             if is_json:
-                rest = stream.read(MAX_TIMINGS_BYTES)
+                rest = b"".join(read_blocks(stream, MAX_TIMINGS_BYTES))
                 begins = TimingFile(source.path, begins.content + rest)
     except OSError:
         return unreadable
