@@ -18,6 +18,8 @@ LIBRARY = Library(project=None)
 LANGUAGES = sorted({found.name for found in LIBRARY.names("language")})
 POSESETS = sorted({found.name for found in LIBRARY.names("poseset")})
 assert LANGUAGES, "a sweep over nothing passes"
+RESTING = [name for name in LANGUAGES if LIBRARY.language(name).model.motion.preset is None]
+"""Languages with the motion of the pose set; a preset of a language may keep other promises."""
 assert POSESETS, "a sweep over nothing passes"
 
 

@@ -1,5 +1,6 @@
 """Many schedules at once give the same curves as each alone."""
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -25,11 +26,18 @@ def mute(performer, schedule):
     return not any(performer.labels.values(schedule))
 
 
+@cache
+def tables_of(performer):
+    """Return the labels of each notation, once: a performer learns labels that it meets."""
+    return {name: sorted(one.table) for name, one in performer.labels.notations.items()}
+
+
 @st.composite
 def schedules(draw, performer):
     """Labels of one notation: some with several sounds, some marked, some mute or unknown."""
-    name = draw(st.sampled_from(sorted(performer.labels.notations)))
-    table = sorted(performer.labels.notations[name].table)
+    tables = tables_of(performer)
+    name = draw(st.sampled_from(sorted(tables)))
+    table = tables[name]
     assert table, "a notation without labels says nothing"
     label = st.one_of(st.sampled_from(table), st.sampled_from(table), st.sampled_from(["_", "?!"]))
     labels = draw(st.lists(label, min_size=1, max_size=12))

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from lanes import full, swept
-from shipped import LANGUAGES
+from shipped import RESTING
 from strategies import RATES, any_lines, motions
 
 import lipsync_lang as ll
@@ -210,7 +210,7 @@ def marked(draw, performer, notation):
     return replace(schedule, labels=tuple(heard), stress=())
 
 
-@pytest.mark.parametrize("language", swept(LANGUAGES, 3))
+@pytest.mark.parametrize("language", swept(RESTING, 3))
 @given(st.data())
 def test_marks_of_a_whole_schedule_count_from_its_first_vowel(language, data):
     """With the default: a schedule of any notation, whole, or in parts that come in time."""

@@ -72,6 +72,9 @@ MISSING_FRAMES = 3.4
 ROOM_FRAMES = 2.5
 """Frames of other sound per phoneme of a word that leave it time."""
 
+MANY_WORDS = 5
+"""Number of words left out in a window from which they stay so."""
+
 MIN_OTHER_SHARE = 0.1
 """Share of sound without text from which its cepstra are kept out of their mean."""
 
@@ -424,7 +427,8 @@ def _window(
     if skipped := _skipped(graph.nodes, way):
         every = frozenset(range(done, stop))
         said = decoded(every)
-        if said is not None:
+        # Where many words do not fit, the text or its order is another one, which others find.
+        if said is not None and len(skipped) < MANY_WORDS:
             missing = _missing(graph.nodes, said, skipped)
             way = decoded(every - missing) or way if missing else said
     if not last:
