@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from lanes import swept
 
@@ -32,6 +32,12 @@ def tables_of(performer):
     return {name: sorted(one.table) for name, one in performer.labels.notations.items()}
 
 
+@cache
+def words_of(performer):
+    """Return a few words that the performer knows, once."""
+    return sorted(performer.compiled.words)[:5]
+
+
 @st.composite
 def schedules(draw, performer):
     """Labels of one notation: some with several sounds, some marked, some mute or unknown."""
@@ -46,7 +52,7 @@ def schedules(draw, performer):
     marks = st.lists(st.sampled_from([None, None, 0, 1, 2]), min_size=count, max_size=count)
     cuts = sorted(draw(st.sets(st.integers(0, count), max_size=4)))
     emphasis = st.sampled_from([0.0, 0.0, 1.0])
-    texts = st.sampled_from(["text", *sorted(performer.compiled.words)[:5]])
+    texts = st.sampled_from(["text", *words_of(performer)])
     words = [Word(draw(texts), a, b, draw(emphasis)) for a, b in pairwise(cuts)]
     return Schedule(
         labels,
@@ -80,6 +86,7 @@ def test_an_animation_is_the_performance_that_explains_it(performer, data):
     assert np.array_equal(made.weights, performance.weights())
 
 
+@settings(max_examples=8)
 @given(data=st.data())
 def test_labels_share_their_time_among_their_sounds(performer, data):
     schedule = data.draw(schedules(performer))
