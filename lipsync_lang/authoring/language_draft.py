@@ -216,6 +216,8 @@ def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> Lang
     outputs: dict[Path, bytes | Path] = {}
     for beside in filter(None, (wanted.lexicon, wanted.profile)):
         copy = path.with_name(path.stem + beside.suffix)
+        if copy.suffix.casefold() == path.suffix:  # many file systems ignore case
+            raise LipsyncError(f"{beside}: has the suffix of a pack; give it another, such as .tsv")
         if copy.resolve() != beside.resolve():
             outputs[copy] = beside
     among = among_all(library)

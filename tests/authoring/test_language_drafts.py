@@ -141,6 +141,15 @@ def test_a_draft_of_a_profile_takes_it_along(folder, cli):
     assert cli("validate", "languages/valley.yaml").code == 0
 
 
+@pytest.mark.parametrize("source", ["profile", "lexicon"])
+@pytest.mark.parametrize("suffix", [".yaml", ".YAML"])
+def test_a_draft_is_not_replaced_by_a_source_with_the_suffix_of_a_pack(folder, source, suffix):
+    table = folder / f"table{suffix}"
+    table.write_text("Grapheme\tIPA\na\ta\n", "utf-8")
+    with pytest.raises(LipsyncError, match=rf"table\{suffix}: has the suffix of a pack; .* \.tsv"):
+        draft(Library(), LanguageWish("valley", **{source: table}))
+
+
 @full
 def test_a_draft_of_a_voice_hears_its_numbers(folder, cli):
     pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
