@@ -124,6 +124,8 @@ def test_facefx_begins_anew_where_it_clears(read):
         ("-endTime 2", "", "ha.fxl:3: None is not a time"),
         ("-endIndex 1", "-endIndex 2", "ha.fxl:4: '2' is not the number of a phoneme"),
         ('"A"', '"A', "ha.fxl:3: a quotation mark is not closed"),
+        ("-startIndex 0 -endIndex 1", "-startIndex 1 -endIndex 0", "ha.fxl:4: a group from 1 to 0"),
+        ("%phonlist -append", "select", "ha.fxl:4: '0' is not .* phoneme; there is none above"),
     ],
 )
 def test_a_mistake_of_facefx_has_its_line(read, old, new, said):
@@ -147,6 +149,12 @@ def test_the_parts_of_cereproc_follow_each_other(read, performer):
     assert heard(performer, found) == ["_", "ax", "bmp", "ae", "bmp"]
     with pytest.raises(ScheduleError, match=r"events.txt:3: .* ends before it starts"):
         read("events.txt", CEREPROC.replace("0.050 0.250 a", "0.350 0.250 a"))
+
+
+@pytest.mark.parametrize("time", ["nan", "x", "1,5"])
+def test_an_event_of_cereproc_without_a_time_is_refused(read, time):
+    with pytest.raises(ScheduleError, match=rf"events.txt:4: '?{time}'? is not a time"):
+        read("events.txt", CEREPROC.replace("0.050 0.250 @", f"0.050 {time} @"))
 
 
 def test_sapi_numbers_its_phonemes(read, performer):
@@ -195,3 +203,12 @@ def test_a_number_that_is_no_phoneme_is_refused(read, number):
     lines = "\n".join(map(json.dumps, numbered([(26, 80), (26, "x")])))
     with pytest.raises(ScheduleError, match=r"hello.jsonl:2: 'x' is not a time"):
         read("hello.jsonl", lines)
+
+
+@pytest.mark.parametrize("name", ["Viseme", "Phoneme", "CurrentPhoneId"])
+def test_a_sound_of_sapi_cannot_end_before_it_starts(read, name):
+    positioned = {"AudioPosition": {"Ticks": 0}, "Duration": {"Ticks": -(10**7)}}
+    event = {"Duration": -1} if name == "CurrentPhoneId" else positioned
+    line = json.dumps(event | {name: "a" if name == "Phoneme" else 10})
+    with pytest.raises(ScheduleError, match=r"hello.jsonl:2: a Duration of -1 is below 0"):
+        read("hello.jsonl", f"{line.replace('-', '')}\n{line}\n")

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 
 VOICE_EVENT = re.compile(
-    r"\s*INFO: (phoneme|word|marker):\s+([-+\d.eE]+)\s+([-+\d.eE]+)(?:\s+(.*?))?\s*", re.ASCII
+    r"\s*INFO: (phoneme|word|marker):\s+(\S+)\s+(\S+)(?:\s+(.*?))?\s*", re.ASCII
 )
 
 

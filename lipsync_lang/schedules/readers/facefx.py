@@ -53,6 +53,8 @@ def read_facefx(source: TimingFile) -> Schedule:
                 _place(source, flags.get(name, ""), len(phones), number)
                 for name in ("startindex", "endindex")
             )
+            if last < first:
+                raise source.fault(f"a group from {first} to {last}; swap the two", number)
             text = flags.get("wordtext", "")
             words.append(LabelRow(text, phones[first].start, phones[last].end, number))
     return schedule_of(source, phones, words=words)
@@ -81,5 +83,5 @@ def _place(source: TimingFile, text: str, count: int, number: int) -> int:
     """Return the number of a phoneme of a word."""
     if text.isdecimal() and int(text) < count:
         return int(text)
-    what = f"{text!r} is not the number of a phoneme; they have the numbers 0 to {count - 1}"
-    raise source.fault(what, number)
+    known = f"they have the numbers 0 to {count - 1}" if count else "there is none above"
+    raise source.fault(f"{text!r} is not the number of a phoneme; {known}", number)

@@ -85,7 +85,7 @@ def _rows(
     for line, event in events:
         text = label(source, event, line)
         start = _seconds(source, event.get("AudioPosition"), line)
-        length = _seconds(source, event.get("Duration"), line)
+        length = _length(source, _seconds(source, event.get("Duration"), line), line)
         rows.append(LabelRow(text, start, start + length, line))
     return rows
 
@@ -112,7 +112,7 @@ def _numbered_rows(source: TimingFile, events: Sequence[Numbered]) -> list[Label
         if isinstance(number, bool) or number not in range(LAST_ID + 1):
             what = f"{number!r} is not the number of a phoneme; they are 0 to {LAST_ID}"
             raise source.fault(what, line)
-        length = source.number(event.get("Duration"), line)
+        length = _length(source, source.number(event.get("Duration"), line), line)
         rate = source.rate or MILLISECONDS_PER_SECOND
         rows.append(LabelRow(str(int(number)), start, start + length / rate, line))
         start = rows[-1].end
@@ -150,6 +150,13 @@ def _phonemes(
 def _has_stress(event: Json) -> bool:
     flags = event.get("Feature", event.get("Emphasis", 0))
     return isinstance(flags, int) and bool(flags & STRESS_BIT)
+
+
+def _length(source: TimingFile, length: float, line: int | None) -> float:
+    """Return a duration; one below 0 would move the sounds after it."""
+    if length < 0:
+        raise source.fault(f"a Duration of {length:g} is below 0; write 0 or more", line)
+    return length
 
 
 def _seconds(source: TimingFile, value: object, line: int | None) -> float:
