@@ -299,6 +299,10 @@ BAD = [
         "title: Parent\ntext: {number_rules: {one: {1: primo}, two: {like: on, endings: {o: a}}, "
         "three: {like: one, endings: {o: a, i: e}}}}",
         (("P236", 6, "on, "), ("W308", 6, "i: e}")), ""),
+    Bad("rules like each other, and like such", PARENT, "title: Parent",
+        "title: Parent\ntext: {number_rules: {a: {like: b, endings: {o: a}}, "
+        "b: {like: a, endings: {o: a}}, c: {like: c, endings: {o: a}}, full: {1: primo}}}",
+        (("P236", 6, "b, "), ("P236", 6, "a, endings: {o: a}}, c"), ("P236", 6, "c, ")), "full"),
     Bad("rules without endings", PARENT, "title: Parent",
         "title: Parent\ntext: {number_rules: {one: {1: primo}, two: {like: one, ends: {o: a}}, "
         "three: {like: one, endings: {}}}}",

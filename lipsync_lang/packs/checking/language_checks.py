@@ -95,6 +95,11 @@ def _endings(
     """Check that rules are like others that are stated in full, and end as those do."""
     loc = ("text", "number_rules", table)
     others = {name for name, r in text.number_rules.items() if not isinstance(r, RulesLike)}
+    if rules.like in text.number_rules.keys() - others:
+        what = f"'{rules.like}' is like other rules itself"
+        hint = f"state '{rules.like}' in full, or name rules that are"
+        yield language.fault((*loc, "like"), "P236", what, hint)
+        return
     if rules.like not in others:
         yield language.unknown((*loc, "like"), "P236", "rules of numbers", rules.like, others)
         return
