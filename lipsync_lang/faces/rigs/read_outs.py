@@ -179,6 +179,8 @@ def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
     """
     moving = np.flatnonzero(np.abs(opened).max(axis=1) > 0)
     size = float(np.ptp(rest[moving, 0]))
+    if not size:
+        return np.empty((2, 0), np.intp)
     columns = np.round((rest[:, 0] - np.median(rest[moving, 0])) / (NEAR_SHARE * size)).astype(int)
     found = []
     for column in np.unique(columns[moving]):

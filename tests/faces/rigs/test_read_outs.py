@@ -74,3 +74,11 @@ def test_lids_are_no_mouth():
     assert set(mouth.upper) | set(mouth.lower) <= set(range(22))
     assert mouth.measure(shapes["viseme_aa"]).aperture > 0.5
     assert mouth.measure(shapes["blink"]).aperture == 0.0
+
+
+@pytest.mark.filterwarnings("error")
+def test_points_of_one_column_are_no_mouth():
+    one = np.zeros_like(POINTS)
+    one[0, 1] = -1.0
+    with pytest.raises(ModelError, match="no shape opens a mouth"):
+        find_mouth(POINTS, {"drop": one}, Path("head.glb"))
