@@ -47,6 +47,7 @@ class ExportSettings:
         have tangents
     against : other animations of the line by name, for formats that compare
     face : file beside the output that holds the model's data for all lines; empty for each its own
+    pose_names : True if columns have the names of poses, where the model has shapes of other names
     frame_rate : frames per second that somebody has asked for, in formats that count the frames of
         another program; None for that program's own if the animation has the usual rate
     """
@@ -56,6 +57,7 @@ class ExportSettings:
     key_lines: bool = False
     against: Mapping[str, "Animation"] = field(default_factory=dict)
     face: str = ""
+    pose_names: bool = False
     frame_rate: float | None = None
 
     def __post_init__(self) -> None:

@@ -11,7 +11,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import KeyedCurve
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.faces.rigs.model import is_index, known_model
+from lipsync_lang.faces.rigs.model import Mesh, Model, is_index, known_model
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
 
@@ -62,14 +62,42 @@ def on_model(animation: Animation) -> list[tuple[str, str, int]]:
     if animation.model is None:
         return []
     model = known_model(animation.model, bones=True)
-    meshes, still = model.meshes, still_by_mesh(model)
+    still = still_by_mesh(model)
     return [
-        ((mesh.given or mesh.name) if len(meshes) > 1 else "", name, column)
-        for mesh in meshes
+        (_label(model, mesh), name, column)
+        for mesh in model.meshes
         for column, names in on_mesh(animation.columns, mesh).shapes.items()
         for name in names
         if name not in still.get(mesh.name, ())
     ]
+
+
+def in_words_of_model(animation: Animation) -> Animation:
+    """Name the columns as the known model names its shapes, for files of bare columns.
+
+    A column that moves several shapes is repeated. Of two columns for one shape, the larger value
+    is kept. Bones, and columns without a shape, keep their names.
+    """
+    if animation.model is None or animation.export.pose_names:
+        return animation
+    own: dict[int, dict[str, None]] = defaultdict(dict)
+    for mesh in known_model(animation.model, bones=True).meshes:
+        for column, names in on_mesh(animation.columns, mesh).shapes.items():
+            own[column].update(dict.fromkeys(names))
+    kept = {pose for column, pose in enumerate(animation.poses) if column not in own}
+    columns: dict[str, list[int]] = defaultdict(list)
+    for column, pose in enumerate(animation.poses):
+        for name in [name for name in own.get(column, ()) if name not in kept] or [pose]:
+            columns[name].append(column)
+    if tuple(columns) == animation.poses:
+        return animation
+    values = [animation.weights[:, some].max(axis=1) for some in columns.values()]
+    return replace(animation, poses=tuple(columns), weights=np.column_stack(values), channels=())
+
+
+def _label(model: Model, mesh: Mesh) -> str:
+    """Return the name of a mesh in the file; empty for the only one with shapes."""
+    return (mesh.given or mesh.name) if len(model.meshes) > 1 else ""
 
 
 def unshown(animation: Animation, program: str) -> Iterator[str]:
@@ -80,11 +108,11 @@ def unshown(animation: Animation, program: str) -> Iterator[str]:
     yield from shapes_from_zero(animation, program)
 
 
-def node_paths(animation: Animation) -> dict[str, list[str]]:
-    """Return the paths of the nodes of each mesh below the top of the model, by `MovingShape.mesh`.
+def node_chains(animation: Animation) -> dict[str, list[list[str]]]:
+    """Return the nodes of each mesh by `MovingShape.mesh`: their names from the top of the model.
 
-    A path is the names of the nodes, such as ``Armature/Head``. A single mesh at the top is the
-    model itself, and has an empty path.
+    A single mesh that is the whole model has an empty chain: programs make the model's own object
+    of it. If a light or another mesh stands beside it, it is an object below the model's.
     """
     if animation.model is None:
         return {}
@@ -97,16 +125,15 @@ def node_paths(animation: Animation) -> dict[str, list[str]]:
         for child in (own if isinstance(own, list) else ())
         if is_index(child, len(nodes))
     }
-    found: dict[str, list[str]] = defaultdict(list)
+    found: dict[str, list[list[str]]] = defaultdict(list)
     for mesh in model.meshes:
+        label = _label(model, mesh)
         for at in (n for n, node in enumerate(nodes) if node.get("mesh") == mesh.number):
             chain = [at]
             # A damaged model may have nodes below themselves.
             while above.get(chain[0], at) not in chain:
                 chain.insert(0, above[chain[0]])
-            path = "/".join(nodes[n].get("name") or mesh.name for n in chain)
-            single = len(model.meshes) == 1
-            found["" if single else mesh.given or mesh.name].append(
-                "" if single and len(chain) == 1 else path
-            )
+            whole = not label and len(chain) == 1 and len(nodes) - len(above) == 1
+            names = [nodes[n].get("name") or mesh.name for n in chain]
+            found[label].append([] if whole else names)
     return found

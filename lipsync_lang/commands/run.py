@@ -103,6 +103,7 @@ def run(options: Namespace) -> int:
             error,
             lines,
             _against(options, performer, animation),
+            pose_names=options.poses,
             frame_rate=options.stated_fps,
         ),
     )

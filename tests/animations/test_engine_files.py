@@ -10,13 +10,13 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from face_models import face
+from face_models import ARKIT, OCULUS, face
 from file_bytes import bytes_of
 from lanes import swept
 from small_models import glb
 
 import lipsync_lang as ll
-from lipsync_lang.animations.animation import ExportSettings
+from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.fixed import names
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
@@ -553,6 +553,61 @@ def test_a_clip_follows_the_nodes_of_the_model_and_leaves_still_eyes_out(tmp_pat
     one = face(tmp_path / "one.glb", "jawOpen", above=("Root", "Body"), meshes=("Face",))
     rows = clip_of(bytes_of("unity", replace(performed(), model=one)))["m_FloatCurves"]
     assert [row["path"] for row in rows] == ["Root/Body/Face"]
+
+
+@pytest.mark.parametrize(
+    ("above", "beside", "path"),
+    [((), (), None), ((), ("Lamp",), "Face"), (("Armature",), ("Lamp",), "Armature/Face")],
+)
+def test_a_clip_finds_a_face_at_the_top_of_a_model(above, beside, path, tmp_path):
+    chain = [{"name": name, "children": [n + 1]} for n, name in enumerate(above)]
+    nodes = [*chain, {"name": "Face", "mesh": 0}, *({"name": name} for name in beside)]
+    model = face(tmp_path / "x.glb", "jawOpen", above=above, meshes=("Head",), nodes=nodes)
+    rows = clip_of(bytes_of("unity", replace(performed(), model=model)))["m_FloatCurves"]
+    assert {row["path"] for row in rows} == {path}
+
+
+# Files of bare columns
+
+
+HEADS = {
+    "oculus": OCULUS,
+    "arkit": tuple(f"blendShape1.{name}" for name in ARKIT),
+    "vrm": ("あ", "い", "う", "え", "お"),
+}
+
+
+@pytest.mark.parametrize("poseset", HEADS)
+def test_bare_columns_have_the_names_of_the_model(poseset, tmp_path):
+    shapes = HEADS[poseset]
+    model = face(tmp_path / "x.glb", *shapes, meshes=("Head", "Teeth"))
+    animation = replace(ll.resolve("english", poseset).perform(SCHEDULE), model=model)
+    told = json.loads(bytes_of("json", animation))
+    table = [*csv.reader(bytes_of("csv", animation).decode().splitlines())]
+    curves = [*csv.reader(bytes_of("unreal", animation).decode().splitlines())]
+    assert table[0] == ["time_s", *told["poses"]]
+    assert [row[0] for row in curves[1:]] == told["poses"]
+    clip = clip_of(bytes_of("unity", animation))["m_FloatCurves"]
+    moving = {row["attribute"].removeprefix("blendShape.") for row in clip}
+    assert len(moving) >= 5
+    assert moving == set(told["poses"]) & set(shapes)
+
+
+def test_a_column_of_two_shapes_is_written_twice_and_two_of_one_shape_once(tmp_path):
+    model = face(tmp_path / "x.glb", "smileLeft", "smileRight", "jaw", meshes=("Head", "Teeth"))
+    columns = (
+        Channel("smile"), Channel("jawOpen", ("jaw",), "Head"), Channel("low", ("jaw",), "Teeth"),
+        Channel("b"),
+    )  # fmt: skip
+    weights = np.array([[0.1, 0.2, 0.3, 0.4], [0.4, 0.3, 0.2, 0.1]])
+    animation = Animation(
+        np.arange(2) / 30, tuple(one.name for one in columns), weights, 30, SCHEDULE,
+        channels=columns, model=model,
+    )  # fmt: skip
+    told = json.loads(bytes_of("json", animation))
+    assert dict(zip(told["poses"], zip(*told["frames"], strict=True), strict=True)) == {
+        "smileLeft": (0.1, 0.4), "smileRight": (0.1, 0.4), "jaw": (0.3, 0.3), "b": (0.4, 0.1),
+    }  # fmt: skip
 
 
 def test_a_rig_may_say_the_path():

@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from face_models import face
 from file_bytes import bytes_of
 from lanes import full
 from pages import follow_here
@@ -130,6 +131,21 @@ def test_shapes_of_several_meshes_are_under_their_nodes(tmp_path):
     animation = noise(("open", "wide"), model=model)
     paths = ["Head:blend_shapes/Open", "Head:blend_shapes/Wide", "Teeth001:blend_shapes/Open"]
     assert sorted(from_tres(bytes_of("godot", animation), animation)) == paths
+
+
+def test_tracks_name_nodes_not_meshes(tmp_path):
+    animation = noise(("open",), model=apart(tmp_path / "face.glb"))
+    paths = ["Face:blend_shapes/Open", "Teeth2:blend_shapes/Open", "Teeth:blend_shapes/Open"]
+    assert sorted(from_tres(bytes_of("godot", animation), animation)) == paths
+
+
+def apart(path):
+    """A model whose nodes and meshes have different names; two nodes show one mesh."""
+    nodes = [
+        {"name": "Fa.ce", "mesh": 0}, {"name": "Teeth", "mesh": 1}, {"name": "Teeth2", "mesh": 1},
+    ]  # fmt: skip
+    scenes = [{"nodes": [0, 1, 2]}]
+    return face(path, "Open", meshes=("Tête Head", "Mesh.001"), nodes=nodes, scenes=scenes)
 
 
 def test_what_a_tres_cannot_hold_is_told():
@@ -253,6 +269,20 @@ def test_godot_finds_shapes_of_any_name(godot):
         wanted = np.interp(times, animation.timeline, animation.weights[:, number])
         shape = tracks[f"blend_shapes/{name.replace(':', '_')}"]
         np.testing.assert_allclose(shape, wanted, atol=1e-4)
+
+
+@full
+def test_godot_moves_nodes_that_are_named_apart_from_their_meshes(engine, tmp_path):
+    project = tmp_path / "project"
+    project.mkdir()
+    model = apart(project / "face.glb")
+    animation = noise(("open",), model=model)
+    animation.save(project / "line.tres")
+    times = [0.1, 0.3, 0.5]
+    asked = json.dumps({"files": ["line.tres"], "times": times})
+    said = engine(SCRIPT, project, ["face.glb"], ASKED=asked, SCENE="face.glb")
+    wanted = np.interp(times, animation.timeline, animation["open"])
+    np.testing.assert_allclose(said["line.tres"]["tracks"]["blend_shapes/Open"], wanted, atol=1e-4)
 
 
 @full

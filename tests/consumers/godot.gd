@@ -3,8 +3,8 @@
 #   ASKED='{"files": ["line.tres", "face.glb"], "times": [0.0, 0.5]}' \
 #     godot3-server --path PROJECT --script godot.gd
 #
-# An Animation moves a mesh that has a shape for each of its tracks; a scene moves its own. What is
-# said is JSON on one line: of each file its length, and the values of each track at the times.
+# An Animation moves a mesh that has a shape for each of its tracks, or the SCENE of that name beside
+# the files; a scene moves its own. What is said is JSON on one line: of each file its length, and the values of each track at the times.
 extends SceneTree
 
 const SHAPES = "blend_shapes/"
@@ -23,7 +23,8 @@ func sampled(resource, times):
 	var scene
 	var player
 	if resource is Animation:
-		scene = face(resource)
+		var model = OS.get_environment("SCENE")
+		scene = load("res://" + model).instance() if model else face(resource)
 		player = AnimationPlayer.new()
 		scene.add_child(player)
 		player.add_animation("line", resource)

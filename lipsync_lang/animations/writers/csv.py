@@ -4,6 +4,7 @@ from typing import TextIO
 
 import numpy as np
 
+from lipsync_lang.animations.moving_shapes import in_words_of_model
 from lipsync_lang.animations.writers import Animation, writer
 
 ROWS_AT_ONCE = 1000
@@ -13,6 +14,7 @@ ROWS_AT_ONCE = 1000
 @writer("csv", suffix=".csv")
 def write_csv(animation: Animation, out: TextIO) -> None:
     """A row per frame: time_s, then a column per pose."""
+    animation = in_words_of_model(animation)
     quoted = (
         '"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name
         for name in animation.poses

@@ -2,8 +2,9 @@
 
 The file uses the text resource format 2 (docs.godotengine.org, "TSCN file format"), which Godot 3
 writes and Godot 4 still reads, including `PoolRealArray`. Each shape is a value track on the
-property `blend_shapes/<name>` of a MeshInstance. For models with several meshes, the node has the
-name of the mesh; otherwise it is the root of the AnimationPlayer. Godot has no negative time. If
+property `blend_shapes/<name>` of a MeshInstance. For models with several meshes, the track begins
+with the name of the node; otherwise the node is the root of the AnimationPlayer. Godot has no
+negative time. If
 movement starts before the sound, all times are shifted, and the metadata `audio_start` (Godot 4)
 is the start of the sound in seconds.
 
@@ -11,14 +12,14 @@ With `keys`, tracks are Bezier tracks instead. Handles a third of the way to the
 curves cubic in time.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import TextIO
 
 import numpy as np
 
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
-from lipsync_lang.animations.moving_shapes import keys, shapes, unshown
+from lipsync_lang.animations.moving_shapes import keys, node_chains, shapes, unshown
 from lipsync_lang.animations.writers import Animation, writer
 
 GODOT = "Godot"
@@ -39,10 +40,14 @@ def write_godot(animation: Animation, out: TextIO) -> None:
         f"length = {_number(animation.timeline[-1])}\n"
         f"step = {_number(1 / animation.fps)}\n"
     )
-    curves = keys(animation, tracks, ERROR)
-    for number, (track, curve) in enumerate(zip(tracks, curves, strict=True)):
+    curves, chains = keys(animation, tracks, ERROR), node_chains(animation)
+    placed = (
+        (node, track, curve)
+        for track, curve in zip(tracks, curves, strict=True)
+        for node in _nodes(track.mesh, chains)
+    )
+    for number, (node, track, curve) in enumerate(placed):
         kind = "bezier" if curve.cubic else "value"
-        node = track.mesh.translate(IN_NODES) or "."
         path = f"{node}:blend_shapes/{track.name.translate(IN_SHAPES)}"
         path = path.replace("\\", "\\\\").replace('"', '\\"')
         out.write(
@@ -55,6 +60,14 @@ def write_godot(animation: Animation, out: TextIO) -> None:
             f"tracks/{number}/keys = {{\n{_keys(curve)}}}\n"
         )
     out.write(f"metadata/audio_start = {_number(animation.begins)}\n")
+
+
+def _nodes(mesh: str, chains: Mapping[str, list[list[str]]]) -> Iterable[str]:
+    """Return the nodes that show a mesh, as Godot names them; the root for the only mesh."""
+    if not mesh:
+        return (".",)
+    names = (chain[-1] for chain in chains.get(mesh, [[mesh]]))
+    return dict.fromkeys(name.translate(IN_NODES) or "." for name in names)
 
 
 def _keys(curve: KeyedCurve) -> str:

@@ -6,13 +6,14 @@ from typing import TextIO
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.animations.moving_shapes import in_words_of_model
 from lipsync_lang.animations.writers import Animation, writer
 
 
 @writer("json", suffix=".json")
 def write_json(animation: Animation, out: TextIO) -> None:
     """Pose names, a list of weights per frame, and the phonemes and words performed."""
-    schedule = animation.schedule
+    animation, schedule = in_words_of_model(animation), animation.schedule
     times = [round(t, 6) for t in schedule.times.tolist()]
     marks = schedule.stress or (None,) * len(schedule)
     sounds = zip(schedule.labels, times, times[1:], marks, strict=False)

@@ -3,10 +3,10 @@
 Based on clips of Unity 2018 and later (`AnimationClip`, serialized version 6). Each blend shape has
 a curve with the attribute `blendShape.<name>` (class 137: SkinnedMeshRenderer). Weights are in
 percent. `path` leads from the Animator object at the top of the model to the mesh object, by the
-names of the nodes; it is empty if the model is a single mesh. A shape has no curve on a mesh where
-it moves no point. Keys have broken linear tangents (mode 69), or free ones with `keys` (mode 0, and
-1 where both sides differ); slopes are percent per second. Derived data, such as editor curves and
-bindings, is omitted because Unity rebuilds it. Clips have no negative time.
+names of the nodes; it is empty if the model is a single mesh and nothing else. A shape has no curve
+on a mesh where it moves no point. Keys have broken linear tangents (mode 69), or free ones with
+`keys` (mode 0, and 1 where both sides differ); slopes are percent per second. Derived data, such as
+editor curves and bindings, is omitted because Unity rebuilds it. Clips have no negative time.
 """
 
 import re
@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import TextIO
 
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
-from lipsync_lang.animations.moving_shapes import keys, node_paths, shapes, unshown
+from lipsync_lang.animations.moving_shapes import keys, node_chains, shapes, unshown
 from lipsync_lang.animations.writers import Animation, template, writer
 
 UNITY = "Unity"
@@ -29,14 +29,14 @@ PLAIN_YAML = r"(?ai)(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*"
 @writer("unity", suffix=".anim", remarks=partial(unshown, program=UNITY))
 def write_unity(animation: Animation, out: TextIO) -> None:
     """A Unity animation clip: keyframes of blend shapes."""
-    found, paths = shapes(animation), node_paths(animation)
+    found, chains = shapes(animation), node_chains(animation)
     head, curve_form, key_form, tail = template("unity.txt")
     out.write(head.format(name=_text(animation.title)))
     for shape, curve in zip(found, keys(animation, found, ERROR), strict=True):
         told, attribute = _keys(curve, key_form), _text(f"blendShape.{shape.name}")
         out.writelines(
-            curve_form.format(keys=told, attribute=attribute, path=_text(path))
-            for path in paths.get(shape.mesh, [shape.mesh])
+            curve_form.format(keys=told, attribute=attribute, path=_text("/".join(chain)))
+            for chain in chains.get(shape.mesh, [[shape.mesh]])
         )
     stop = _number(float(animation.timeline[-1]))
     out.write(tail.format(fps=_number(animation.fps), stop=stop))

@@ -12,6 +12,7 @@ import csv
 from collections import Counter
 from typing import TextIO
 
+from lipsync_lang.animations.moving_shapes import in_words_of_model
 from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.base.errors import OutputError
 
@@ -19,6 +20,7 @@ from lipsync_lang.base.errors import OutputError
 @writer("unreal", suffix=".unreal.csv")
 def write_unreal(animation: Animation, out: TextIO) -> None:
     """A curve table of Unreal Engine: a row for each curve, a column for each frame."""
+    animation = in_words_of_model(animation)
     counts = Counter(name.casefold() for name in animation.poses)
     twice = [name for name in animation.poses if counts[name.casefold()] > 1]
     if twice:
