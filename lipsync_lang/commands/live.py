@@ -167,6 +167,8 @@ def _serve_page(options: Namespace, performer: "Performer", session: "Session") 
             raise LipsyncError(f"{name} is not for the page; leave it out with --page")
 
     def open_app(token: str, hosts: Collection[str]) -> "ASGIApp":
+        import websockets  # noqa: F401 without it, uvicorn opens the page and refuses its sound
+
         from lipsync_lang.studio.voice_page import voice_app
 
         return voice_app(performer, session, token, hosts)

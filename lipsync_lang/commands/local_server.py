@@ -89,8 +89,8 @@ def serve(
             import uvicorn
 
             page = open_app(token, hosts)
-        except ImportError:
-            needs = f"{what} needs Starlette and uvicorn: {install_line('studio')}"
+        except ImportError as error:
+            needs = f"{what} needs the package {error.name}: {install_line('studio')}"
             raise LipsyncError(needs) from None
         address = f"http://{host}:{port}/{token}/"
         print(f"{what} is at {address}", flush=True)

@@ -549,6 +549,19 @@ def test_piped_sound_is_followed_and_its_faults_are_named():
         assert match in done.stderr.decode()
 
 
+@pytest.mark.parametrize("package", ["starlette", "uvicorn", "websockets"])
+def test_a_package_that_the_page_lacks_is_named_before_it_opens(cli, monkeypatch, package):
+    hidden = [name for name in sys.modules if name.split(".")[0] == package]
+    for name in [*hidden, package, "lipsync_lang.studio.voice_page"]:
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.setitem(sys.modules, package, None)
+    ended = cli("live", "--page", "--no-browser", *PAIR)
+    assert ended.code == 2
+    assert f"the page needs the package {package}" in ended.err
+    assert "[studio]" in ended.err
+    assert not ended.out
+
+
 @pytest.mark.parametrize(
     ("options", "match"),
     [
