@@ -762,6 +762,53 @@ def shipped(formats: Formats[F]) -> list[F]:
 
 DOCUMENTED_FORMS = (
     (
+        "allosaurus",
+        "rows of `--timestamp=True`",
+        "[Allosaurus, README](https://github.com/xinjli/allosaurus#readme)",
+    ),
+    (
+        "aws-transcribe",
+        "`results.items` of a batch job",
+        "[Amazon Transcribe, output](https://docs.aws.amazon.com/transcribe/latest/dg/how-input.html)",
+    ),
+    (
+        "deepgram",
+        "words of recorded speech",
+        "[Deepgram, pre-recorded audio](https://developers.deepgram.com/docs/pre-recorded-audio)",
+    ),
+    (
+        "google, google-v2, google-timepoints",
+        "word offsets of both versions, and time points of marks",
+        (
+            "[Speech-to-Text, time offsets](https://cloud.google.com/speech-to-text/docs/"
+            "async-time-offsets), [Text-to-Speech, time points](https://cloud.google.com/"
+            "text-to-speech/docs/reference/rest/v1beta1/text/synthesize)"
+        ),
+    ),
+    (
+        "gladia, rev, speechmatics, word-times",
+        "words with their times",
+        "the examples of answers in the documents of each service, and of NeMo and Kokoro-FastAPI",
+    ),
+    (
+        "julius",
+        "the log of `-palign` and `-walign`",
+        (
+            "`segment_julius.pl` of [Julius's kit](https://github.com/julius-speech/"
+            "segmentation-kit), which moves all times but the first by 12.5 ms"
+        ),
+    ),
+    (
+        "kokoro, edge-tts, piper, piper-samples",
+        "what `create_timed`, `save` and the server write; no voice was run",
+        "the source of kokoro-onnx 0.6.1, edge-tts 7.3.1 and piper-tts 1.8.0",
+    ),
+    (
+        "talking-head",
+        "`visemes`, `vtimes`, `vdurations` and those of words",
+        "[TalkingHead, README](https://github.com/met4citizen/TalkingHead#readme)",
+    ),
+    (
         "cslu",
         "the header, the frames and the labels of a `.phn`",
         (

@@ -2,19 +2,31 @@
 
 A path such as ``NBest[0].Words`` names fields from the outermost object on. A list on the way
 stands for all its objects, with ``[0]`` for its first alone. Without a path, the outermost objects
-are the records. A format that differs from others by path and names alone is a `RecordFormat`:
-a row of `readers/record_formats.py`, or of a project.
+are the records. Several paths have a bar between them, and the first that leads to records counts.
+A field of a record may be a path, too.
+
+A format that differs from others by path and names alone is a `RecordFormat`: a row of
+`readers/record_formats.py`, or of a project.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
+from unicodedata import category
 
 from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.rows import (
+    LabelRow,
+    Start,
+    listed_rows,
+    schedule_of,
+    shapes_of,
+    until_next,
+)
 from lipsync_lang.schedules.timed_words import timed_words_of
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, first_item
 from lipsync_lang.schedules.timing_readers import ScheduleReader, Timings
 
 RECORD_UNITS = {"s": None, "ms": 1000.0, "ticks": 1e7}
@@ -22,19 +34,37 @@ RECORD_UNITS = {"s": None, "ms": 1000.0, "ticks": 1e7}
 
 FIRST_ONLY = "[0]"
 
+SNIFFED_RECORDS = 8
+"""Number of first records that tell a format: the very first may be a mark without times."""
+
+STRESS_MARKS = "ˈˌ"
+"""Marks before the sound that they belong to; all others follow it."""
+
 
 @dataclass(frozen=True)
 class RecordList:
     """A list of records, and the names of their fields."""
 
     text: str
-    start: str
+    start: str | None = None
+    """Field with the start; None if a record starts where the one before it ends."""
     records: str = ""
     end: str | None = None
     duration: str | None = None
-    """Field that takes the place of `end`."""
+    """Field that takes the place of `end`; without both, a record lasts until the next."""
     unnamed: bool = False
     """True if a record without a text is silence."""
+    untimed: bool = False
+    """True if records without times, such as punctuation, are left out."""
+    from_zero: bool = False
+    """True if a record without a start begins at 0."""
+    columns: bool = False
+    """True if the fields are lists of one length, with an item for each record."""
+
+    @property
+    def times(self) -> list[str]:
+        """The fields with times."""
+        return [one for one in (self.start, self.end or self.duration) if one is not None]
 
 
 @dataclass(frozen=True)
@@ -50,8 +80,12 @@ class RecordFormat:
     rate: float | None = None
     """Units in a second, such as frames, instead of `unit`."""
     notation: str | None = None
+    shapes: bool = False
+    """True if the phonemes are mouth shapes."""
+    characters: bool = False
+    """True if each phoneme is a character: marks, spaces and punctuation among them."""
     mentions: tuple[str, ...] = ()
-    """Fields of which a file has one; without them, the fields of its first record tell."""
+    """Fields of which a file has one; without them, the fields of its first records tell."""
     suffixes: tuple[str, ...] = (".json", ".jsonl")
     form: str | None = None
     """An example, for messages."""
@@ -64,26 +98,50 @@ class RecordFormat:
         """Return True if the file looks like this format."""
         if self.mentions:
             return source.mentions(*self.mentions)
-        return source.document is not None and any(_fits(source, one) for one in self.lists())
+        return source.head.lstrip()[:1] in ("{", "[") and any(
+            _fits(source, one) for one in self.lists()
+        )
 
     def read(self, source: TimingFile) -> Timings:
         """Read the phonemes and words of a file."""
+        rate = self.rate or RECORD_UNITS[self.unit]
+        remarks: list[str] = []
         phones, words = (
-            [] if one is None else list(_rows(source, one, self.form))
+            [] if one is None else self._rows(source, one, rate or 1.0, remarks)
             for one in (self.phonemes, self.words)
         )
-        rate = self.rate or RECORD_UNITS[self.unit]
         if not phones and not words:
             paths = " or ".join(f"`{one.records}`" for one in self.lists() if one.records)
             where = f" at {paths}" if paths else ""
             raise source.fault(f"has no records of {self.name}{where}; {_mend(self.form)}")
-        if phones:
-            return schedule_of(source, phones, words=words, notation=self.notation, rate=rate)
-        return timed_words_of(source, words, rate=rate)
+        words = [row for row in words if any(map(str.isalnum, row.label))]
+        if not phones:
+            return timed_words_of(source, words, rate=rate, remarks=remarks)
+        if self.characters:
+            phones = _without_marks(phones)
+        if self.shapes:
+            return shapes_of(
+                source, phones, notation=str(self.notation), words=words, rate=rate, remarks=remarks
+            )
+        return schedule_of(
+            source, phones, words=words, notation=self.notation, rate=rate, remarks=remarks
+        )
 
     def reader(self) -> ScheduleReader:
         """Return the reader of the format."""
         return ScheduleReader(self.name, self.suffixes, self.title, self.sniff, self.read)
+
+    def _rows(
+        self, source: TimingFile, given: RecordList, rate: float, remarks: list[str]
+    ) -> list[LabelRow]:
+        """Return the rows of records, in the file's unit; services repeat some as they are."""
+        rows = list(dict.fromkeys(_rows(source, given, self.form)))
+        if given.end or given.duration:
+            return rows
+        starts: list[Start] = [(row.label, row.start, row.line) for row in rows]
+        rows, told = until_next(source, starts, rest="", rate=rate)
+        remarks += told
+        return rows
 
 
 def record_format(name: str, row: Mapping[str, Any]) -> RecordFormat:
@@ -102,8 +160,8 @@ def records_at(
     name, _, rest = path.partition(".")
     first = name.endswith(FIRST_ONLY)
     name = name.removesuffix(FIRST_ONLY)
-    found = whole.get(name, []) if isinstance(whole, dict) else None
-    found = [found] if isinstance(found, dict) else found
+    found = whole.get(name) if isinstance(whole, dict) else ()
+    found = [] if found is None else [found] if isinstance(found, dict) else found
     parts = source.object_list(found, f"`{name}` must be a list of objects; {_mend(form)}", line)
     for part in parts[:1] if first else parts:
         if rest:
@@ -117,32 +175,98 @@ def _mend(form: str | None) -> str:
 
 
 def _records(
-    source: TimingFile, given: RecordList, form: str | None
+    source: TimingFile, given: RecordList, form: str | None, events: int | None = None
 ) -> Iterator[tuple[int | None, Json]]:
-    for line, value in source.events:
+    """Yield (line, record) of the first path that has records, in the first `events`."""
+    for path in given.records.split("|"):
+        found = _at_path(source, path.strip(), form, events)
+        if first := next(found, None):
+            yield first
+            yield from found
+            return
+
+
+def _at_path(
+    source: TimingFile, given: str, form: str | None, events: int | None
+) -> Iterator[tuple[int | None, Json]]:
+    for line, value in source.events[:events]:
         # A list of one field lets the outermost objects pass the same check as all others.
-        whole, path = (value, given.records) if given.records else ({"records": value}, "records")
+        whole, path = (value, given) if given else ({"records": value}, "records")
         for record in records_at(source, whole, path, form, line):
             yield line, record
 
 
 def _fits(source: TimingFile, given: RecordList) -> bool:
-    """Return True if the first record has all fields of the format."""
+    """Return True if one of the first records has all fields of the format."""
+    named = [] if given.unnamed else [given.text]
+    needed = [*named, *(given.times[1:] if given.from_zero else given.times)]
     try:
-        _, first = next(_records(source, given, None), (None, {}))
+        first = list(islice(_records(source, given, None, SNIFFED_RECORDS), SNIFFED_RECORDS))
     except ScheduleError:
         return False
-    return {given.text, given.start, given.end or given.duration} <= first.keys()
+    return any(all(_field(one, name) is not None for name in needed) for _, one in first)
+
+
+def _field(record: Json, path: str) -> object:
+    """Return what a record has at a path; None where something is missing."""
+    found: object = record
+    for name in path.split("."):
+        found = found.get(name.removesuffix(FIRST_ONLY)) if isinstance(found, dict) else None
+        found = first_item(found) if name.endswith(FIRST_ONLY) else found
+    return found
 
 
 def _rows(source: TimingFile, given: RecordList, form: str | None) -> Iterator[LabelRow]:
     """Yield the rows of records, in the file's unit; faults count the records from 1."""
+    end = 0.0
+    names = [given.text, *given.times]
     for number, (line, record) in enumerate(_records(source, given, form), 1):
-        stop = given.end or given.duration
-        for name in (given.text, given.start, stop):
-            if name not in record and not (given.unnamed and name == given.text):
+        if given.columns:
+            lists = map(record.get, names) if given.text in record else ([], [], [])
+            example = form or f"lists of {', '.join(names)}"
+            yield from listed_rows(
+                source, *lists, form=example, line=line, durations=given.end is None
+            )
+            continue
+        found = {name: _field(record, name) for name in names}
+        if given.from_zero and given.start and found[given.start] is None:
+            found[given.start] = 0
+        if given.untimed and any(found[name] is None for name in given.times):
+            continue
+        for name, value in found.items():
+            if value is None and not (given.unnamed and name == given.text):
                 raise source.fault(f"record {number} has no '{name}'", line)
-        text = record.get(given.text)
-        start, end = (source.number(record[one], line) for one in (given.start, str(stop)))
-        end = end if given.end else start + end
+        start = end if given.start is None else _time(source, found[given.start], line)
+        stop = found.get(str(given.end or given.duration), start)
+        end = _time(source, stop, line) + (start if given.duration else 0.0)
+        text = found[given.text]
         yield LabelRow("" if text is None else str(text), start, end, line)
+
+
+def _time(source: TimingFile, value: object, line: int | None) -> float:
+    """Return a time; some services write the unit after seconds: `"1.300s"`."""
+    return source.number(value.removesuffix("s") if isinstance(value, str) else value, line)
+
+
+def _without_marks(rows: list[LabelRow]) -> list[LabelRow]:
+    """Return characters of a phonetic text as sounds.
+
+    Marks join the sound that they belong to, and a space the sound before it, because it is not
+    heard. Punctuation and the marks of the ends of a text are silence.
+    """
+    joined: list[LabelRow] = []
+    stress: LabelRow | None = None
+    for row in rows:
+        mark = bool(row.label) and category(row.label[0]) in {"Lm", "Mn", "Sk"}
+        if row.label in STRESS_MARKS and mark:
+            stress = stress or row
+        elif joined and (mark or row.label.isspace()):
+            label = joined[-1].label + (row.label if mark and joined[-1].label else "")
+            joined[-1] = joined[-1]._replace(label=label, end=row.end)
+        else:
+            sound = any(map(str.isalnum, row.label)) and not mark
+            before = stress if stress and sound else row._replace(label="")
+            label = before.label + row.label if sound else ""
+            joined.append(row._replace(label=label, start=before.start))
+            stress = None
+    return joined

@@ -5,7 +5,7 @@ phonemes within each word depend on the language: `speech.filling` adds them.
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from operator import attrgetter
 from statistics import median
@@ -17,10 +17,8 @@ from lipsync_lang.schedules.rows import (
     check_span,
     guessed_rate,
     overlap,
-    schedule_of,
     without_length,
 )
-from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 
 TYPICAL_WORD_SECONDS = 0.3
@@ -84,19 +82,6 @@ def are_words(labels: Iterable[str]) -> bool:
             is_word = any(first <= c <= last for c in letters for first, last in WORD_SCRIPTS)
             counts.append(MAX_PHONE_LETTERS + 1 if is_word else len(letters))
     return bool(counts) and median(counts) > MAX_PHONE_LETTERS
-
-
-def phones_or_words(
-    source: TimingFile,
-    phones: Sequence[LabelRow],
-    words: Sequence[LabelRow],
-    *,
-    rate: float | None = None,
-) -> Schedule | TimedWords:
-    """Make a schedule of phones and words; of words alone, timed words."""
-    if phones or not words:
-        return schedule_of(source, phones, words=words, rate=rate)
-    return timed_words_of(source, words, rate=rate)
 
 
 def timed_words_of(

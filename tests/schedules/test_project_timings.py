@@ -66,6 +66,15 @@ def test_words_alone_and_another_rate(read):
     assert [(word.text, word.end) for word in timed.words] == [("ma", 2.4)]
 
 
+def test_columns_and_fields_within_fields(read):
+    project = PROJECT.replace("end: to}", "end: to, columns: true}")
+    columns = {"symbol": ["M", "AE1"], "from": [0, 90], "to": [90, 240]}
+    assert read({"result": {"phones": columns}}, project).labels == ("M", "AE1")
+    project = PROJECT.replace("text: word, ", 'text: "ways[0].word", untimed: true, ')
+    said = [{"ways": [{"word": "ma"}], "from": 0, "long": 240}, {"ways": [{"word": "."}]}]
+    assert [word.text for word in read({"result": {"said": said}}, project).words] == ["ma"]
+
+
 def test_outermost_objects_are_records_without_a_path(read):
     project = PROJECT.replace('records: "result[0].phones", ', "").replace("records: result.", "#")
     project = "\n".join(line for line in project.splitlines() if "#" not in line)

@@ -181,7 +181,24 @@ EXAMPLES = {
 }
 """The same line in every input format."""
 
-ONLY_WORDS = {"aeneas", "elevenlabs", "subtitles", "transcriber", "whisper"}
+ONLY_WORDS = {
+    "aeneas",
+    "aws-transcribe",
+    "deepgram",
+    "edge-tts",
+    "elevenlabs",
+    "gladia",
+    "google",
+    "google-timepoints",
+    "google-v2",
+    "kokoro-tokens",
+    "rev",
+    "speechmatics",
+    "subtitles",
+    "transcriber",
+    "whisper",
+    "word-times",
+}
 """Formats with times of words, but not of phonemes."""
 
 SHAPES = {
@@ -192,6 +209,7 @@ SHAPES = {
     "papagayo": ("etc", "E", "L", "O"),
     "bml": ("H", "Ah", "L", "Ow"),
     "moho": ("etc", "E", "L", "O"),
+    "talking-head": ("DD", "E", "DD", "O"),
 }
 """The line's labels in formats of mouth shapes."""
 
@@ -205,6 +223,10 @@ WORDLESS = {
     "sapi": "words are other events",
     "mbrola": "phonemes are all that there is",
     "moho": "drawings are all that there is",
+    "allosaurus": "phones are all that there is",
+    "kokoro": "phonemes are all that there is",
+    "piper": "the text is not timed",
+    "piper-samples": "the text is not timed",
 }
 """Formats whose example file has no words."""
 
@@ -213,6 +235,7 @@ UNITS = {
     "azure": 1e7,
     "azure-recognition": 1e7,
     "bournemouth": 1e3,
+    "edge-tts": 1e7,
     "elan": 1e3,
     "emu": 20e3,
     "htk": 1e7,
@@ -220,13 +243,15 @@ UNITS = {
     "moho": 30,
     "papagayo": 10,
     "partitur": 16e3,
+    "piper-samples": 22050,
     "polly": 1e3,
+    "talking-head": 1e3,
     "timit": 16e3,
 }
 """Units per second of examples with other units than seconds."""
 
-ROUNDED_SECONDS = {"voicevox": 0.0125}
-"""Formats whose times are rounded to frames of an engine, with the error of the example."""
+ROUNDED_SECONDS = {"voicevox": 0.0125, "julius": 0.01251}
+"""Formats whose times are those of an engine's frames, with the error of the example."""
 
 
 def test_every_reader_has_an_example():

@@ -132,9 +132,11 @@ class TimingRecords(Strict):
 
     records: str = ""
     """Path of the list, such as `result.words`: lists on the way stand for all their objects, with
-    `[0]` for the first alone. By default the outermost objects."""
+    `[0]` for the first alone. Several paths have `|` between them, and the first with records
+    counts. By default the outermost objects."""
     text: Text
-    """Field with the label of a phoneme, or with a word."""
+    """Field with the label of a phoneme, or with a word; or its path, as in
+    `alternatives[0].content`."""
     start: Text
     """Field with the start."""
     end: Text | None = None
@@ -143,6 +145,11 @@ class TimingRecords(Strict):
     """Field with the duration, instead of `end`."""
     unnamed: bool = False
     """True if a record without a text is silence."""
+    untimed: bool = False
+    """True if records without times, such as punctuation, are left out."""
+    columns: bool = False
+    """True if the path leads to objects whose fields are lists of one length, with an item for each
+    record."""
 
     @model_validator(mode="after")
     def _one_length(self) -> Self:

@@ -18,7 +18,8 @@ def sniff(source: TimingFile) -> bool:
     if isinstance(source.document, list):
         first = first_item(source.document)
         return isinstance(first, dict) and first.keys() >= {"label", "start", "end"}
-    return source.holds("phonemes")
+    # Others list symbols there, without times.
+    return source.holds("phonemes") and not isinstance(first_item(source.json["phonemes"]), str)
 
 
 @reader("json", ".json", sniff=sniff)

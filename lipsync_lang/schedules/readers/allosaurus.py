@@ -1,0 +1,44 @@
+"""Allosaurus: a start, a duration and a phone on each line, with its option `--timestamp`.
+
+The duration is the same for all phones: the program finds where a phone is, but not how long it
+lasts. Therefore a phone lasts until the next, and a longer gap is a pause. Of several phones with
+their probabilities (`--topk`), the first is the likeliest.
+"""
+
+import re
+from itertools import pairwise
+
+from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
+
+ALLOSAURUS_ROW = re.compile(r"\s*(\d+\.\d+)\s+(\d*\.\d+)\s+(\S+)(?:\s+\(\S.*)?\s*")
+NEXT_PHONE_SECONDS = 0.3
+"""Distance of two phones above which there is a pause between them."""
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the second number of all first lines is the same, and no end."""
+    lines = (
+        source.head.split("\n")[:-1]
+        if len(source.head) < len(source.content)
+        else [*filter(str.strip, source.head.split("\n"))]
+    )
+    found = [ALLOSAURUS_ROW.fullmatch(line) for line in lines if line.strip()]
+    rows = [(float(one[1]), one[2]) for one in found if one]
+    same = len(rows) == len(found) > 0 and len({length for _, length in rows}) == 1
+    return same and rows[-1][0] >= float(rows[-1][1])
+
+
+@reader("allosaurus", ".txt", sniff=sniff)
+def read_allosaurus(source: TimingFile) -> Schedule:
+    """Phones that Allosaurus has recognised (`--timestamp=True`)."""
+    form = "a phone; write START, DURATION and PHONE"
+    rows = [
+        LabelRow(found[3], start, start + source.time(found[2], number), number)
+        for number, found in source.matches(ALLOSAURUS_ROW, form)
+        for start in [source.time(found[1], number)]
+    ]
+    rate = source.rate or 1.0
+    for at, (one, after) in enumerate(pairwise(sorted(rows, key=lambda row: row.start))):
+        near = after.start - one.start <= NEXT_PHONE_SECONDS * rate
+        rows[at] = one._replace(end=after.start if near else one.end)
+    return schedule_of(source, rows, notation="ipa")
