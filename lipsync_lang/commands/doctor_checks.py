@@ -8,7 +8,6 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.base.errors import LipsyncError, SpeechError, count, shortlist
@@ -288,7 +287,7 @@ def engines() -> Iterator[CheckedPart]:
     from lipsync_lang.packs.checking.voices import ESPEAK
     from lipsync_lang.sound.speech.speaking.speech_engines import ENGINES
 
-    for name in ENGINES.modules:
+    for name in ENGINES:
         if name == ESPEAK:
             continue  # its voices are those of the languages
         try:
@@ -296,37 +295,6 @@ def engines() -> Iterator[CheckedPart]:
         except SpeechError as error:
             told, state = f"{error}, for --tts {name}", MISSING
         yield CheckedPart(f"voices of {name}", state, told)
-
-
-@check
-def models() -> Iterator[CheckedPart]:
-    """Check the models of recognisers: those of the project, and the one that is installed."""
-    if find_spec("faster_whisper") is None:
-        return
-    from lipsync_lang.sound.speech.hearing.recognise.whisper_recogniser import (
-        OTHER_MODEL,
-        check_folder,
-        shipped_model,
-    )
-    from lipsync_lang.sound.speech.hearing.sphinx.folder import is_whisper, project_models
-
-    part = "model of whisper"
-    own = [folder for folder in project_models() if is_whisper(folder)]
-    for folder in own:
-        try:
-            check_folder(folder)
-        except SpeechError as error:
-            yield CheckedPart(part, BROKEN, str(error))
-        else:
-            yield CheckedPart(part, OK, f"--recogniser whisper:{folder}")
-    try:
-        folder = shipped_model()
-        check_folder(folder)
-    except SpeechError as error:
-        if not own:
-            yield CheckedPart(part, MISSING, str(error))
-    else:
-        yield CheckedPart(part, OK, os.fspath(folder) + ("" if own else f"; {OTHER_MODEL}"))
 
 
 @check

@@ -562,7 +562,7 @@ def plugged(tmp_path, monkeypatch):
 
 GOOD = "from lipsync_lang.animations.animation_writers import writer\n"
 TAKEN = """from lipsync_lang.sound.speech.speaking.speech_engines import speech_engine
-@speech_engine("festival")
+@speech_engine("espeak")
 class Mine:
     pass
 """
@@ -575,49 +575,13 @@ class Mine:
         ("print('hello')", "odd_packs", "ok", "1.5"),
         ("raise OSError('no library')", "odd_packs", "broken", "OSError: no library"),
         ("raise SystemExit(0)", "odd_packs", "broken", "SystemExit"),
-        (TAKEN, "odd_packs", "broken", "festival' of odd is left out"),
+        (TAKEN, "odd_packs", "broken", "espeak' of odd is left out"),
         (GOOD, "no_packs", "broken", "no folder no_packs"),
     ],
 )
 def test_plug_ins_are_named_with_what_they_bring(plugged, text, packs, state, told):
     found = plugged(text, packs)
     assert (found.state, told in found.told) == (state, True), found
-
-
-def test_an_engine_without_its_program_says_how_to_get_it(monkeypatch):
-    monkeypatch.setattr(doctor_checks.shutil, "which", lambda _: None)
-    (found,) = doctor_checks.engines()
-    assert (found.part, found.state) == ("voices of festival", "missing")
-    assert "festival" in found.told
-
-
-def test_a_whisper_without_a_model_is_told(monkeypatch):
-    from lipsync_lang.sound.speech.hearing.recognise import whisper_recogniser
-
-    monkeypatch.setattr(doctor_checks.shutil, "which", lambda _: None)
-    monkeypatch.setattr(doctor_checks, "find_spec", lambda _: True)
-    monkeypatch.setattr(whisper_recogniser, "SHIPPED", {})
-    (found,) = doctor_checks.models()
-    assert (found.part, found.state) == ("model of whisper", "missing")
-    assert "whisper:FOLDER" in found.told
-
-
-def test_a_downloaded_whisper_is_listed_and_is_no_acoustic_model(monkeypatch, tmp_path):
-    from lipsync_lang.sound.speech.hearing.recognise import whisper_recogniser
-
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(doctor_checks, "find_spec", lambda _: True)
-    monkeypatch.setattr(whisper_recogniser, "SHIPPED", {})
-    folder = tmp_path / "models" / "whisper-small"
-    folder.mkdir(parents=True)
-    for name in whisper_recogniser.MODEL_FILES:
-        (folder / name).write_text("{}")
-    (found,) = doctor_checks.models()
-    assert (found.state, found.told) == ("ok", f"--recogniser whisper:{folder}")
-    assert not [one for one in doctor_checks.acoustic_models() if "whisper" in one.part]
-    (folder / "tokenizer.json").unlink()
-    (found,) = doctor_checks.models()
-    assert (found.state, "tokenizer.json missing" in found.told) == ("broken", True)
 
 
 @pytest.mark.parametrize(("text", "state"), [("echo ffmpeg version 7", "ok"), ("exit 3", "broken")])

@@ -26,8 +26,8 @@ ELSEWHERE = {
     "resolver/bank_diff.py": "the command's own report",
     "schedules/tiers.py": "names the option that chooses a tier",
     "schedules/readers/polly.py": "an option of another program",
-    "sound/speech/speaking/festival.py": "an option of another program",
-    "sound/speech/hearing/recognise/whisper_recogniser.py": "an option of another program",
+    "plugins/festival/festival_engine.py": "an option of another program",
+    "plugins/whisper/whisper_recogniser.py": "an option of another program",
 }
 """Modules whose strings may name options, with the reason."""
 

@@ -10,7 +10,10 @@ import pytest
 from lanes import full
 from places import ROOT
 
-PLUG_INS = ("capture", "cluster", "heads", "htk", "mfa", "smartbody", "study")
+PLUG_INS = (
+    *("capture", "cluster", "festival", "heads", "htk", "mfa"),
+    *("phonemizer", "smartbody", "study", "whisper"),
+)
 
 CLOSABLE = (*(f"plugins/{room}" for room in PLUG_INS), "faces/players")
 """Rooms that register by entry points, and that no other room imports."""
@@ -82,6 +85,8 @@ def test_the_doctor_names_every_plug_in_that_was_removed(without):
     assert "no command 'heads'" in lost["plug-in heads"]
     assert "no aligner 'mfa'" in lost["plug-in mfa"]
     assert "no acoustic model 'htk'" in lost["plug-in htk"]
+    assert "no speech engine 'festival'" in lost["plug-in festival"]
+    assert "no recogniser 'whisper'" in lost["plug-in whisper"]
 
 
 @full

@@ -17,8 +17,7 @@ from lipsync_lang.sound.listening.recording import (
     risks,
 )
 from lipsync_lang.sound.speech.hearing import progress
-from lipsync_lang.sound.speech.hearing.recognise import whisper_recogniser
-from lipsync_lang.sound.speech.hearing.recognition import _recogniser, recognised
+from lipsync_lang.sound.speech.hearing.recognition import recognised
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import MAX_PART_SAMPLES
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
@@ -148,22 +147,3 @@ def test_a_mouth_moves_in_a_language_without_a_recogniser(data):
     assert "cannot judge contacts" in ll.check(animation).remarks[-1]
     again = ll.recognise(found.audio, "german", recogniser="sound")
     assert (again.labels, again.likely) == (found.labels, found.likely)
-
-
-def chosen(speaker):
-    return type(_recogniser(speaker, None)[0]).__name__
-
-
-def test_the_default_is_what_knows_most_of_the_language(finnish, monkeypatch):
-    def no_model(_):
-        raise ll.SpeechError("no Whisper model is installed")
-
-    english = Speaker.of("english")
-    monkeypatch.setattr(whisper_recogniser, "whisper_model", no_model)
-    assert (chosen(finnish), chosen(english)) == ("SoundRecogniser", "PocketsphinxRecogniser")
-
-    class English:
-        supported_languages = ("en",)
-
-    monkeypatch.setattr(whisper_recogniser, "whisper_model", lambda _: English)
-    assert (chosen(finnish), chosen(english)) == ("SoundRecogniser", "WhisperRecogniser")

@@ -9,7 +9,11 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.sound.speech.hearing.alignment import engine_and_model
-from lipsync_lang.sound.speech.hearing.recognise.recognisers import RECOGNISERS, Recogniser
+from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
+    RECOGNISERS,
+    Recogniser,
+    WordRecogniser,
+)
 from lipsync_lang.sound.speech.results import each, raised, tried
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -36,9 +40,9 @@ def recognise(
 ) -> Schedule | Iterator[Schedule]:
     """Find the words of a recording and their times, or what its sound alone tells.
 
-    A language whose pack names no recogniser is heard by Whisper, if that is installed and knows
-    it, by pocketsphinx, if the pack names a model of its own, or else by `sound`: as phonemes
-    without words.
+    A language whose pack names no recogniser is heard by one of words that is installed and knows
+    it, such as Whisper, by pocketsphinx, if the pack names a model of its own, or else by `sound`:
+    as phonemes without words.
 
     Parameters
     ----------
@@ -97,23 +101,11 @@ def recognise_many(
 def _recogniser(speaker: Speaker, name: str | None) -> tuple[Recogniser, str | None]:
     """Return the language's recogniser, or another by name, and its model."""
     stated = speaker.manner.audio
-    if name is None and stated.recognise is None and _words_known(speaker):
-        return RECOGNISERS["whisper"], None
+    if name is None and stated.recognise is None:
+        for one in RECOGNISERS.values():
+            if isinstance(one, WordRecogniser) and one.knows(speaker):
+                return one, None
     # a model with a notation is of the language itself
     otherwise = "pocketsphinx" if stated.model and stated.notation else "sound"
     found, model = engine_and_model(name, stated.recognise or otherwise, stated.model)
     return RECOGNISERS.find(found or otherwise, SpeechError), model
-
-
-def _words_known(speaker: Speaker) -> bool:
-    """Return True if a Whisper model is installed that knows the language."""
-    from lipsync_lang.sound.speech.hearing.recognise.whisper_recogniser import (
-        language_code,
-        whisper_model,
-    )
-
-    manner = speaker.manner
-    try:
-        return bool(language_code(whisper_model(None), manner.audio.code, manner.language))
-    except SpeechError:
-        return False

@@ -36,10 +36,7 @@ class BatchEngine(Protocol):
 ENGINES: Extensions[Engine] = Extensions(
     "speech_engines",
     "speech engine",
-    modules={
-        "espeak": "lipsync_lang.sound.speech.speaking.espeak",
-        "festival": "lipsync_lang.sound.speech.speaking.festival",
-    },
+    modules={"espeak": "lipsync_lang.sound.speech.speaking.espeak"},
 )
 """Engines by name."""
 

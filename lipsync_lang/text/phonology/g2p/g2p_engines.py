@@ -111,7 +111,6 @@ G2P_ENGINES: Extensions[Make] = Extensions(
         "pypinyin": f"{_HERE}.pinyin",
         "epitran": f"{_HERE}.epitran",
         "lexicon": f"{_HERE}.lexicon",
-        "phonemizer": f"{_HERE}.phonemizer_g2p",
         "rules": f"{_HERE}.rules",
         "thaiphon": f"{_HERE}.thaiphon_g2p",
     },

@@ -1,7 +1,7 @@
 """Registry and interface of recognisers."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from lipsync_lang.base.extensions import Extensions
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import listed
@@ -28,13 +28,20 @@ class Recogniser(Protocol):
         """
 
 
+@runtime_checkable
+class WordRecogniser(Recogniser, Protocol):
+    """Interface of a recogniser of words that hears languages whose packs name no recogniser."""
+
+    def knows(self, speaker: "Speaker") -> bool:
+        """Return True if a model is installed that knows the language."""
+
+
 RECOGNISERS: Extensions[Recogniser] = Extensions(
     "recognisers",
     "recogniser",
     modules={
         "pocketsphinx": f"{__package__}.pocketsphinx_recogniser",
         "sound": "lipsync_lang.sound.listening.recording",
-        "whisper": f"{__package__}.whisper_recogniser",
     },
 )
 """Recognisers by name."""

@@ -17,8 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.base.errors import SpeechError, did_you_mean
-from lipsync_lang.schedules import SILENCE, Audio, Schedule
+from lipsync_lang import Audio, Schedule, SpeechError
+from lipsync_lang.base.errors import did_you_mean
+from lipsync_lang.schedules.schedule import SILENCE
 from lipsync_lang.sound.speech.speaking.speech_engines import (
     refuse_rate,
     refuse_unspeakable,

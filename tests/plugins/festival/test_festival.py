@@ -12,10 +12,11 @@ from lanes import costly, full
 
 import lipsync_lang as ll
 from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.commands import doctor_checks
 from lipsync_lang.packs.library import Library
+from lipsync_lang.plugins.festival.festival_engine import MAX_FESTIVAL_CHARS, NOTATIONS, Festival
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.sound.speech import ENGINES
-from lipsync_lang.sound.speech.speaking.festival import MAX_FESTIVAL_CHARS, NOTATIONS, Festival
 
 VOICE = "kal_diphone"
 VOICES = Path("/usr/share/festival/voices/english") / VOICE
@@ -227,3 +228,10 @@ def test_a_program_that_leaves_no_sound_is_refused(tmp_path):
     program.chmod(0o755)
     with pytest.raises(SpeechError, match="Festival wrote no readable sound"):
         Festival(program=str(program)).speak("a", VOICE)
+
+
+def test_the_doctor_says_how_to_get_the_program(monkeypatch):
+    monkeypatch.setattr(doctor_checks.shutil, "which", lambda _: None)
+    (found,) = doctor_checks.engines()
+    assert (found.part, found.state) == ("voices of festival", "missing")
+    assert "festival" in found.told

@@ -21,7 +21,8 @@ from subprocess import DEVNULL, PIPE
 from typing import Any
 from unicodedata import normalize
 
-from lipsync_lang.base.errors import SpeechError, did_you_mean
+from lipsync_lang import SpeechError
+from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files.temporary import sweep, temporary_name
 from lipsync_lang.text.phonology.espeak.process import words_of

@@ -10,17 +10,17 @@ from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang.base.errors import SpeechError
-from lipsync_lang.schedules import SILENCE
-from lipsync_lang.schedules.schedule import Word
-from lipsync_lang.sound.speech.hearing.recognise import whisper_recogniser
-from lipsync_lang.sound.speech.hearing.recognise.whisper_recogniser import (
+from lipsync_lang.plugins.whisper import whisper_recogniser
+from lipsync_lang.plugins.whisper.whisper_recogniser import (
     RecognisedWord,
     joined,
     language_code,
     stretches,
     whisper_model,
 )
-from lipsync_lang.sound.speech.hearing.recognition import recognised
+from lipsync_lang.schedules import SILENCE
+from lipsync_lang.schedules.schedule import Word
+from lipsync_lang.sound.speech.hearing.recognition import _recogniser, recognised
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 RATE = 16_000
@@ -391,3 +391,25 @@ def test_a_damaged_model_is_told(english, tmp_path):
 def test_another_language_than_the_models_is_told():
     with pytest.raises(SpeechError, match=r"german \('de'\).*only 'en'"):
         recognised(Speaker.of("german"), sound(1), recogniser="whisper")
+
+
+# The recogniser of a language whose pack names none
+
+
+def chosen(speaker):
+    return type(_recogniser(speaker, None)[0]).__name__
+
+
+def test_the_default_is_what_knows_most_of_the_language(monkeypatch):
+    def no_model(_):
+        raise ll.SpeechError("no Whisper model is installed")
+
+    finnish, english = map(Speaker.of, ("finnish", "english"))
+    monkeypatch.setattr(whisper_recogniser, "whisper_model", no_model)
+    assert (chosen(finnish), chosen(english)) == ("SoundRecogniser", "PocketsphinxRecogniser")
+
+    class English:
+        supported_languages = ("en",)
+
+    monkeypatch.setattr(whisper_recogniser, "whisper_model", lambda _: English)
+    assert (chosen(finnish), chosen(english)) == ("SoundRecogniser", "WhisperRecogniser")

@@ -21,7 +21,8 @@ from lanes import full
 from lipsync_lang import SpeechError, speak, transcribe
 from lipsync_lang.authoring.language_check import check_language
 from lipsync_lang.packs.library import Library
-from lipsync_lang.text.phonology.g2p import Settings, engine, phonemizer_g2p
+from lipsync_lang.plugins.phonemizer import phonemizer_g2p
+from lipsync_lang.text.phonology.g2p import Settings, engine
 from lipsync_lang.text.phonology.g2p.g2p_engines import MissingReaderError
 from lipsync_lang.text.phonology.g2p.orthography_profile import (
     MAX_GRAPHEME_CHARS,

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.base.errors import SpeechError
+from lipsync_lang import Audio, Schedule, SpeechError, Word
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS, Audio, Schedule, Word
+from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS
 from lipsync_lang.sound.speech.hearing import progress
 from lipsync_lang.sound.speech.hearing.alignment import align_many
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
@@ -237,6 +237,14 @@ class Stretch(NamedTuple):
 @recogniser("whisper")
 class WhisperRecogniser:
     """Recogniser for every language that a Whisper model knows."""
+
+    def knows(self, speaker: "Speaker") -> bool:
+        """Return True if a Python package ships a model that knows the language."""
+        manner = speaker.manner
+        try:
+            return bool(language_code(whisper_model(None), manner.audio.code, manner.language))
+        except SpeechError:
+            return False
 
     def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
         """Recognise the words of a recording, as `Recogniser` states.

@@ -1,0 +1,1 @@
+"""Speech synthesis by Festival, a program of its own, as an example of a speech engine."""

@@ -1,0 +1,1 @@
+"""Text to phonemes by phonemizer: orthography profiles, Festival and eSpeak NG."""
