@@ -129,18 +129,6 @@ def test_a_draft_of_a_lexicon_takes_it_along(folder, cli):
     assert cli("validate", "languages/nordic.yaml").code == 0
 
 
-def test_a_draft_of_a_profile_takes_it_along(folder, cli):
-    pytest.importorskip("phonemizer", reason="the phonemizer extra is not installed")
-    profile = folder / "graphemes.tsv"
-    profile.write_text("Grapheme\tIPA\na\ta\nsh\tʃ\nts\tt s\nh\tNULL\n", "utf-8")
-    ended = cli("languages", "new", "valley", "--profile", profile, "--tag", "art-x-valley")
-    assert ended.code == 0, ended.err
-    assert (folder / "languages" / "valley.tsv").read_bytes() == profile.read_bytes()
-    assert {*Library().language("valley").model.notations["ipa"]} == {"ʃ", "t", "s", "a"}
-    assert "ʃ a t s a" in cli("transcribe", "shahtsa", "-l", "valley").out
-    assert cli("validate", "languages/valley.yaml").code == 0
-
-
 @pytest.mark.parametrize("source", ["profile", "lexicon"])
 @pytest.mark.parametrize("suffix", [".yaml", ".YAML"])
 def test_a_draft_is_not_replaced_by_a_source_with_the_suffix_of_a_pack(folder, source, suffix):

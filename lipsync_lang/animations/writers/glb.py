@@ -30,13 +30,11 @@ from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.container import (
-    BINARY_CHUNK,
-    JSON_CHUNK,
     binary_of,
     fail,
     has_binary,
     read_chunk,
-    write_parts,
+    write_container,
 )
 from lipsync_lang.faces.rigs.model import Model, known_model, movable_nodes, numbers, some
 from lipsync_lang.faces.rigs.read_outs import still_shapes
@@ -123,9 +121,9 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     take.finish(animation.title, {"audio_start": round(animation.begins, 6)})
     # Half of a surrogate pair has no UTF-8. Its escape is the same name in JSON.
     text = take.text().encode("utf-8", "backslashreplace")
-    own = (JSON_CHUNK, [text]), (BINARY_CHUNK, [take.binary, *take.data])
     others = model.chunks[has_binary(model.chunks) :]
-    write_parts(out, [*own, *((one.kind, [read_chunk(model.path, one)]) for one in others)])
+    more = ((one.kind, [read_chunk(model.path, one)]) for one in others)
+    write_container(out, text, [take.binary, *take.data], more)
 
 
 class _NewAnimation:

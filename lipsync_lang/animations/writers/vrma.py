@@ -22,7 +22,7 @@ from lipsync_lang.animations.fixed import names, shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.faces.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
+from lipsync_lang.faces.rigs.container import write_container
 from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.faces.rigs.transforms import HeadTurn
 
@@ -89,7 +89,7 @@ def write_vrma(animation: Animation, out: BinaryIO) -> None:
         "buffers": [{"byteLength": sizes[-1]}],
     }
     text = json.dumps(document, ensure_ascii=False).encode("utf-8", "backslashreplace")
-    write_parts(out, [(JSON_CHUNK, [text]), (BINARY_CHUNK, blocks)])
+    write_container(out, text, blocks)
 
 
 def _expressions(animation: Animation) -> list[KeyedCurve]:

@@ -172,10 +172,22 @@ def read_chunk(path: Path, chunk: Chunk) -> bytes:
     return data
 
 
-def write_parts(out: BinaryIO, parts: Iterable[tuple[int, Sequence[bytes]]]) -> None:
-    """Write the chunks of a GLB, a kind and pieces for each, filled up to full 32-bit words."""
+def write_container(
+    out: BinaryIO,
+    text: bytes,
+    binary: Sequence[bytes],
+    others: Iterable[tuple[int, Sequence[bytes]]] = (),
+) -> None:
+    """Write a GLB, its chunks filled up to full 32-bit words.
+
+    Parameters
+    ----------
+    text : the JSON
+    binary : pieces of the binary chunk, in order
+    others : kind and pieces of each further chunk
+    """
     known = []
-    for kind, pieces in parts:
+    for kind, pieces in ((JSON_CHUNK, [text]), (BINARY_CHUNK, binary), *others):
         length = sum(map(len, pieces))
         filling = (b" " if kind == JSON_CHUNK else b"\0") * (-length % 4)
         known.append((kind, [*pieces, filling], length + len(filling)))

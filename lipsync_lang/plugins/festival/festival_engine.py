@@ -20,11 +20,8 @@ import numpy as np
 from lipsync_lang import Audio, Schedule, SpeechError
 from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.schedules.schedule import SILENCE
-from lipsync_lang.sound.speech.speaking.speech_engines import (
-    refuse_rate,
-    refuse_unspeakable,
-    speech_engine,
-)
+from lipsync_lang.sound.speech import speech_engine
+from lipsync_lang.sound.speech.speaking.speech_engines import refuse_rate, refuse_unspeakable
 from lipsync_lang.sound.speech.speaking.word_spans import find_words
 from lipsync_lang.text.phonology.espeak.process import quoted
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.faces.rigs.container import BINARY_CHUNK, JSON_CHUNK, write_parts
+from lipsync_lang.faces.rigs.container import write_container
 
 UINT8, UINT16, FLOAT32 = 5121, 5123, 5126
 """Component types of glTF."""
@@ -326,4 +326,4 @@ def write_glb(
         "buffers": [{"byteLength": len(data)}],
     }
     text = json.dumps(document, separators=(",", ":")).encode()
-    write_parts(out, [(JSON_CHUNK, [text]), (BINARY_CHUNK, [data])])
+    write_container(out, text, [data])

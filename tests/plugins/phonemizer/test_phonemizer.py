@@ -389,3 +389,16 @@ def test_temporary_files_go_when_the_program_is_killed(end, temporary):
         while list(temporary.iterdir()) and time.monotonic() < deadline:
             time.sleep(0.05)
     assert not list(temporary.iterdir())
+
+
+@installed
+def test_a_draft_of_a_profile_takes_it_along(tmp_path, cli, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    profile = tmp_path / "graphemes.tsv"
+    profile.write_text("Grapheme\tIPA\na\ta\nsh\tʃ\nts\tt s\nh\tNULL\n", "utf-8")
+    ended = cli("languages", "new", "valley", "--profile", profile, "--tag", "art-x-valley")
+    assert ended.code == 0, ended.err
+    assert (tmp_path / "languages" / "valley.tsv").read_bytes() == profile.read_bytes()
+    assert {*Library().language("valley").model.notations["ipa"]} == {"ʃ", "t", "s", "a"}
+    assert "ʃ a t s a" in cli("transcribe", "shahtsa", "-l", "valley").out
+    assert cli("validate", "languages/valley.yaml").code == 0
