@@ -348,6 +348,7 @@ def _report(
         "failed": tally.failed,
         "over_limits": tally.over,
         "doubted": tally.doubtful,
+        "unsure": tally.unsure,
         "remarks": list(map(as_options, outcome.remarks)),
         "kept": outcome.kept,
         "gone": [] if options.prune else gone,
@@ -369,6 +370,8 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
         yield f"{line.place}: {line.name}, {line.language} on {line.character}: {', '.join(worst)}"
     if figures["over_limits"]:
         yield f"{count(figures['over_limits'], 'line')} past a limit of the project"
+    if figures["unsure"]:
+        yield f"{count(figures['unsure'], 'recording')} may not hold the text: listen first"
     if figures["doubted"]:
         told = f"{count(figures['doubted'], 'line')} doubtful: past a recommended limit of the face"
         yield f"{told}, or unlike the recording; `limits` in the project make them fail the build"

@@ -35,6 +35,8 @@ def _add_new(add: Add) -> None:
         "make a project of this script in the current folder: a table with a row for each line, "
         "or a file or folder of another format", type=Path, dest="table",
     )  # fmt: skip
+    option(made, "--column COLUMN", "the column of the text in --from, by name or number from 1")
+    option(made, "--encoding ENCODING", "the encoding of --from, such as cp1252 [UTF-8]")
     option(
         made, "-l, --language LANGUAGE",
         "the language of the lines, by name or tag [from the columns of --from or the folders of "
@@ -115,6 +117,7 @@ def _of_table(options: Namespace) -> int:
     drafted = new_project(
         options.recordings, options.table, folder=here, finder=finder,
         language=options.new_language, characters=options.characters or [starter().character],
+        column=options.column, encoding=options.encoding,
     )  # fmt: skip
     write_all({path: lambda stream: stream.write(drafted.text.encode())}, durable=True)
     tell_written(path)

@@ -17,7 +17,15 @@ from lipsync_lang.base.files.names import folded_name
 from lipsync_lang.packs.finding import Finder, Kind
 from lipsync_lang.production.builds.project_folder import from_template, starter
 from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
-from lipsync_lang.text.lines.columns import NAME_COLUMNS, SPEAKER_COLUMNS, first_column, text_column
+from lipsync_lang.text.lines.columns import (
+    NAME_COLUMNS,
+    SPEAKER_COLUMNS,
+    first_column,
+    language_column,
+    language_parts,
+    stated_column,
+    text_column,
+)
 from lipsync_lang.text.lines.line_readers import LineFile, by_suffix, line_files, read_lines
 from lipsync_lang.text.lines.table import cell
 
@@ -34,6 +42,9 @@ MAX_SHOWN_CHARS = 60
 
 MAX_TABLE_ROWS = 100_000
 """Maximum number of rows of the table to compare with the recordings."""
+
+SURE_RATIO = 3
+"""Smallest ratio of the letters of a text column, which is a guess, to those of the next."""
 
 LEAST_SHARE = 0.3
 """Minimum share of the recordings that the column of ids names."""
@@ -93,6 +104,8 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     finder: Finder,
     language: str | None = None,
     characters: Sequence[str] = (),
+    column: str | None = None,
+    encoding: str | None = None,
 ) -> NewProject:
     """Draft the project of a table, and of a folder of recordings if there is one.
 
@@ -103,20 +116,27 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     folder : the project's folder, which holds both
     language : of the recordings; None if folders or columns tell; without recordings, all columns
         that are named after languages, or else the language of new projects
+    column : of the text, by name or number from 1; None for the columns of languages, or else the
+        likeliest
+    encoding : of the script; None for UTF-8, or what the file's own mark says
 
     Raises
     ------
     LipsyncError
-        The two have nothing in common, or a language or character is not known.
+        The two have nothing in common, a language or character is not known, or several columns
+        may be the text.
     """
     for path in (recordings, table):
         if path is not None and not path.resolve().is_relative_to(folder.resolve()):
             what = "move both into it, or start in the folder of both"
             raise LipsyncError(f"{path}: is outside of {folder}, the project's folder; {what}")
     found, suffix = recordings_below(recordings, folder) if recordings else ([], "")
-    cells = read_cells(table)
+    cells = read_cells(table, encoding)
+    stated = -1
+    if column is not None:
+        stated = stated_column(LineFile(table, lambda _: None), cells.head, column)
     ids = find_ids(found, cells, recordings, table) if recordings else _named_ids(cells, table)
-    speaker = first_column(cells.head, SPEAKER_COLUMNS, [ids.column])
+    speaker = first_column(cells.head, SPEAKER_COLUMNS, [ids.column, stated])
     named = {ids.stem(name) for name in cells.at(ids.column)}
     matching = [one for one in found if folded_name(one.stem) in named]
     taken = {ids.column, speaker}
@@ -125,7 +145,10 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     else:
         usual = starter().language
         pattern, words = [], _headed(cells, taken, finder) or {usual: usual}
-    languages, text = _languages(cells, taken, words, finder, language)
+    languages = _languages(cells, taken, words, finder, language)
+    text, remarks = {"text": cells.head[stated]}, []
+    if stated < 0:
+        text, remarks = _text(cells, taken, languages, finder, table)
     for name in characters:
         if not any(finder.lookup(kind, name) for kind in FACE_KINDS):
             raise finder.unknown(name, *FACE_KINDS)
@@ -140,6 +163,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     drafted: dict[str, Any] = {
         "lines": table.resolve().relative_to(folder.resolve()).as_posix(),
         "columns": columns if cells.table else {},
+        "encoding": encoding,
         "languages": list(languages) if same else languages,
         "audio": "/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
         "usual_audio": f"vo/{several}{{id}}.wav",
@@ -148,7 +172,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
         "outputs": f"takes/{several}{{character}}/{{id}}.csv",
     }
     matches = _matches(found, cells.at(ids.column), ids, matching)
-    return NewProject(from_template("script.yaml", drafted), matches)
+    return NewProject(from_template("script.yaml", drafted), (*matches, *remarks))
 
 
 # What there is
@@ -173,7 +197,7 @@ def recordings_below(recordings: Path, folder: Path) -> tuple[list[FoundRecordin
     return [one for suffix, one in found if suffix.lower() == usual.lower()], usual
 
 
-def read_cells(table: Path) -> Cells:
+def read_cells(table: Path, encoding: str | None = None) -> Cells:
     """Read the first rows of a table, or lines of a script of another format, or of a folder."""
     found = [file for file, _ in line_files(table, lambda _: None)]
     if not found:
@@ -181,10 +205,12 @@ def read_cells(table: Path) -> Cells:
     file = found[0]
     opened = by_suffix()[file.suffix.lower()].table if len(found) == 1 else None
     if opened is None:
-        lines = [*islice(read_lines(table, remark=lambda _: None), MAX_TABLE_ROWS)]
+        lines = [
+            *islice(read_lines(table, encoding=encoding, remark=lambda _: None), MAX_TABLE_ROWS)
+        ]
         names, speakers = [one.name for one in lines], [one.speaker for one in lines]
         return Cells([NAME_COLUMNS[0], SPEAKER_COLUMNS[0]], [names, speakers], table=False)
-    head, rows = opened(LineFile(file, lambda _: None).at(file))
+    head, rows = opened(LineFile(file, lambda _: None, encoding=encoding).at(file))
     taken = [row for _, row in islice(rows, MAX_TABLE_ROWS)]
     return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
 
@@ -276,18 +302,25 @@ def _folders(
 
 
 def _headed(cells: Cells, taken: Collection[int], finder: Finder) -> dict[str, str]:
-    """Return the names of columns with texts by the languages that they are called like."""
-    return {
-        own: name
-        for at, name in enumerate(cells.head)
-        if at not in taken and cells.at(at) and (own := _language(finder, name))
-    }
+    """Return the languages that columns with texts are called like, with the words for them.
+
+    The word is the column's own name, such as "EN". If more is in the name, such as "English(en)",
+    a build finds the column by the language's name, which is a better word in paths of files.
+    """
+    found: dict[str, str] = {}
+    for at, name in enumerate(cells.head):
+        parts = language_parts(name) if at not in taken and cells.at(at) else ()
+        own = next((own for part in parts if (own := _language(finder, part))), None)
+        if own is not None and own not in found:
+            alone = language_column(cells.head, finder.column_names(own)) == at
+            found[own] = own if alone and not _language(finder, name) else name
+    return found
 
 
 def _languages(
     cells: Cells, taken: Collection[int], folders: dict[str, str], finder: Finder, asked: str | None
-) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the words of languages, and their text column if the project must state it."""
+) -> dict[str, str]:
+    """Return the languages with the words for them in folders or columns."""
     heads = _headed(cells, taken, finder)
     if asked is not None:
         own = _language(finder, asked)
@@ -301,13 +334,29 @@ def _languages(
         raise LipsyncError(f"the language of the recordings is unknown; state {which}")
     if not words:
         raise LipsyncError("the language of the recordings is unknown; state `language='NAME'`")
-    if words.keys() <= heads.keys():
-        return words, {}
+    return words
+
+
+def _text(
+    cells: Cells, taken: Collection[int], languages: Collection[str], finder: Finder, table: Path
+) -> tuple[dict[str, str], list[str]]:
+    """Return the text column if the project must state it, and remarks on a guess."""
+    if len(languages) > 1 or set(languages) <= _headed(cells, taken, finder).keys():
+        return {}, []
     at = text_column(cells.head)
-    if at in {-1, *taken}:
-        free = [at for at in range(len(cells.head)) if at not in taken]
-        at = max(free, key=lambda at: sum(map(len, cells.at(at))), default=-1)
-    return words, {"text": cells.head[at]} if at >= 0 and len(words) == 1 else {}
+    if at not in {-1, *taken}:
+        return {"text": cells.head[at]}, []
+    sizes = [(sum(map(len, cells.at(at))), -at) for at in range(len(cells.head)) if at not in taken]
+    (most, number), (next_most, other) = [*sorted(sizes, reverse=True), (0, 0), (0, 0)][:2]
+    if not most:
+        return {}, []
+    name = cells.head[-number]
+    if most < SURE_RATIO * next_most:
+        raise LipsyncError(
+            f"{table}: which column is the text, '{name}' or '{cells.head[-other]}'? "
+            f"Say `column='{name}'`, or another"
+        )
+    return {"text": name}, [f"the text is a guess: '{name}', the column with the most letters"]
 
 
 def _language(finder: Finder, name: str) -> str | None:

@@ -17,23 +17,43 @@ if TYPE_CHECKING:
     from lipsync_lang.text.lines.line_readers import LineFile
 
 TEXT_COLUMNS = ("text", "line", "dialogue", "dialog", "subtitle", "message", "source", "string")
-NAME_COLUMNS = ("line_id", "lineid", "id", "key", "name", "identifier")
+NAME_COLUMNS = ("line_id", "lineid", "id", "key", "keys", "name", "identifier")
 SPEAKER_COLUMNS = ("speaker", "character", "who", "actor", "role")
 """Names of columns, in small letters, most likely first."""
+
+BESIDE_LANGUAGES = (*TEXT_COLUMNS, "translation", "version", "vo", "voice")
+"""Words beside the name of a language in the name of a text column."""
+
+USUAL_WORDS = {"id", "no"}
+"""Tags of languages that mean something else in names of columns, such as "voice_id", "line no"."""
+
+MAX_TITLE_ROWS = 10
+"""Number of rows at the start of a table among which the names of its columns are looked for."""
 
 LIKENESS = 0.75
 """Least similarity of a mistyped column; languages are more alike than that by chance."""
 
 _BRACKETED = re.compile(r"(.*?)[-([{]+([^()\[\]{}]*)[)\]}]+")
 _BESIDE_TEXT = re.compile(
-    rf"(?:(?:{'|'.join(TEXT_COLUMNS)})-(.+)|(.+)-(?:{'|'.join(TEXT_COLUMNS)}))"
+    rf"(?:(?:{'|'.join(BESIDE_LANGUAGES)})-(.+)|(.+)-(?:{'|'.join(BESIDE_LANGUAGES)}))"
 )
+_TAG = re.compile(r"[a-z]{2,3}-(?:[a-z]{2}|[0-9]{3})")
 _REGION = r"-(?:[a-z]{2}|[0-9]{3})"
+
+
+def head_row(rows: Sequence[Sequence[str]]) -> int:
+    """Return the index of the row that names the columns: the first one, unless that is a title.
+
+    A title has fewer cells than the row of names below it, which has a column of ids.
+    """
+    counts = [sum(bool(one.strip()) for one in row) for row in rows]
+    names = (at for at, row in enumerate(rows) if first_column(row, NAME_COLUMNS) >= 0)
+    return next((at for at in names if counts[at] > counts[0]), 0)
 
 
 def first_column(head: Sequence[str], known: Sequence[str], taken: Collection[int] = ()) -> int:
     """Return the index of the column with the first known name, or -1."""
-    found = [(name, at) for at, name in enumerate(head) if at not in taken]
+    found = [(name.strip(), at) for at, name in enumerate(head) if at not in taken]
     folded = {name.casefold(): at for name, at in reversed(found)}
     return next((folded[name] for name in known if name in folded), -1)
 
@@ -110,6 +130,15 @@ def _is_free(head: Sequence[str], at: int) -> bool:
     """Return False for the only column of ids: the tag "id" of a language is a usual name there."""
     ids = head[at].casefold() in NAME_COLUMNS
     return not ids or first_column(head, NAME_COLUMNS, [at]) >= 0
+
+
+def language_parts(name: str) -> tuple[str, ...]:
+    """Return what a column may be named after, the whole name first, to guess its language."""
+    parts = _forms(folded_language(name))
+    likely = (part for part in parts if part not in USUAL_WORDS)
+    # In "line in it" stands no tag such as "in-it".
+    written = name.replace("_", "-").casefold()
+    return (name, *(part for part in likely if not _TAG.fullmatch(part) or part in written))
 
 
 def _forms(whole: str) -> tuple[str, ...]:

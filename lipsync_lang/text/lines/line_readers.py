@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from io import BytesIO, TextIOWrapper
@@ -184,7 +184,7 @@ class Table(NamedTuple):
     """A table: the names of its columns, and each row with its line in the file."""
 
     head: list[str]
-    rows: Iterator[tuple[int | str, Sequence[str]]]
+    rows: Generator[tuple[int | str, Sequence[str]]]
 
 
 OpenTable = Callable[[LineFile], Table]

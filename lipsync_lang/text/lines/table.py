@@ -1,20 +1,22 @@
 """Tables: each row is a line, and one column is its text.
 
-The first row names the columns. The delimiter is the one of tab, comma, semicolon and bar that
-gives this row the most cells.
+The first row names the columns; titles above it are left out. The delimiter is the one of tab,
+comma, semicolon and bar that gives this row the most cells.
 """
 
 import csv
 from collections import deque
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
-from itertools import chain
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, suppress
+from itertools import chain, islice
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.text.lines.columns import (
+    MAX_TITLE_ROWS,
     NAME_COLUMNS,
     SPEAKER_COLUMNS,
     first_column,
+    head_row,
     known_column,
     lacking,
     language_column,
@@ -41,13 +43,27 @@ def open_table(source: LineFile) -> Table:
     The rows raise an error with the faults of all rows after the last one.
     """
     lines = source.numbered()
-    _, first = next(lines, (1, ""))
-    if not first.strip():
+    top = list(islice(lines, 1))
+    if not top or not top[0][1].strip():
         raise source.fault(1, "has no row of column names; write one, such as id,speaker,text")
-    delimiter = max(DELIMITERS, key=lambda one: len(_cells(first, one)))
-    rows = _rows(source, _RowLines(chain([(1, first)], lines)), delimiter)
+    if first_column(_cells(top[0][1], _delimiter(top[0][1])), NAME_COLUMNS) < 0:
+        top += islice(lines, MAX_TITLE_ROWS - 1)
+    start = head_row([_cells(line, _delimiter(line)) for _, line in top])
+    if start:
+        source.remark(below_title(source, start + 1))
+    rows = _rows(source, _RowLines(chain(top[start:], lines)), _delimiter(top[start][1]))
     _, head = next(rows)
     return Table([name.strip() for name in head], rows)
+
+
+def below_title(source: LineFile, number: int) -> str:
+    """Say that rows above the names of the columns are left out."""
+    return f"{source.path}:{number}: names the columns; the rows above are left out"
+
+
+def _delimiter(line: str) -> str:
+    """Return the delimiter that gives a line the most cells."""
+    return max(DELIMITERS, key=lambda one: len(_cells(line, one)))
 
 
 @reader("table", suffixes=[".csv", ".tsv"], table=open_table)
@@ -62,16 +78,18 @@ def lines_of(source: LineFile, table: Table) -> Iterator[Line]:
     The text is the stated column, else the language's own, else the most likely one.
     """
     head = table.head
-    if source.column is not None:
-        text = stated_column(source, head, source.column)
-    elif (text := language_column(head, source.names)) < 0 and (text := text_column(head)) < 0:
-        whose = f" in {source.names[0]}" if source.names else ""
-        raise lacking(source, head, f"which column is the text{whose}? Say `column='NAME'`.")
-    name = first_column(head, NAME_COLUMNS, [text])
-    speaker = known_column(source, head, source.speaker, SPEAKER_COLUMNS, [text, name])
-    for number, row in table.rows:
-        if text < len(row) and row[text].strip():
-            yield source.line(number, row[text], name=cell(row, name), speaker=cell(row, speaker))
+    with closing(table.rows):  # a spreadsheet is open until its rows end
+        if source.column is not None:
+            text = stated_column(source, head, source.column)
+        elif (text := language_column(head, source.names)) < 0 and (text := text_column(head)) < 0:
+            whose = f" in {source.names[0]}" if source.names else ""
+            raise lacking(source, head, f"which column is the text{whose}? Say `column='NAME'`.")
+        name = first_column(head, NAME_COLUMNS, [text])
+        speaker = known_column(source, head, source.speaker, SPEAKER_COLUMNS, [text, name])
+        for number, row in table.rows:
+            if text < len(row) and row[text].strip():
+                named = {"name": cell(row, name), "speaker": cell(row, speaker)}
+                yield source.line(number, row[text], **named)
 
 
 def cell(row: Sequence[str], at: int) -> str:
@@ -100,7 +118,7 @@ class _RowLines(Iterator[str]):
 
 def _rows(
     source: LineFile, lines: _RowLines, delimiter: str
-) -> Iterator[tuple[int | str, Sequence[str]]]:
+) -> Generator[tuple[int | str, Sequence[str]]]:
     """Yield (first line, cells) for each sound row, with the head as the first.
 
     Faulty rows raise a LipsyncError after the last row, or after `MAX_FAULTS` of them; a faulty

@@ -1,20 +1,32 @@
 """Sheets of spreadsheets, as tables.
 
-The first sheet with cells is read, and all others that have the same columns, such as a sheet for
-each scene; a remark names the rest. Formulas count as the values that the program stored with them.
+The first sheet whose columns have names of a script is read, else the first one with cells. So are
+all others that have the same columns, such as a sheet for each scene; a remark names the rest.
+Formulas count as the values that the program stored with them.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing
-from itertools import islice
-from typing import Any
+from itertools import chain, islice
+from typing import Any, NamedTuple
 from zipfile import BadZipFile, ZipFile
 
 from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files.reading import MIB_BYTES
+from lipsync_lang.text.lines.columns import (
+    MAX_TITLE_ROWS,
+    NAME_COLUMNS,
+    SPEAKER_COLUMNS,
+    TEXT_COLUMNS,
+    first_column,
+    head_row,
+)
 from lipsync_lang.text.lines.line_readers import Line, LineFile, Table, reader
-from lipsync_lang.text.lines.table import lines_of
+from lipsync_lang.text.lines.table import below_title, lines_of
+
+KNOWN_COLUMNS = (*NAME_COLUMNS, *TEXT_COLUMNS, *SPEAKER_COLUMNS)
+"""Names of columns that tell a sheet of a script from a cover."""
 
 MAX_PART_BYTES = 512 * MIB_BYTES
 """Maximum unpacked size of a part of the file; a million rows have less."""
@@ -27,12 +39,18 @@ MAX_COLUMNS = 1_024
 
 
 def open_sheets(source: LineFile) -> Table:
-    """Read the head of the first sheet; the rows follow one by one."""
-    sheets = _sheets(source)
-    for title, rows in sheets:
-        first = next(rows, None)
-        if first is not None:
-            return Table(_head(first[1]), _rows(source, title, first[1], rows, sheets))
+    """Read the head of the first sheet of a script; the rows follow one by one."""
+    before: list[str] = []
+    sheets = map(_below_titles, _sheets(source))
+    for sheet in sheets:
+        if first_column(sheet.head, KNOWN_COLUMNS) >= 0:
+            return _table(source, sheet, sheets, before)
+        before += [sheet.title] if sheet.head else []
+    # The sheets are read again, because a stream of a script of any size has no way back.
+    sheets = map(_below_titles, _sheets(source))
+    for sheet in sheets:
+        if sheet.head:
+            return _table(source, sheet, sheets, [])
     raise source.fault(1, "has no row of column names; write one, such as id,speaker,text")
 
 
@@ -43,38 +61,56 @@ def read(source: LineFile) -> Iterator[Line]:
 
 
 SheetRow = tuple[int, list[str]]
-NamedSheet = tuple[str, Iterator[SheetRow]]
+
+
+class Sheet(NamedTuple):
+    """A sheet from the row of its columns' names on."""
+
+    title: str
+    start: int
+    """Number of the row of names."""
+    head: list[str]
+    """Names of the columns; none in a sheet without cells."""
+    rows: Iterator[SheetRow]
+    titled: bool
+    """True if rows above the names are left out."""
+
+
+def _table(source: LineFile, sheet: Sheet, others: Iterator[Sheet], before: list[str]) -> Table:
+    if sheet.titled:
+        source.remark(below_title(source, sheet.start))
+    return Table(sheet.head, _rows(source, sheet, others, before))
 
 
 def _rows(
-    source: LineFile,
-    title: str,
-    first: list[str],
-    rows: Iterator[SheetRow],
-    others: Iterator[NamedSheet],
-) -> Iterator[tuple[int | str, Sequence[str]]]:
-    """Yield the rows of the first sheet, and those of the others with its columns."""
-    yield from rows
-    left = []
-    for other, more in others:
-        head = next(more, None)
-        if head is not None and _head(head[1]) == _head(first):
-            yield from ((f"{other}!{number}", row) for number, row in more)
-        elif head is not None:
-            left.append(other)
+    source: LineFile, sheet: Sheet, others: Iterator[Sheet], before: list[str]
+) -> Generator[tuple[int | str, Sequence[str]]]:
+    """Yield the rows of a sheet, and those of the others with its columns."""
+    yield from sheet.rows
+    left = [*before]
+    for other in others:
+        if other.head == sheet.head:
+            yield from ((f"{other.title}!{number}", row) for number, row in other.rows)
+        elif other.head:
+            left.append(other.title)
     if left:
         names = shortlist(left, MAX_KNOWN)
-        source.remark(f"{source.path}: left out {names}: the columns differ from those of {title}")
+        told = f"{source.path}: left out {names}: the columns differ from those of {sheet.title}"
+        source.remark(told)
 
 
-def _head(row: Sequence[str]) -> list[str]:
-    names = [name.strip() for name in row]
-    while names and not names[-1]:
-        names.pop()
-    return names
+def _below_titles(sheet: tuple[str, Iterator[SheetRow]]) -> Sheet:
+    title, rows = sheet
+    top = list(islice(rows, MAX_TITLE_ROWS))
+    at = head_row([row for _, row in top])
+    number, names = top[at] if top else (1, [])
+    head = [name.strip() for name in names]
+    while head and not head[-1]:
+        head.pop()
+    return Sheet(title, number, head, chain(top[at + 1 :], rows), at > 0)
 
 
-def _sheets(source: LineFile) -> Iterator[NamedSheet]:
+def _sheets(source: LineFile) -> Iterator[tuple[str, Iterator[SheetRow]]]:
     """Yield the title and the rows of each sheet, in order."""
     try:
         import openpyxl

@@ -360,7 +360,13 @@ def test_no_headline_says_that_a_build_with_doubtful_lines_passes(report):
     text = report([sound, aligned(2, 0.1)])
     assert "passes" not in text.split("<script>")[0].split("</header>")[0]
     assert "1\N{NO-BREAK SPACE}recording may not hold the text of the line." in text
+    assert "1\N{NO-BREAK SPACE}recording" in text.split('<strong class="bad">')[1]
     advised = JudgedFigure("speed", 13.0, "per second", 12.0, binding=False)
     text = report([sound, replace(sound, figures=(advised,))])
     assert "it exceeds the recommended limits of the pose set" in text
+    many = [replace(made(number), figures=(advised,)) for number in range(3, 145)]
+    text = report([*many, aligned(1, 0.0), aligned(2, 0.11)]).split("</header>")[0]
+    first, second = text.split("2\N{NO-BREAK SPACE}recordings may not hold the text of the lines.")
+    assert "142" not in first.split('class="lead"')[1]
+    assert "142\N{NO-BREAK SPACE}other lines are doubtful" in second
     assert json.loads(report([sound, aligned(2, 0.1)], ".json"))["doubtful"] == 1

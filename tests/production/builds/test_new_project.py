@@ -95,6 +95,58 @@ def test_a_table_alone_makes_a_project(cli, game, head, more, stated_lines):
     assert "# audio: " in stated(game)
 
 
+@pytest.mark.parametrize(
+    ("head", "languages"),
+    [
+        ("Key,Id,English(en),French(fr),German(de)", "[english, french, german]"),
+        ("id,Character,Line EN,Line FR,Direction", "[english, french]"),
+        ("keys,en,fr", "{english: en, french: fr}"),
+        ("id,Notes,English text,voice_id,line no", "[english]"),
+        ("id,German translation,French VO,Polish status", "[german, french]"),
+    ],
+)
+def test_names_of_languages_inside_headers_are_read(cli, game, head, languages):
+    cells = [f"words of {name}, " * 3 for name in head.split(",")[1:]]
+    rows = [",".join([name, *(f'"{name}, {one}"' for one in cells)]) for name in "ab"]
+    (game / "script.csv").write_text("\n".join([head, *rows, ""]), "utf-8")
+    ended = cli("new", "--from", "script.csv")
+    assert ended.code == 0, ended.err
+    assert f"languages: {languages}" in stated(game).splitlines()
+    assert "guess" not in ended.err
+
+
+def test_a_doubtful_text_is_asked_for_and_a_guess_is_told(cli, game):
+    (game / "script.csv").write_text("id,Cue,Direction\na,Hello you.,whispers\nb,Bye.,sadly\n")
+    ended = cli("new", "--from", "script.csv")
+    assert ended.code == 2
+    assert "which column is the text, 'Cue' or 'Direction'? Say --column Cue" in ended.err
+    assert not (game / "lipsync.yaml").exists()
+    assert cli("new", "--from", "script.csv", "--column", "cue").code == 0
+    assert "columns: {id: id, text: Cue}" in stated(game)
+    (game / "lipsync.yaml").unlink()
+    (game / "script.csv").write_text("id,Cue,Tone\na,Hello to all of you.,low\nb,Bye now.,low\n")
+    ended = cli("new", "--from", "script.csv")
+    assert "the text is a guess: 'Cue', the column with the most letters" in ended.err
+    assert "columns: {id: id, text: Cue}" in stated(game)
+
+
+def test_the_encoding_of_a_script_is_stated(cli, game):
+    (game / "script.csv").write_bytes("id,text\na,Café.\n".encode("cp1252"))
+    ended = cli("new", "--from", "script.csv")
+    assert ended.code == 2
+    assert "name its encoding (--encoding cp1252)" in ended.err
+    assert cli("new", "--from", "script.csv", "--encoding", "cp1252").code == 0
+    assert "encoding: cp1252" in stated(game).splitlines()
+
+
+def test_a_title_above_the_names_of_columns_is_left_out(cli, game):
+    (game / "script.csv").write_text("The game,,\n,,\nid,speaker,text\na,Ann,Hello.\n")
+    ended = cli("new", "--from", "script.csv")
+    assert ended.code == 0, ended.err
+    assert "columns: {id: id, text: text, speaker: speaker}" in stated(game)
+    assert "1 line to make" in ended.err
+
+
 def test_a_table_alone_needs_a_column_of_ids(cli, game):
     (game / "script.csv").write_text("cue,text\na,Hello.\n", "utf-8")
     ended = cli("new", "--from", "script.csv")

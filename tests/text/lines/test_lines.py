@@ -857,6 +857,30 @@ def test_spreadsheets_are_tables(tmp_path):
     assert "has no column 'txt'; did you mean 'text'?" in _refusal_of(path, "txt")
 
 
+def test_a_cover_and_titles_of_a_spreadsheet_are_left_out(tmp_path):
+    path = workbook(
+        tmp_path / "a.xlsx",
+        Cover=[["My game"], ["Version", 2]],
+        Script=[["Lines of act one"], HEAD, ["a", "Anna", "Hello."]],
+        More=[HEAD, ["b", "Bob", "Bye."]],
+    )
+    remarks = []
+    lines = read(path, remark=remarks.append)
+    assert [(x.place, x.text) for x in lines] == [
+        (f"{path}:3", "Hello."),
+        (f"{path}:More!2", "Bye."),
+    ]
+    told = "names the columns; the rows above are left out"
+    assert remarks == [
+        f"{path}:2: {told}",
+        f"{path}: left out Cover: the columns differ from those of Script",
+    ]
+    remarks.clear()
+    table = write(tmp_path / "a.csv", "The game;;\n\nid;speaker;text\na;Ann;Hello.\n")
+    [line] = read(table, remark=remarks.append)
+    assert (line.place, line.text, remarks) == (f"{table}:4", "Hello.", [f"{table}:3: {told}"])
+
+
 def _quiet(_):
     pass
 
