@@ -1,0 +1,104 @@
+"""Scripts of game engines, read as the engines themselves read them."""
+
+import time
+
+import pytest
+
+from lipsync_lang.text.lines import read_lines
+
+RENPY = '''\
+label start:
+    e "Hello"
+    voice "x.ogg"
+    show e happy
+    e "After show"
+    voice "y.ogg"
+    e "Voiced"
+    d.e "dot"
+    d["x"] "index"
+    "Bo Li" happy "named"
+    e r"raw \\n"
+    e (what_color = "#fff") "hm"
+    e "args" (what_color = "#fff")
+    e "args" (a="x",b=True)
+    e "args" (a="x",)
+    e "args" ( *a , ** k )
+    e happy -sad @ wave "x" with dissolve
+menu named:
+    e "choose"
+    "Go":
+        e "went"
+label .local:
+    e "local"
+label two:
+    call x from back
+    e "afterback"
+label .loc2:
+    e "x"
+    """
+    One.
+
+    Two two.
+    """
+'''
+RENPY_IDS = """\
+2 start_8d695913 e
+5 start_d3643f9d e
+7 start_090f7d77 e
+8 start_7fffee00 d.e
+9 start_a5adcc1b d["x"]
+10 start_6e56c167 Bo Li
+11 start_bebec520 e
+12 start_1d19bc7f e
+13 start_3551b43d e
+14 start_d622fd12 e
+15 start_d8193641 e
+16 start_415eb578 e
+17 start_0eee9edd e
+19 named_8c433fb2 e
+21 named_5fc44de6 e
+23 named_local_4bd81ce5 e
+26 back_640efeaf e
+28 two_loc2_a8a343a3 e
+30 two_loc2_bef6a526
+32 two_loc2_94ab57a7
+"""
+"""Line, identifier and speaker of each statement, as Ren'Py 8.0.3 writes them."""
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Write a script, and read its lines."""
+
+    def run(text, suffix):
+        path = tmp_path / f"a{suffix}"
+        path.write_text(text, "utf-8")
+        return list(read_lines(path, remark=lambda _: None))
+
+    return run
+
+
+def test_identifiers_are_those_of_renpy(read):
+    lines = [line for line in read(RENPY, ".rpy") if line.name]
+    found = [(line.place.rpartition(":")[2], line.name, line.speaker) for line in lines]
+    assert "".join(f"{' '.join(one).strip()}\n" for one in found) == RENPY_IDS
+    assert lines[6].text == "raw"
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        'e "' + '\\"' * 100_000,
+        'e """' + '\\"' * 100_000,
+        "e " + "(" * 100_000 + '"x"',
+        "e " + "(a)" * 50_000 + '"x',
+        "e" + ".a" * 50_000,
+        'e "x" (' + "a, " * 50_000 + ")",
+        "e " + "happy " * 50_000,
+    ],
+    ids=lambda value: value[:8],
+)
+def test_no_statement_of_renpy_takes_quadratic_time(read, statement):
+    begun = time.process_time()
+    read(f"label start:\n    {statement}\n", ".rpy")
+    assert time.process_time() - begun < 5  # quadratic time would be minutes
