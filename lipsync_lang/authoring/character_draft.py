@@ -34,6 +34,9 @@ from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
 
 MAX_ALTERNATIVES = 3
 
+MIN_LIKE_SHARE = 0.5
+"""Smallest share of shown poses for a pose set without doubt."""
+
 UNSEEN_SCALE = 0.05
 """Largest difference from 1 of a dial that nobody sees."""
 
@@ -83,7 +86,7 @@ class CharacterDraft(PackDraft):
             f"{shown(self.model.path)}: {count} shapes in {within}; {match}",
             *(f"  or {other}: {_asking(other)}" for other in self.others),
             *(f"wrote {path}: {self.summaries[path]}" for path in self.outputs),
-            *(f"doubtful: {doubt}" for doubt in match.found.doubts),
+            *(f"doubtful: {doubt}" for doubt in (*match.found.doubts, *_unlike(match))),
             *(
                 f"measured: the mouth opens {'farther' if level < 1 else 'less'} than "
                 f"{match.poseset} expects, so the level of region {region} is {level:g}"
@@ -190,6 +193,12 @@ def _chosen(
         f"{some(model.shape_names)}. Draft a pose set from them: lipsync-lang posesets new "
         f"{wanted.name} --model {wanted.model}"
     )
+
+
+def _unlike(match: Match) -> Iterator[str]:
+    """Yield a doubt if most of the poses are absent: the set may be that of another creature."""
+    if match.shown < MIN_LIKE_SHARE * len(match.poses):
+        yield f"the head has {match}, which may be made for another kind of face"
 
 
 def _asking(match: Match) -> str:

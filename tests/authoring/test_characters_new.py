@@ -101,6 +101,25 @@ def test_every_rig_is_recognised_by_its_own_names(poseset, rig, tmp_path):
     assert match.complete
 
 
+HEADS_OF_MAKERS = json.loads(Path(__file__).with_name("heads_of_makers.json").read_text("utf-8"))
+"""Shapes of heads, with their pose set and rig, and the number of its poses that are shown."""
+
+
+@pytest.mark.parametrize("kind", HEADS_OF_MAKERS)
+def test_heads_of_well_known_makers_get_their_sets(kind, tmp_path):
+    shapes, poseset, rig, shown = HEADS_OF_MAKERS[kind]
+    best = recognise(LIBRARY, read_model(glb(tmp_path / "head.glb", *shapes)))[0]
+    assert (best.poseset, best.rig, best.shown) == (poseset, rig, shown), str(best)
+    assert best.enough
+    assert not best.found.doubts
+
+
+def test_a_set_that_suits_a_head_badly_is_doubted(cli, folder):
+    glb(folder / "x.glb", "MouthOpen", "Smile", "Frown")
+    err, _ = new(cli, "x", "--model", "x.glb", "--poseset", "crab")
+    assert "doubtful: the head has 3 of 8 poses of crab" in err
+
+
 def test_a_character_of_a_model_with_known_names(cli, folder):
     glb(folder / "face.glb", *SETS["crab"].poses)
     said, made = new(cli, "anna", "--model", "face.glb", "--title", "  Anna  B ")
