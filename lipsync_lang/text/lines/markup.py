@@ -125,7 +125,7 @@ FORMS = {
         "%L1 %1": rf"%(?:L\d|1{NO_SHARE})",
         "%n %-m %item": rf"{NO_PERCENTAGE}(?:-?[A-Za-z](?![A-Za-z_À-ɏ])|(?<!%%)[A-Za-z]{NAME})",
     },
-    "escape": {r"\n \p \"": r"\\(?:[nrtplf]|(?P<kept>[\\\"'%\[{ ]))"},
+    "escape": {r"\n \p \"": r"\\(?:[nrtplf]|(?P<kept>[\\\"'%\[\]{ ]))"},
     "aside": {
         "(laughs)": r"\((?P<round>[^()\[\]{}<>]{1,80})\)",
         "（笑）": r"（(?P<doublewidth>[^（）]{1,80})）",

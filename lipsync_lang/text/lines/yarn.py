@@ -19,6 +19,9 @@ JUMP = re.compile(r"\[\[(?:(?P<text>[^\[\]|]*)\|)?[^\[\]|]*\]\]\s*$")
 
 YARN_SPEAKER = re.compile(r"(?P<who>[^\s:.,;!?\"<{\[\\#][^:.,;!?\"<{\[\\#\n]{0,39}):(?:\s+|$)")
 YARN_ESCAPE = re.compile(r"\\([:#/<>])")
+CHARACTER = re.compile(
+    r"\[character\s+name\s*=\s*\"?(?P<who>[^\"\[\]]*)\"?[^\[\]]*\]|\[/character\]"
+)
 LINE_TAG = "line:"
 
 
@@ -54,8 +57,10 @@ def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
     text = "#".join(pieces).removeprefix("->").removeprefix("=>").strip()
     if jump := JUMP.match(text):
         text = jump["text"] or ""
+    stated = CHARACTER.search(text)
+    text = CHARACTER.sub("", text).strip() if stated else text
     found = YARN_SPEAKER.match(text)
-    speaker = found["who"].strip() if found else ""
+    speaker = ((stated and stated["who"]) or (found["who"] if found else "")).strip()
     said = YARN_ESCAPE.sub(r"\1", text[found.end() if found else 0 :]).strip()
     if said:
         yield source.line(number, said, name=name, speaker=speaker)

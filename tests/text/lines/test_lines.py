@@ -264,7 +264,8 @@ Anna: Hello there. #happy
 """,
         [
             (3, "", "Anna", "Hello there."),
-            (5, "yes", "", "Go on. You go on."),
+            (5, "yes", "", "Go on."),
+            (5, "yes-1", "", "You go on."),
             (6, "", "", "Stay"),
             (7, "", "", "We met before."),
         ],

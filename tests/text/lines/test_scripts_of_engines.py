@@ -102,3 +102,89 @@ def test_no_statement_of_renpy_takes_quadratic_time(read, statement):
     begun = time.process_time()
     read(f"label start:\n    {statement}\n", ".rpy")
     assert time.process_time() - begun < 5  # quadratic time would be minutes
+
+
+INK = """\
+{
+- x == 1: One.
+- else: Else said.
+}
+{x > 1:
+    Anna: More.
+- else:
+    Less. {y:
+    - 1: First.
+    - 2: Second, -> knot
+    }
+}
+{stopping:
+- Stopped once.
+- Stopped twice.
+}
+{shuffle once: - Shuffled. }
+{met==1:Tight}
+{ - x > 5: Large. }
+It costs \\#5, or {~6|7}. #tag
+* Hello[, Bo.] there.
++ [Bo: Go.]
+* (leave) Leave
+- (all) {cond: -> away | Or {a}{bee|c} stay.}
+/* A comment
+of rows. */
+= stitch
+<- thread
+{x || y: Either.}
+{x:
+=== knot
+- Bye{x: now}.
+"""
+INK_LINES = """\
+2: One.
+3: Else said.
+6:Anna More.
+8: Less.
+9: First.
+10: Second,
+14: Stopped once.
+15: Stopped twice.
+17: Shuffled.
+18: Tight
+19: Large.
+20: It costs #5, or 6.
+21: Hello, Bo.
+21: Hello there.
+22:Bo Go.
+23:leave Leave
+24:all Or bee stay.
+29: Either.
+32: Byenow.
+"""
+
+
+def test_blocks_and_choices_of_ink_are_spoken_apart(read):
+    found = [(line.place.rpartition(":")[2], line) for line in read(INK, ".ink")]
+    told = "".join(f"{at}:{one.name or one.speaker} {one.text}\n" for at, one in found)
+    assert told == INK_LINES
+
+
+@pytest.mark.parametrize("row", ["{" * 100_000, "}" * 100_000, "{a|" * 50_000, "{a|b} " * 30_000])
+def test_no_row_of_ink_takes_quadratic_time(read, row):
+    begun = time.process_time()
+    read(f"{row}\n", ".ink")
+    assert time.process_time() - begun < 5
+
+
+def test_brackets_and_characters_of_yarn(read):
+    script = r"""title: Start
+---
+Anna: See \[this\], please.
+[character name="Bo"]Hello.[/character]
+[character name="Cy"]Boss: [/character]Go.
+===
+"""
+    lines = read(script, ".yarn")
+    assert [(line.speaker, line.text) for line in lines] == [
+        ("Anna", "See [this], please."),
+        ("Bo", "Hello."),
+        ("Cy", "Go."),
+    ]
