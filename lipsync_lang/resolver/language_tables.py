@@ -1,6 +1,7 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from functools import cache
 from itertools import chain, islice
 from pathlib import Path
 from string import ascii_uppercase
@@ -113,8 +114,9 @@ def _foreign(model: "models.Language", common: "models.Phonemes") -> Iterator[Ru
     named = model.text and model.text.letters.keys() >= set(ascii_uppercase)
     if named and model.g2p.engine != "espeak" and model.g2p_notation == IPA:
         labels = frozenset(map(normalise, model.notations.get(IPA, ())))
+        nearest = _nearest(labels, common.text.nearby)
         for sound in sorted(common.text.nearby, key=len, reverse=True):
-            yield Rule(sound, _nearest((sound,), labels, common.text.nearby))
+            yield Rule(sound, nearest((sound,)))
 
 
 def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[str, Notation]:
@@ -159,15 +161,16 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
     words, phrases = _own_words(language, language.notations.get(notation, ()))
     if shared is not None and notation == IPA:
         labels = frozenset(map(normalise, language.notations.get(IPA, ())))
+        nearest = _nearest(labels, shared.nearby)
         for spelling, sounds in shared.interjections.items():
-            if sounds is not None and (found := _nearest(sounds.to, labels, shared.nearby)):
+            if sounds is not None and (found := nearest(sounds.to)):
                 known[spelling] = Interjection(found, sounds.say)
         taken = {plain(word) for word in (*words, *(stated.abbreviations if stated else ()))}
         tag = language.tag.partition("-")[0]
         names = [one for tags, one in shared.names.items() if tag not in tags.split()]
         for name, ipa in (pair for one in names for pair in one.items()):
             if plain(name) not in taken:
-                words[name] = OwnWord(_nearest(ipa.split(), labels, shared.nearby))
+                words[name] = OwnWord(nearest(ipa.split()))
     vowels = shared.vowels if shared is not None else ""
     if stated is None:
         return SpokenForms(known, phrases, words, vowels=vowels)
@@ -198,33 +201,41 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
 
 
 def _nearest(
-    sounds: Sequence[str], labels: frozenset[str], nearby: Mapping[str, Sequence[str]]
-) -> tuple[str, ...]:
-    """Return the nearest labels of sounds, exact ones first; any in a language without labels."""
-    if not labels:
-        return tuple(sounds)
-    found: list[str] = []
-    for sound in sounds:
+    labels: frozenset[str], nearby: Mapping[str, Sequence[str]]
+) -> Callable[[Sequence[str]], tuple[str, ...]]:
+    """Return a function from sounds to their nearest labels, exact ones first.
+
+    In a language without labels it returns the sounds.
+    """
+
+    @cache  # a thousand names have a hundred sounds
+    def found(sound: str) -> tuple[str, ...]:
         choice = (sound, *nearby.get(sound, ()))
         exact = (one for one in choice if normalise(one) in labels)
         alike = (one for one in choice if not labels.isdisjoint(looser(normalise(one))))
-        found += islice(chain(exact, alike), 1)
-    return tuple(found)
+        return tuple(islice(chain(exact, alike), 1))
+
+    return (lambda sounds: tuple(chain(*map(found, sounds)))) if labels else tuple
 
 
 def _listed(
     abbreviations: Mapping[str, str], lists: Mapping[str, Mapping[str, str | None]]
 ) -> dict[str, str]:
     """Return abbreviations with each word of a list in the place of its name."""
-    found = dict(abbreviations)
-    for name, words in lists.items():
-        place = f"{{{name}}}"
-        found = {
-            key.replace(place, word): read.replace(place, word if said is None else said)
-            for key, read in found.items()
-            for word, said in (words.items() if place in key else (("", ""),))
-        }
-    return found
+    places = {f"{{{name}}}": words for name, words in lists.items()}
+    listed: dict[str, str] = {}
+    for spelling, reading in abbreviations.items():
+        found, text = {spelling: reading}, f"{spelling} {reading}"
+        for place, words in places.items():
+            if place in text:
+                found = {
+                    key.replace(place, word): read.replace(place, word if said is None else said)
+                    for key, read in found.items()
+                    for word, said in (words.items() if place in key else (("", ""),))
+                }
+                text = " ".join(chain(*found.items()))
+        listed |= found
+    return listed
 
 
 def _own_words(

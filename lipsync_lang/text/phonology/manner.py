@@ -1,7 +1,7 @@
 """The engines and voices of a language, taken from its pack as plain data."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
@@ -60,12 +60,13 @@ class Manner:
 
     def plain(self) -> dict[str, Any]:
         """Return the settings as JSON data."""
-        data = asdict(self)
-        data["settings"] |= {
+        settings = vars(self.settings) | {
             "file": str(self.settings.file) if self.settings.file else None,
             "labels": list(self.settings.labels),
         }
-        return data
+        # not by `asdict`, which would copy the thousands of written forms one by one
+        inner = {"settings": settings, "audio": {**vars(self.audio)}, "forms": {**vars(self.forms)}}
+        return {**vars(self), **inner}
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
