@@ -102,16 +102,32 @@ def test_a_cue_whose_times_run_backwards_is_located(read):
 # Recognisers
 
 
-def test_whisperx_words_without_times_share_those_of_a_neighbour(read):
+def test_whisperx_words_without_times_fill_the_gap_between_their_neighbours(read):
+    words = [
+        {"word": "in"},
+        {"word": "May", "start": 0.1, "end": 0.3, "score": 0.9},
+        {"word": "1999,"},
+        {"word": "§"},
+        {"word": "Yes", "start": 0.8, "end": 0.9, "score": 1.5},
+        {"word": "100"},
+    ]
+    timed = read("line.json", {"segments": [{"start": 0, "end": 2, "text": "", "words": words}]})
+    assert told(timed) == [
+        ("in", 0, 0.1), ("May", 0.1, 0.3), ("1999, §", 0.3, 0.8), ("Yes", 0.8, 0.9),
+        ("100", 0.9, 2),
+    ]  # fmt: skip
+    assert [word.confidence for word in timed.words] == [None, 0.9, None, None, None]
+
+
+def test_whisperx_words_without_times_or_gap_share_those_of_a_neighbour(read):
     words = [
         {"word": "in"},
         {"word": "May", "start": 0.1, "end": 0.3, "score": 0.9},
         {"word": "1999."},
-        {"word": "Yes", "start": 0.8, "end": 0.9, "score": 1.5},
+        {"word": "Yes", "start": 0.32, "end": 0.9},
     ]
-    timed = read("line.json", {"segments": [{"start": 0, "end": 1, "text": "", "words": words}]})
-    assert told(timed) == [("in May 1999.", 0.1, 0.3), ("Yes", 0.8, 0.9)]
-    assert [word.confidence for word in timed.words] == [0.9, None]
+    timed = read("line.json", {"segments": [{"start": 0.1, "end": 1, "text": "", "words": words}]})
+    assert told(timed) == [("in May 1999.", 0.1, 0.3), ("Yes", 0.32, 0.9)]
 
 
 WORDS = [{"word": " hello", "start": 0.1, "end": 0.5, "probability": 0.9}]

@@ -2,11 +2,14 @@
 
 Read are WhisperX, whisper-timestamped, faster-whisper, stable-ts, whisper.cpp, the answers of
 OpenAI's service and of Hugging Face's pipelines, and Vosk's results, which look the same. A word
-without times, such as a number in WhisperX, shares those of the word before it. A segment without
-words is timed as a whole.
+without times, such as a number in WhisperX, fills the gap between its neighbours, or between one of
+them and an end of the segment. Without a gap, it shares the times of the word before it. A segment
+without words is timed as a whole.
 """
 
 from collections import defaultdict
+from collections.abc import Sequence
+from itertools import groupby, zip_longest
 from typing import Any, NamedTuple
 
 from lipsync_lang.base.json_object import Json
@@ -21,6 +24,9 @@ SEGMENT_LISTS = ("segments", "transcription", "chunks", "result", "words")
 
 TEXT_FIELDS = ("word", "text")
 CONFIDENCES = ("probability", "confidence", "score", "conf", "p")
+
+LEAST_GAP_SECONDS = 0.05
+"""Shortest gap that words without times fill; a shorter one is rounding."""
 
 WHISPER_FORM = '{"segments": [{"words": [{"word": "maps", "start": 0.1, "end": 0.62}, ...]}, ...]}'
 
@@ -87,8 +93,10 @@ def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[Recognised
     in_parts = not item.get("words")  # tokens of the model, which split words
     groups: list[list[RecognisedPart]] = []
     timed = False
-    for word in _objects(source, words):
-        one = _part(source, {"speaker": item.get("speaker"), **word})
+    segment = _part(source, item)
+    speaker = {"speaker": item.get("speaker")}
+    given = [_part(source, speaker | word) for word in _objects(source, words)]
+    for one in given if in_parts else _in_gaps(given, segment):
         if one.text.startswith("[_"):  # a mark of the model's, not a word
             continue
         inside = in_parts and not one.text.startswith(" ")
@@ -99,7 +107,7 @@ def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[Recognised
             timed = False
         timed = timed or one.start is not None
     if groups and not any(one.start is not None for one in groups[0]):
-        return [_part(source, item)]
+        return [segment]
     joined = []
     for parts in groups:
         times = [one for one in parts if one.start is not None]
@@ -107,6 +115,22 @@ def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[Recognised
         text = ("" if in_parts else " ").join(one.text for one in parts)
         joined.append(times[0]._replace(text=text, end=ends[-1] if ends else None))
     return joined
+
+
+def _in_gaps(words: Sequence[RecognisedPart], segment: RecognisedPart) -> list[RecognisedPart]:
+    """Let successive words without times be one part, which fills the gap around them."""
+    runs = [[*run] for _, run in groupby(words, lambda one: one.start is None)]
+    parts: list[RecognisedPart] = []
+    for run, after in zip_longest(runs, runs[1:]):
+        start = parts[-1].end if parts else segment.start
+        end = after[0].start if after else segment.end
+        gap = 0.0 if start is None or end is None else end - start
+        if run[0].start is None and gap >= LEAST_GAP_SECONDS and len(runs) > 1:
+            text = " ".join(one.text for one in run)
+            parts.append(run[0]._replace(text=text, start=start, end=end))
+        else:
+            parts += run
+    return parts
 
 
 def _part(source: TimingFile, item: Json) -> RecognisedPart:
