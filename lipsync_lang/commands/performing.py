@@ -160,7 +160,7 @@ def _refuse_idle(options: Namespace) -> None:
 
 def _timed(options: Namespace, performer: "Performer") -> "Schedule":
     """Return the timings of a file, with the recording; timed words are filled with phonemes."""
-    from lipsync_lang.schedules.timed_words import TimedWords
+    from lipsync_lang.schedules.timed_words import TimedWords, words_without_phonemes
     from lipsync_lang.schedules.timing_readers import read_timings
 
     found = read_timings(
@@ -168,17 +168,18 @@ def _timed(options: Namespace, performer: "Performer") -> "Schedule":
         rate=options.rate, encoding=options.encoding,
     )  # fmt: skip
     audio, channel = options.audio, options.audio_channel
-    if audio is None and not isinstance(found, TimedWords):
+    if audio is None and not isinstance(found, TimedWords) and not words_without_phonemes(found):
         return found  # without the imports for sound
-    from lipsync_lang.sound.speech.filling import filled
+    from lipsync_lang.sound.speech.filling import with_phonemes
     from lipsync_lang.sound.speech.sound import read_audio, with_sound
 
     if not isinstance(found, TimedWords):
-        return with_sound(found, audio, channel)
+        whole = with_phonemes(performer.speaker, found)
+        return whole if audio is None else with_sound(whole, audio, channel)
     if options.notation is not None:
         what = f"{options.schedule} has timed words, not phonemes; leave out --notation"
         raise LipsyncError(what)
     if audio is None:
-        return filled(performer.speaker, found)
+        return with_phonemes(performer.speaker, found)
     with listening(f"listening to {audio}"):
-        return filled(performer.speaker, found, audio=read_audio(audio, channel))
+        return with_phonemes(performer.speaker, found, audio=read_audio(audio, channel))

@@ -41,7 +41,7 @@ MAX_LABEL_CHARS = 40
 """Maximum characters of a label in a message."""
 
 PAUSE_LABEL = re.compile(
-    r"_:?|[#+]+|#h|h#|epi|\.?pau(se)?|(short|s)?sil([be]|ence)?|!sil|\.sil|sp|spn|nsn|&p:|sent-(start|end)"
+    r"_:?|[#+]+|#h|h#|epi|\.?pau(se)?|(short|s)?sil([be]|ence)?|!sil|\.sil|sp|spn|nsn|oov|unk|&p:|sent-(start|end)"
     r"|[be]_trans|\(sil\)|<[^>]*>|\[[^]]*]|\{[^}]+}",
     re.IGNORECASE,
 )

@@ -16,9 +16,11 @@ from lipsync_lang.schedules.rows import (
     LabelRow,
     check_span,
     guessed_rate,
+    is_pause,
     overlap,
     without_length,
 )
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 
 TYPICAL_WORD_SECONDS = 0.3
@@ -82,6 +84,16 @@ def are_words(labels: Iterable[str]) -> bool:
             is_word = any(first <= c <= last for c in letters for first, last in WORD_SCRIPTS)
             counts.append(MAX_PHONE_LETTERS + 1 if is_word else len(letters))
     return bool(counts) and median(counts) > MAX_PHONE_LETTERS
+
+
+def words_without_phonemes(schedule: Schedule) -> list[int]:
+    """Return the numbers of words that have labels of noise alone, as an aligner gives them."""
+    spans = [schedule.labels[word.first : word.stop] for word in schedule.words]
+    return [
+        number
+        for number, (word, span) in enumerate(zip(schedule.words, spans, strict=True))
+        if SILENCE not in span and all(map(is_pause, span)) and not SILENT_WORD.fullmatch(word.text)
+    ]
 
 
 def timed_words_of(

@@ -184,8 +184,7 @@ def _from_timings(
 ) -> Schedule:
     from lipsync_lang.schedules.timed_words import TimedWords
     from lipsync_lang.schedules.timing_readers import read_timings
-    from lipsync_lang.sound.speech.filling import filled
-    from lipsync_lang.sound.speech.sound import with_sound
+    from lipsync_lang.sound.speech.filling import with_phonemes
 
     assert line.timings is not None  # noqa: S101 the caller asked for lines with timings
     found = read_timings(folder / line.timings)
@@ -193,8 +192,8 @@ def _from_timings(
     if isinstance(found, TimedWords):
         made = cache.load(line) if cache is not None else None
         if made is None:
-            made = filled(speaker, found, audio=audio)
+            made = with_phonemes(speaker, found, audio=audio)
             if cache is not None:
                 cache.save(line, made)
         return made
-    return found if audio is None else with_sound(found, audio)
+    return with_phonemes(speaker, found, audio=audio)

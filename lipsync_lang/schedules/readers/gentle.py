@@ -1,8 +1,9 @@
 """Gentle's JSON: words with their times, and the lengths of the phones in each.
 
 Times are seconds. The letter after the underscore of a phone such as `ae_I` is its place in the
-word. Words that Gentle did not find in the sound have no times: the mouth rests there, and a
-remark names them.
+word. Words that Gentle did not find in the sound have no times: if there is time for them between
+two others, they are taken to be said there, without phonemes; else the mouth rests. Remarks name
+them.
 """
 
 import re
@@ -12,6 +13,12 @@ from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, sched
 from lipsync_lang.schedules.timing_file import first_item
 
 MAX_SHOWN_WORDS = 8
+
+LEAST_WORD_SECONDS = 0.1
+"""Shortest time of a word that was not found."""
+
+UNREAD = "oov"
+"""Label of a word without phonemes, as Gentle writes it for words that its dictionary lacks."""
 
 PLACE = re.compile(r"_[BEIS]$")
 """A phone at the beginning, end or inside of a word, or a single phone."""
@@ -34,20 +41,35 @@ def read_gentle(source: TimingFile) -> Schedule:
     rows: list[LabelRow] = []
     spans: list[LabelRow] = []
     lost: list[str] = []
+    waiting: list[str] = []
+    placed: list[str] = []
     for word in source.object_list(words, f"has no list of words; the form is {GENTLE_FORM}"):
         text = str(word.get("word") or word.get("alignedWord") or "")
         if word.get("start") is None:
-            lost.append(text)
+            waiting.append(text)
             continue
         start = at = source.number(word["start"])
+        if spans and waiting and start - spans[-1].end >= LEAST_WORD_SECONDS * len(waiting):
+            rows.append(LabelRow(UNREAD, spans[-1].end, start))
+            spans.append(LabelRow(" ".join(waiting), spans[-1].end, start))
+            placed += waiting
+        else:
+            lost += waiting
+        waiting = []
         what = f"a word has no list of phones; the form is {GENTLE_FORM}"
         for phone in source.object_list(word.get("phones"), what):
             end = at + source.number(phone.get("duration"))
             rows.append(LabelRow(PLACE.sub("", str(phone.get("phone", ""))), at, end))
             at = end
         spans.append(LabelRow(text, start, at))
+    lost += waiting
     if lost and not rows:
         raise source.fault("no word was found in the recording; align it again")
-    shown = shortlist(lost, MAX_SHOWN_WORDS)
-    told = [f"{source.path}: not found in the recording, so the mouth rests: {shown}"]
-    return schedule_of(source, rows, words=spans, remarks=told if lost else ())
+    told = [
+        f"{source.path}: not found in the recording, so {what}: {shortlist(some, MAX_SHOWN_WORDS)}"
+        for some, what in (
+            (lost, "the mouth rests"), (placed, "they are doubtful where they fill a gap"),
+        )
+        if some
+    ]  # fmt: skip
+    return schedule_of(source, rows, words=spans, remarks=told)

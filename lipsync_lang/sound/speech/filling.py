@@ -18,7 +18,9 @@ from lipsync_lang.base.errors import SpeechError, shortlist
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS, Audio, Schedule, Word
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords
+from lipsync_lang.schedules.timing_readers import Timings
 from lipsync_lang.sound.speech.hearing.alignment import align_many
+from lipsync_lang.sound.speech.lacking_words import with_lacking
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of, with_sound
 from lipsync_lang.sound.speech.speaking.joining import join
 from lipsync_lang.sound.speech.speaking.speaker import NO_ENGINE, Speaker
@@ -40,13 +42,15 @@ WordPhonemes = Schedule | SpeechError | None
 
 
 def fill_words(
-    timed: TimedWords, language: str | Path, *, audio: SoundSource | None = None, paths: Paths = ()
+    timed: Timings, language: str | Path, *, audio: SoundSource | None = None, paths: Paths = ()
 ) -> Schedule:
     """Read timed words, and fill the time of each with its phonemes.
 
+    Of a schedule, these are the words that the dictionary of its aligner lacked.
+
     Parameters
     ----------
-    timed : words from `read_timings`
+    timed : words or a schedule from `read_timings`
     language : a language pack's name, tag or file
     audio : the recording, in which an aligner finds the phonemes of each phrase; None to estimate
         their times
@@ -64,7 +68,17 @@ def fill_words(
     >>> schedule.labels, schedule.start, schedule.end
     (('_', 'm', 'æ', 'p', 's'), 0.0, 0.6)
     """
-    return filled(Speaker.of(language, paths), timed, audio=audio)
+    return with_phonemes(Speaker.of(language, paths), timed, audio=audio)
+
+
+def with_phonemes(
+    speaker: Speaker, found: Timings, *, audio: SoundSource | None = None
+) -> Schedule:
+    """Return timings of a file with their sound; the language reads words without phonemes."""
+    if isinstance(found, TimedWords):
+        return filled(speaker, found, audio=audio)
+    schedule = with_lacking(found, speaker)
+    return schedule if audio is None else with_sound(schedule, audio)
 
 
 def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = None) -> Schedule:

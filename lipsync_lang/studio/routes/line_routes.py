@@ -19,7 +19,6 @@ from lipsync_lang.performing.performer import Performer, performer_of
 from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timed_words import TimedWords
 from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.sound.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
@@ -64,12 +63,12 @@ def speak(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Read timed phonemes of a file, and keep the sound that was opened before."""
-    from lipsync_lang.sound.speech.filling import filled
+    from lipsync_lang.sound.speech.filling import with_phonemes
 
     with TemporaryDirectory() as folder:
         found = read_timings(sent_file(request, Path(folder)), request.query.get("notation"))
     speaker = workshop.performer.speaker
-    schedule = filled(speaker, found) if isinstance(found, TimedWords) else found
+    schedule = with_phonemes(speaker, found)
     workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
     text = " ".join(word.text for word in schedule.words)
     workshop.take_up(schedule, text if len(text) <= MAX_TYPED_CHARS else "")

@@ -1,0 +1,112 @@
+"""Words that an aligner found without their phonemes, because its dictionary lacks them.
+
+The aligner finds when such a word is said, and gives it one label for all of it, as for noise. The
+language reads the word, and its phonemes fill the time of the word in their estimated proportions.
+They are spelled in the notation of the other labels.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lipsync_lang.base.errors import SpeechError, shortlist
+from lipsync_lang.schedules.rows import is_pause
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timed_words import words_without_phonemes
+from lipsync_lang.sound.speech.speaking.speaker import NO_ENGINE, Speaker
+from lipsync_lang.text.phonology.labels import Notation, recognise
+
+MAX_SHOWN_WORDS = 8
+
+
+def with_lacking(
+    schedule: Schedule, speaker: Speaker, dictionary: str = "the dictionary of the aligner"
+) -> Schedule:
+    """Return a schedule whose lacking words are read by the language, and a remark on them."""
+    numbers = words_without_phonemes(schedule)
+    if not numbers:
+        return schedule
+    names = [schedule.words[number].text for number in numbers]
+    known = [label for label in schedule.labels if not is_pause(label)]
+    notation = schedule.notation or speaker.manner.notation
+    if schedule.notation is None and known and speaker.notations:
+        notation = recognise(known, speaker.notations)
+    texts = list(dict.fromkeys(names))
+    read: dict[str, Schedule] = {}
+    if notation in speaker.notations:
+        for text, one in zip(texts, speaker.speak_many(texts, engine=NO_ENGINE), strict=True):
+            if not isinstance(one, SpeechError):
+                spelled = _spelled(one, notation, speaker.notations)
+                read |= {text: spelled} if spelled is not None else {}
+    told = [
+        f"{dictionary} lacks {shortlist(some, MAX_SHOWN_WORDS)}: {what}; "
+        "add the missing words to it"
+        for some, what in (
+            ([text for text in texts if text in read], "the language reads them instead"),
+            ([text for text in texts if text not in read], "the mouth rests there"),
+        )
+        if some
+    ]
+    inside = {n: read[name] for n, name in zip(numbers, names, strict=True) if name in read}
+    filled = replace(_filled(schedule, inside), notation=notation) if inside else schedule
+    return replace(filled, remarks=(*schedule.remarks, *told))
+
+
+def _spelled(word: Schedule, to: str, notations: Mapping[str, Notation]) -> Schedule | None:
+    """Spell the labels of a word in another notation; None if it has none of the sounds."""
+    if word.notation == to:
+        return word
+    labels: dict[tuple[str, ...], str] = {}
+    for label, value in notations[to].table.items():
+        labels.setdefault(tuple(name for name, _ in value), label)
+    spans: list[tuple[str, float, float]] = []
+    for label, start, end in zip(word.labels, word.times, word.times[1:], strict=False):
+        value = notations[str(word.notation)].find(label) or ()
+        sounds = tuple(name for name, _ in value)
+        parts = [sounds] if sounds in labels else [(one,) for one in sounds if (one,) in labels]
+        edges = np.linspace(start, end, len(parts) + 1).tolist()
+        pairs = zip(parts, edges, edges[1:], strict=False)
+        spans += [(labels[part], first, stop) for part, first, stop in pairs]
+    if not spans:
+        return None
+    times = [spans[0][1], *(stop for _, _, stop in spans)]
+    names = tuple(label for label, _, _ in spans)
+    return replace(word, labels=names, times=np.array(times), words=(), stress=(), notation=to)
+
+
+def _filled(schedule: Schedule, inside: Mapping[int, Schedule]) -> Schedule:
+    """Put the labels of words in the place of those that stand there, each over the word's time."""
+    labels: list[str] = []
+    times: list[float] = []
+    stress: list[int | None] = []
+    marks: Sequence[int | None] = schedule.stress or (None,) * len(schedule)
+    starts = {schedule.words[n].first: n for n in inside}
+    moved = [0] * (len(schedule) + 1)
+    at = 0
+    while at < len(schedule):
+        moved[at] = len(labels)
+        number = starts.get(at)
+        if number is None:
+            labels.append(schedule.labels[at])
+            times.append(float(schedule.times[at]))
+            stress.append(marks[at])
+            at += 1
+            continue
+        word, stop = inside[number], schedule.words[number].stop
+        steps = (word.times[:-1] - word.start) / (word.end - word.start)
+        begin, length = schedule.times[at], schedule.times[stop] - schedule.times[at]
+        labels += word.labels
+        times += (begin + steps * length).tolist()
+        stress += word.stress or (None,) * len(word)
+        at = stop
+    moved[len(schedule)] = len(labels)
+    words = (replace(one, first=moved[one.first], stop=moved[one.stop]) for one in schedule.words)
+    return replace(
+        schedule,
+        labels=tuple(labels),
+        times=np.array([*times, schedule.end]),
+        words=tuple(words),
+        stress=tuple(stress) if any(mark is not None for mark in stress) else (),
+        lines=(),
+    )
