@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from lanes import swept
+from lanes import full, swept
 from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.authoring import language_check
@@ -199,6 +199,7 @@ def test_a_language_without_sounds_has_no_picture():
         draw_mouths(resolve("english", "facefx"), {**sounds, "rows": []}, BytesIO())
 
 
+@full
 def test_the_mouths_are_drawn(cli, monkeypatch):
     from PIL import Image
 

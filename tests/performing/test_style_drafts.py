@@ -62,9 +62,13 @@ POSTURES = [
     for style, stated in LIBRARY.poseset(name).model.styles.items()
     if stated.posture
 ]
+every_posture = pytest.mark.parametrize(
+    ("poseset", "style", "posture"),
+    swept(POSTURES, quick={one[0]: one for one in POSTURES}.values()),
+)
 
 
-@pytest.mark.parametrize(("poseset", "style", "posture"), POSTURES)
+@every_posture
 def test_a_line_is_judged_by_its_poses_of_speech_beside_a_posture(poseset, style, posture):
     performer = ll.resolve("english", poseset)
     plain, styled = (performer.perform(SAID, styles=own) for own in ({}, {style: 1}))
@@ -78,7 +82,7 @@ def test_a_line_is_judged_by_its_poses_of_speech_beside_a_posture(poseset, style
         assert not any(made)
 
 
-@pytest.mark.parametrize(("poseset", "style", "posture"), POSTURES)
+@every_posture
 def test_a_posture_holds_in_a_pause_and_is_let_go_at_the_ends(poseset, style, posture):
     styled = ll.resolve("english", poseset).perform(PAUSED, styles={style: 1})
     pause = (styled.times > 0.7) & (styled.times < 0.9)
@@ -87,7 +91,7 @@ def test_a_posture_holds_in_a_pause_and_is_let_go_at_the_ends(poseset, style, po
         assert styled[pose][[0, -1]].max() <= 1e-5
 
 
-@pytest.mark.parametrize(("poseset", "style", "posture"), POSTURES)
+@every_posture
 def test_a_stream_shows_the_posture_of_a_style_as_the_whole_line_does(poseset, style, posture):
     performer = ll.resolve("english", poseset)
     whole = performer.perform(PAUSED, styles={style: 1})

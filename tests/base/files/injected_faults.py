@@ -1,7 +1,5 @@
 """Run a command in which one act on files fails, with a limit of its memory.
 
-    python injected_faults.py NUMBER ERRNO FOLDER COMMAND...
-
 Acts are opening a file to write, writing, syncing and closing it, making a folder, renaming, and
 deleting, in the folder. The act of that number raises the error; all later ones succeed. The last
 line of the output is the number of acts. The command `save` edits two banks in the studio and saves
@@ -118,7 +116,3 @@ def main(number: int, code: int, folder: str, *command: str) -> int:
         return save(command) if command[0] == "save" else run([*command])
     finally:
         print(f"\n{acts.done} acts")  # noqa: T201 a command
-
-
-if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]), int(sys.argv[2]), *sys.argv[3:]))

@@ -1,17 +1,14 @@
 """Each act on files fails once: a message, and no damaged or forgotten file."""
 
 import errno
-import subprocess
-import sys
-from pathlib import Path
 
+import injected_faults
 import pytest
 from build_project import Game
+from forked import FORKS, forked
 from lanes import swept
 
 MOST_FAULTS = 6
-
-SCRIPT = Path(__file__).with_name("injected_faults.py")
 
 BANKS = ("posesets/facefx/banks/common.yaml", "posesets/facefx/banks/more.yaml")
 
@@ -37,10 +34,7 @@ def made(folder, name):
 
 def ran(folder, number, code, command):
     """Run a command with a fault, and return its process and the number of its acts."""
-    done = subprocess.run(
-        [sys.executable, str(SCRIPT), str(number), str(code), str(folder), *command], check=False,
-        cwd=folder, capture_output=True, encoding="utf-8", timeout=120,
-    )  # fmt: skip
+    done = forked(injected_faults.main, number, code, str(folder), *command, folder=folder)
     # After some errors the command line closes its output; then the number of acts is not told.
     told = done.stdout.splitlines() or ["0"]
     return done, int(told[-1].split()[0])
@@ -52,6 +46,7 @@ def contents(folder):
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
 
 
+@pytest.mark.skipif(not FORKS, reason="no processes to copy")
 @pytest.mark.parametrize("name", swept(COMMANDS, quick=["run"]))
 def test_one_fault_of_files_is_told_and_leaves_whole_files(tmp_path, name):
     whole = made(tmp_path / "whole", name)
