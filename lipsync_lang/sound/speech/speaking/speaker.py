@@ -32,6 +32,7 @@ from lipsync_lang.text.phonology.emphasis import emphasised
 from lipsync_lang.text.phonology.g2p import SpokenWord, engine
 from lipsync_lang.text.phonology.g2p.g2p_engines import G2PEngine
 from lipsync_lang.text.phonology.g2p.orthography_profile import lacking
+from lipsync_lang.text.phonology.g2p.rare_letters import RareLetters
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.g2p.utterances import Utterances
 from lipsync_lang.text.phonology.labels import Notation
@@ -156,7 +157,21 @@ class Speaker:
             value = self.notations[self.manner.notation].find(label) or ()
             return any(self.manner.kinds.get(name) == "vowel" for name, _ in value)
 
-        return Utterances(self.manner.forms, self.manner.words, is_vowel)
+        return Utterances(self.manner.forms, self.manner.words, is_vowel, self._rare)
+
+    @cached_property
+    def _rare(self) -> RareLetters:
+        """Finder of letters that the engine lacks, created once."""
+
+        def count(words: Sequence[str]) -> list[int | None]:
+            return [
+                None
+                if isinstance(read, SpeechError) or any(one.unread for one in read)
+                else sum(len(one.labels) for one in read)
+                for read in self._read_plainly(words)
+            ]
+
+        return RareLetters(count)
 
     def has_entry(self, word: str) -> bool:
         """Return True for a word, perhaps inflected, with a reading of the pack or character."""
@@ -215,6 +230,12 @@ class Speaker:
             for part in word.text.split()
         )
 
+    def _told(self, text: str) -> Iterator[str]:
+        """Yield a remark on letters that the engine lacks."""
+        if self.manner.engine is not None and (others := self._rare.instead(text)):
+            pairs = ", ".join(f"'{one}' as '{other}'" for one, other in others.items())
+            yield f"{self.manner.language} lacks letters of this text, and reads {pairs}"
+
     def _transcript(self, written: WrittenText, words: Sequence[SpokenWord]) -> Transcript:
         notation = self.notations[self.manner.notation]
         while words and not words[-1].labels and not words[-1].unread:
@@ -246,7 +267,7 @@ class Speaker:
             tuple(sorted(set(gaps))),
             written.dropped,
             written.remarks,
-            tuple(lacking(self.manner.settings, unread)),
+            (*lacking(self.manner.settings, unread), *self._told(written.text)),
         )
 
     def to_json(self, transcript: Transcript) -> Json:

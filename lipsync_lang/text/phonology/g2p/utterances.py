@@ -34,6 +34,7 @@ from lipsync_lang.text.phonology.g2p.drawn_out import (
 )
 from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord, merged
 from lipsync_lang.text.phonology.g2p.own_words import OwnWords
+from lipsync_lang.text.phonology.g2p.rare_letters import RareLetters
 from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import PAUSES, TextPiece, pieces, plain
 
@@ -79,13 +80,21 @@ class _PartStart(NamedTuple):
 class Utterances:
     """A reader of texts with interjections, stutters and abbreviations.
 
-    `words` have a pronunciation of their own, and are not interjections.
+    `words` have a pronunciation of their own, and are not interjections. `rare` are letters that
+    the engine lacks.
     """
 
-    def __init__(self, forms: SpokenForms, words: Mapping[str, object], is_vowel: IsVowel) -> None:
+    def __init__(
+        self,
+        forms: SpokenForms,
+        words: Mapping[str, object],
+        is_vowel: IsVowel,
+        rare: RareLetters | None = None,
+    ) -> None:
         self._forms, self._words, self._is_vowel = forms, words, is_vowel
         self._interjections = Interjections(forms.interjections, is_vowel, forms.vowels)
         self._expansions = Expansions(forms)
+        self._rare = rare
         self._own = OwnWords(forms)
         self._ordinary = ordinary_spellings(forms.doubled)
         self._hyphenated = frozenset(map(plain, forms.hyphenated))
@@ -123,6 +132,8 @@ class Utterances:
         ]
         said, expanded = _beside_said(own.said, expanded)
         replaced = _apart(own.respelled, expanded)
+        if self._rare is not None:
+            replaced = _apart(replaced, list(self._rare.found_in(text)))
         parts: list[UtterancePart] = []
         at, open_part = 0, UtterancePart("")
         for start, stop, part in self._cuts(text, tokens, replaced, said):
