@@ -34,6 +34,9 @@ SILENT_WORD = re.compile(
 )
 """Marks of silence and noise among words, punctuation alone, and the names of SPPAS's units."""
 
+SPEECH_TAG = re.compile(r"</?[A-Za-z][^<>]{0,200}>")
+"""Markup of a text for a voice, which services repeat among the words: ``<break time="1s"/>``."""
+
 UNIT_NAME = re.compile(r"^\s*ipu_\d+\s+")
 """The name of SPPAS's unit before its text."""
 
@@ -116,7 +119,9 @@ def timed_words_of(
     named = [
         row._replace(label=" ".join(UNIT_NAME.sub("", row.label, count=1).split())) for row in words
     ]
-    spoken = [row for row in named if row.label and not SILENT_WORD.fullmatch(row.label)]
+    spoken = [
+        row for row in _without_tags(named) if row.label and not SILENT_WORD.fullmatch(row.label)
+    ]
     found = sorted(spoken, key=attrgetter("start", "end"))
     if not found:
         raise source.fault("has no words; check that the file is complete")
@@ -132,6 +137,15 @@ def timed_words_of(
         for row in _parted(source, found)
     )
     return TimedWords(tuple(timed), str(source.path), told)
+
+
+def _without_tags(words: list[LabelRow]) -> list[LabelRow]:
+    """Return words without markup, which may be split at its spaces over several of them."""
+    text = SPEECH_TAG.sub(
+        lambda tag: "\n" * tag[0].count("\n") or " ", "\n".join(row.label for row in words)
+    )
+    labels = (" ".join(label.split()) for label in text.split("\n"))
+    return [row._replace(label=label) for row, label in zip(words, labels, strict=True)]
 
 
 def _parted(source: TimingFile, words: list[LabelRow]) -> list[LabelRow]:

@@ -27,6 +27,27 @@ def made(*words, **asked):
     return timed_words_of(source, [LabelRow(*word) for word in words])
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        [("hi", 0, 0.2), ('<break time="1s"/>', 0.2, 1.2), ("you", 1.2, 1.5)],
+        [
+            ("hi", 0, 0.2), ("<break", 0.2, 0.5), ('time="1s"', 0.5, 0.9), ("/>", 0.9, 1.2),
+            ("you", 1.2, 1.5),
+        ],
+        [("<speak>hi", 0, 0.2), ('<break time="1s"/>', 0.2, 0.2), ("you</speak>", 1.2, 1.5)],
+        [("hi<break", 0, 0.2), ('time="1s"/>you', 1.2, 1.5)],
+    ],
+)  # fmt: skip
+def test_markup_among_the_words_is_not_said(words):
+    assert spans(made(*words)) == [("hi", 0, 0.2), ("you", 1.2, 1.5)]
+
+
+def test_signs_that_are_no_markup_stay():
+    words = [("I", 0, 0.1), ("<3", 0.1, 0.2), ("a<b", 0.2, 0.3), ("<now", 0.3, 0.4)]
+    assert [word.text for word in made(*words).words] == ["I", "<3", "a<b", "<now"]
+
+
 def spans(timed):
     return [(word.text, round(word.start, 4), round(word.end, 4)) for word in timed.words]
 

@@ -99,6 +99,35 @@ def test_a_cue_whose_times_run_backwards_is_located(read):
         read("line.srt", "1\n00:00:02,000 --> 00:00:01,000\nno\n")
 
 
+SDH = """1
+00:00:01,000 --> 00:00:02,000
+BOB: Hello.
+- ANN LEE: Oh, hi.
+
+2
+00:00:03,000 --> 00:00:04,000
+<i>BOB:</i> It is 10:30, Ann: go.
+
+3
+00:00:05,000 --> 00:00:06,000
+WARNING: LEAVE NOW
+
+4
+00:00:07,000 --> 00:00:08,000
+So Bob: why?
+"""
+
+
+def test_names_before_subtitles_are_speakers_and_are_not_said(read, tmp_path):
+    timed = read("line.srt", SDH)
+    texts = ["Hello. Oh, hi.", "It is 10:30, Ann: go.", "WARNING: LEAVE NOW", "So Bob: why?"]
+    assert [word.text for word in timed.words] == texts
+    assert timed.remarks[0].endswith("names before rows are not said: BOB, ANN LEE")
+    lines = list(read_lines(tmp_path / "line.srt"))
+    assert [line.text for line in lines] == texts
+    assert [line.speaker for line in lines] == ["BOB", "BOB", "", ""]
+
+
 # Recognisers
 
 

@@ -12,8 +12,9 @@ from html import unescape
 from itertools import groupby
 from typing import NamedTuple
 
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
-from lipsync_lang.schedules.tiers import read_speakers
+from lipsync_lang.schedules.tiers import MAX_NAMES, read_speakers
 
 CLOCK = r"(?:\d{1,9}:)?\d\d?:\d\d[.,]\d{1,9}"
 
@@ -31,6 +32,9 @@ CUE_TAG = re.compile(r"<[^<>]*>|\{\\[^{}]*\}")
 
 DASH = re.compile(r"^\s*[-–]\s*")
 """The start of a row in a dialogue."""
+
+CALLER = re.compile(r"^(\s*(?:<[^<>]*>)*)([^:<>]{2,30}):((?:</[^<>]*>)*)\s+(?=\S)")
+"""The speaker before a row, in subtitles for the deaf; in capitals, before a text that is not."""
 
 CUE_ASIDE = re.compile(r"(WEBVTT|NOTE|STYLE|REGION)\b")
 
@@ -65,14 +69,23 @@ def cues(numbered: Iterable[tuple[int, str]]) -> Iterator[Cue]:
 
 
 def joined(rows: list[tuple[int, str]]) -> str:
-    """Return the text of rows, without the dashes of a dialogue."""
-    return " ".join(DASH.sub("", text) for _, text in rows)
+    """Return the text of rows, without the dashes of a dialogue and the names before rows."""
+    return " ".join(_called(DASH.sub("", text))[1] for _, text in rows)
 
 
-def speaker_of(text: str) -> str:
-    """Return the speaker that a cue names; may be empty."""
-    voice = VOICE.search(text)
-    return voice[1].strip() if voice else ""
+def speaker_of(rows: list[tuple[int, str]]) -> str:
+    """Return the first speaker that a cue names, by a tag or before a row; may be empty."""
+    voice = VOICE.search(" ".join(text for _, text in rows))
+    names = (_called(DASH.sub("", text))[0] for _, text in rows)
+    return voice[1].strip() if voice else next(filter(None, names), "")
+
+
+def _called(row: str) -> tuple[str, str]:
+    """Part a row into the name before it, which may be empty, and the rest."""
+    found = CALLER.match(row)
+    if found is None or not found[2].isupper() or row[found.end() :].isupper():
+        return "", row
+    return found[2].strip(), found[1] + found[3] + row[found.end() :]
 
 
 def sniff(source: TimingFile) -> bool:
@@ -87,6 +100,7 @@ def read_subtitles(source: TimingFile) -> Timings:
     speakers: defaultdict[str, list[LabelRow]] = defaultdict(list)
     before: set[str] = set()
     repeated = 0
+    called: dict[str, None] = {}
     for rows, times in _whole(source):
         line = rows[0][0]
         start, end = (_seconds(source, one, line) for one in times)
@@ -95,16 +109,24 @@ def read_subtitles(source: TimingFile) -> Timings:
         before = {_plain(text) for _, text in rows}
         repeated += len(rows) - len(fresh)
         text = joined(fresh)
+        called |= dict.fromkeys(name for _, row in fresh if (name := _called(DASH.sub("", row))[0]))
         first, *rest = STAMP.split(text)
         starts = [start, *(_seconds(source, stamp, line) for stamp in rest[::2])]
         spans = zip([first, *rest[1::2]], starts, [*starts[1:], end], strict=True)
-        speakers[speaker_of(text)] += [
+        voice = VOICE.search(text)
+        speakers[voice[1].strip() if voice else ""] += [
             LabelRow(label, begins, ends, line)
             for said, begins, ends in spans
             if (label := _plain(said))
         ]
-    told = f"{source.path}: rows that repeat the previous cue are left out: {repeated}"
-    return read_speakers(source, speakers, [told] if repeated else ())
+    told = []
+    if repeated:
+        told.append(f"{source.path}: rows that repeat the previous cue are left out: {repeated}")
+    if called:
+        told.append(
+            f"{source.path}: names before rows are not said: {shortlist(called, MAX_NAMES)}"
+        )
+    return read_speakers(source, speakers, told)
 
 
 def _whole(source: TimingFile) -> Iterator[tuple[list[tuple[int, str]], tuple[str, str]]]:

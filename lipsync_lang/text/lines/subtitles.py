@@ -15,7 +15,7 @@ def read(source: LineFile) -> Iterator[Line]:
         found = True
         if rows:
             whole = joined(rows)
-            speaker = speaker_of(whole)
+            speaker = speaker_of(rows)
             yield source.line(rows[0][0], unescape(whole), name=name, speaker=speaker)
     if not found:
         what = "has no times (00:00:01,000 --> 00:00:02,500); check that it is a subtitle file"
