@@ -10,7 +10,7 @@ import numpy as np
 
 from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.base.arrays import Bools, Floats
-from lipsync_lang.base.errors import refuse_other
+from lipsync_lang.base.errors import LipsyncError, refuse_other
 from lipsync_lang.performing.delivery import DialLevels, Points, bends_of, delivery, overlays
 from lipsync_lang.performing.effort import emphasis_dial, loudness_dial, stress_dial
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
@@ -123,6 +123,10 @@ class PlayedPair:
     """Treatment of bigrams of a line that have no curves."""
 
     def __post_init__(self) -> None:
+        if isinstance(self.compiled, str):
+            pair = f'"{self.compiled}", "{self.motion}"'
+            what = f"a performer is made by `ll.resolve({pair})`, not of names"
+            raise LipsyncError(what)
         refuse_other("unknown", self.unknown, Unknown)
         refuse_other("gaps", self.gaps, Gaps)
 

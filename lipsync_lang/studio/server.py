@@ -74,6 +74,14 @@ SECURITY_HEADERS = {
 """Headers of every response."""
 
 
+def _host_of(origin: str) -> str:
+    """Return the host and port of an `Origin`; empty for text that is none."""
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return ""
+
+
 def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
     """Return the studio as an ASGI application.
 
@@ -137,7 +145,7 @@ class RequestCheck:
                 "this address is not that of the studio; use the address that the studio printed",
             )
         origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
-        foreign = origin is not None and urlsplit(origin).netloc not in self.hosts
+        foreign = origin is not None and _host_of(origin) not in self.hosts
         # Old browsers send no `Sec-Fetch-Site`, and some requests have no `Origin`: each has a say.
         if foreign or site not in {"none", "same-origin"}:
             return _error(403, "requests from other sites are refused")

@@ -297,6 +297,13 @@ def test_the_json_of_papagayo_names_its_set(read, performer):
     assert performer.perform(sounds).weights.any()
 
 
+@pytest.mark.parametrize("shapes", ["CMU_39", "preston_blair", "fleming_dobbs"])
+def test_papagayo_rests_in_every_set(read, performer, shapes):
+    sounds = read("line.pg2", pg2(shapes, ["HH" if shapes == "CMU_39" else "O", "rest"]))
+    animation = performer.perform(sounds)
+    assert not animation.weights[animation.times > sounds.times[-1] - 0.05].max() > 0.35
+
+
 def test_one_voice_is_read(read):
     whole = pg2("CMU_39", ["HH"])
     (voice,) = whole["voices"]

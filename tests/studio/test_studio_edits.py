@@ -148,7 +148,7 @@ def test_a_bank_that_changed_on_the_disk_is_merged_or_asked_about(caller, tmp_pa
 
 
 @pytest.mark.parametrize(
-    "keep", [[], {"x": "mine"}, {'["x"]': "mine"}, {"[]": "both"}, {"1": "mine"}]
+    "keep", [[], {"x": "mine"}, {'["x"]': "mine"}, {"[]": "both"}, {"1": "mine"}, {"x": ["mine"]}]
 )
 def test_choices_of_no_form_are_told(caller, keep):
     edit(caller, {"curves": CURVES})

@@ -80,6 +80,7 @@ def test_no_other_file_is_served(caller, path):
         ({"host": "127.0.0.1:9"}, 421),
         ({"origin": "http://evil.example"}, 403),
         ({"origin": "null"}, 403),
+        ({"origin": "http://["}, 403),
         ({"sec_fetch_site": "cross-site"}, 403),
         ({"content_length": str(MAX_REQUEST_BYTES + 1)}, 413),
         ({"content_length": "-1"}, 413),

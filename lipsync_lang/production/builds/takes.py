@@ -7,6 +7,7 @@ by language and line, such as `english/intro_001`, and are the bytes of `.keys` 
 
 import struct
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import pairwise
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import NamedTuple
@@ -34,6 +35,9 @@ TAKE_NAME = struct.Struct("<2H")
 
 PATCH_KIND = 1
 """Kind of a file that changes another; 0 is a whole archive."""
+
+MAX_POSE_BYTES = 1_000
+"""Longest name of a pose that is read: each take repeats it."""
 
 HEAD_CRC_AT = 48
 """Position of the header's own checksum."""
@@ -98,14 +102,20 @@ def _decoded(path: Path, data: mmap) -> TakesFile:
         raise ValueError("the checksum of its index is wrong")
     if crc32(memoryview(data)[takes:]) != body:
         raise ValueError("the checksum of its takes is wrong")
+    read = dict(_records(data, index, slots, _pose_names(data, poses)))
+    if len(read) != count:
+        raise ValueError(f"it has {len(read):,} takes of {count:,}")
+    return TakesFile(dict(sorted(read.items())), (base, result) if kind == PATCH_KIND else None)
+
+
+def _pose_names(data: mmap, count: int) -> list[bytes]:
     names, at = [], TAKES_HEADER.size
-    for _ in range(poses):
+    for _ in range(count):
         name, at = _text(data, at)
         names.append(name)
-    found = dict(_records(data, index, slots, names))
-    if len(found) != count:
-        raise ValueError(f"it has {len(found):,} takes of {count:,}")
-    return TakesFile(dict(sorted(found.items())), (base, result) if kind == PATCH_KIND else None)
+    if (longest := max(map(len, names), default=0)) > MAX_POSE_BYTES:
+        raise ValueError(f"the name of a pose has {longest:,} bytes")
+    return names
 
 
 def _head_crc(head: bytes) -> int:
@@ -118,10 +128,15 @@ def _text(data: mmap | bytes, at: int) -> tuple[bytes, int]:
 
 
 def _records(data: mmap, index: int, slots: int, names: list[bytes]) -> Iterator[tuple[str, bytes]]:
-    for number in range(slots):
-        at, _, size = INDEX_SLOT.unpack_from(data, index + number * INDEX_SLOT.size)
-        if not at:
-            continue
+    spans = sorted(
+        (at, size)
+        for at, _, size in INDEX_SLOT.iter_unpack(data[index : index + slots * INDEX_SLOT.size])
+        if at
+    )
+    # One record behind many names would fill the memory.
+    if any(at + size > after for (at, size), (after, _) in pairwise(spans)):
+        raise ValueError("its takes overlap")
+    for at, size in spans:
         length, gone = TAKE_NAME.unpack_from(data, at)
         first = at + TAKE_NAME.size
         body = data[first + length + -length % 4 : at + size]
@@ -136,6 +151,8 @@ def _single(body: bytes, names: list[bytes]) -> bytes:
         at = TAKE_HEAD.size + number * TAKE_TRACK.size
         own.append(names[TEXT_LENGTH.unpack_from(body, at)[0]])
         TEXT_LENGTH.pack_into(table, at, number)
+    if len({*own}) < len(own):
+        raise ValueError("a take names a pose twice")
     told = b"".join(TEXT_LENGTH.pack(len(name)) + name for name in own)
     return TAKE_MAGIC + TEXT_LENGTH.pack(tracks) + told + bytes(table)
 

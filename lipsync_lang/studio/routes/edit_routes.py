@@ -79,7 +79,8 @@ def warm(workshop: Workshop, _: StudioRequest) -> Json:
 def save(workshop: Workshop, request: StudioRequest) -> Json:
     """Save every edit; for entries that also changed on the disk, `keep` names the side."""
     keep = request.body.get("keep") or {}
-    if not isinstance(keep, dict) or not {*keep.values()}.issubset(get_args(MergeSide)):
+    sides = get_args(MergeSide)
+    if not isinstance(keep, dict) or not all(one in sides for one in keep.values()):
         raise LipsyncError("`keep` must be an object with `mine` or `theirs` for each entry")
     known = {workshop.shown(path): path for path in workshop.desk.contents}
     choices: dict[tuple[Path, Loc], MergeSide] = {}

@@ -85,12 +85,24 @@ def test_archives_of_others_are_kept_as_they_are(path):
     assert content(path) == before | {"a.csv": b"1"}
 
 
+def offset(data, number):
+    """Return the end of the fixed part of a member's row in the directory, with its position."""
+    at = -1
+    for _ in range(number + 1):
+        at = data.index(b"PK\x01\x02", at + 1)
+    return data[at + 38 : at + 46]
+
+
 SOUND = {"a.csv": b"1,2\n" * 100, "b.csv": b"3"}
 DAMAGE = {
     "empty": (lambda data: data[:0], "is a damaged archive"),
     "cut": (lambda data: data[:-30], "is a damaged archive"),
     "text": (lambda data: b"hello" * len(data), "is a damaged archive"),
     "moved": (lambda data: b"    " + data[4:], "'a.csv' is not at the position that"),
+    "overlapping": (
+        lambda data: data.replace(offset(data, 1), offset(data, 0)),
+        "its members overlap",
+    ),
     "locked": (lambda data: data.replace(b"\x14\0\0\0\x08\0", b"\x14\0\1\0\x08\0"), "encrypted"),
 }
 

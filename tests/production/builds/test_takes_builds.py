@@ -2,15 +2,22 @@
 
 import json
 import shutil
+import struct
 
 import pytest
 from build_project import PROJECT, Game
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.cli import main
 from lipsync_lang.production.builds.archives import members
 from lipsync_lang.production.builds.project_build import Shard
-from lipsync_lang.production.builds.takes import read_takes
+from lipsync_lang.production.builds.takes import (
+    HEAD_CRC_AT,
+    INDEX_SLOT,
+    TAKES_HEADER,
+    _head_crc,
+    read_takes,
+)
 
 SAID = ["L OW", "M AE P", "M EY L", "HH OW M", "L OW M", "M AE M", "P AE L"]
 ARCHIVE = "takes/facefx.takes"
@@ -45,6 +52,32 @@ def test_a_lost_or_damaged_archive_is_noticed(game, capsys):
     (game.folder / ARCHIVE).write_bytes(b"LLTAKES\0 damaged")
     assert main(["build"]) == 2
     assert "facefx.takes: is a damaged archive (its header ends early)" in capsys.readouterr().err
+
+
+def forged(content, change):
+    """Return an archive whose index is changed, with the checksum that fits."""
+    head = TAKES_HEADER.unpack_from(content)
+    index, takes = head[6], head[7]
+    data = bytearray(content)
+    change(data, index, (takes - index) // INDEX_SLOT.size)
+    struct.pack_into("<I", data, HEAD_CRC_AT, _head_crc(bytes(data[:takes])))
+    return bytes(data)
+
+
+def test_an_archive_whose_takes_share_bytes_is_refused(game):
+    """One record behind a million names would be a million takes in memory."""
+    game.build()
+
+    def share(data, index, slots):
+        places = [index + number * INDEX_SLOT.size for number in range(slots)]
+        used = [place for place in places if INDEX_SLOT.unpack_from(data, place)[0]]
+        for place in used:
+            data[place : place + INDEX_SLOT.size] = data[used[0] : used[0] + INDEX_SLOT.size]
+
+    path = game.folder / ARCHIVE
+    path.write_bytes(forged(path.read_bytes(), share))
+    with pytest.raises(OutputError, match=r"is a damaged archive \(its takes overlap\)"):
+        read_takes(path)
 
 
 def test_prune_removes_takes(game):
