@@ -28,13 +28,13 @@ $(BIN)/python:
 # If there is a C compiler, an editable install builds the compiled kernel in place.
 KERNEL := hatch_build.py lipsync_lang/pipeline/kernel.c
 
-# Bytecode of 2,000 modules, most of which the demo never imports, takes 10 s and 40 MB.
+# Bytecode is made at the first import: that of all modules, most of which nothing imports, takes 15 s and 100 MB.
 $(VENV)/demo: pyproject.toml $(KERNEL) | $(BIN)/python
 	$(PIP) --no-compile --editable '.[speech,plot,studio]'
 	touch $@
 
 $(VENV)/ready: pyproject.toml $(KERNEL) | $(BIN)/python
-	$(PIP) --editable '.[all,whisper,dev,docs]'
+	$(PIP) --no-compile --editable '.[all,whisper,dev,docs]'
 	touch $(VENV)/demo $(VENV)/docs $@
 
 $(VENV)/docs: pyproject.toml $(KERNEL) | $(BIN)/python
