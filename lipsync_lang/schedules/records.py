@@ -204,10 +204,10 @@ def _fits(source: TimingFile, given: RecordList) -> bool:
         first = list(islice(_records(source, given, None, SNIFFED_RECORDS), SNIFFED_RECORDS))
     except ScheduleError:
         return False
-    return any(all(_field(one, name) is not None for name in needed) for _, one in first)
+    return any(all(field_at(one, name) is not None for name in needed) for _, one in first)
 
 
-def _field(record: Json, path: str) -> object:
+def field_at(record: Json, path: str) -> object:
     """Return what a record has at a path; None where something is missing."""
     found: object = record
     for name in path.split("."):
@@ -228,7 +228,7 @@ def _rows(source: TimingFile, given: RecordList, form: str | None) -> Iterator[L
                 source, *lists, form=example, line=line, durations=given.end is None
             )
             continue
-        found = {name: _field(record, name) for name in names}
+        found = {name: field_at(record, name) for name in names}
         if given.from_zero and given.start and found[given.start] is None:
             found[given.start] = 0
         if given.untimed and any(found[name] is None for name in given.times):

@@ -17,6 +17,9 @@ from collections.abc import Mapping
 MAX_DEPTH = 8
 """Maximum depth of choices within choices."""
 
+MAX_FORMS = 32
+"""Maximum number of forms of one text; more are combinations that nobody records."""
+
 ICU = re.compile(r"\s*\$?([\w.-]+)\s*,\s*(?:plural|select|selectordinal)\s*,")
 FLUENT = re.compile(r"\s*\$?-?([\w.-]+)(?:\([^()]*\))?\s*->")
 INK_CHOICE = re.compile(r"\s*[&!~]?\s*(?:\w[\w .()!=<>&]{0,80}:(?=\s))?")
@@ -114,7 +117,56 @@ def _of_unreal(kind: str, listed: str, value: str | None) -> str:
     return ways[0]
 
 
-def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:
+def every_form(text: str, values: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Return (name, text) of each form of an ICU or Fluent message whose values are unknown.
+
+    A text without choices is one form without a name, and so is one of more than `MAX_FORMS`.
+
+    >>> every_form("I have {n, plural, one {# coin} other {# coins}}.", {})
+    [('one', 'I have {n} coin.'), ('other', 'I have {n} coins.')]
+    """
+    if not any(sign in text for sign in ("plural", "select", "->")):
+        return [("", text)]
+    done: list[tuple[str, str]] = []
+    ahead = [("", text, 0)]
+    while ahead:
+        name, said, at = ahead.pop()
+        choice = _first_choice(said, at, values)
+        if choice is None:
+            done.append((name, said))
+        else:
+            start, end, branches = choice
+            for form, branch in reversed(branches.items()):
+                named = f"{name}-{form.lstrip('=')}" if name else form.lstrip("=")
+                ahead.append((named, said[:start] + branch + said[end:], start))
+        if len(done) + len(ahead) > MAX_FORMS:
+            return [("", text)]
+    return done
+
+
+def _first_choice(
+    text: str, at: int, values: Mapping[str, str]
+) -> tuple[int, int, dict[str, str]] | None:
+    """Return the start, end and branches of the first choice whose value is unknown."""
+    ends = _ends(text)
+    while (start := text.find("{", at)) >= 0:
+        inner = text[start + 1 : ends.get(start, start)]
+        icu, fluent = ICU.match(inner), FLUENT.match(inner)
+        if icu and icu[1] not in values:
+            branches = _icu_branches(inner[icu.end() :]) or {}
+            found = {form: one.replace("#", f"{{{icu[1]}}}") for form, one in branches.items()}
+            if found:
+                return start, ends[start] + 1, found
+        elif fluent and fluent[1] not in values:
+            found = _fluent_variants(inner[fluent.end() :])[0]
+            if found:
+                return start, ends[start] + 1, found
+        at = start + 1
+    return None
+
+
+def _icu_branches(branches: str) -> dict[str, str] | None:
+    """Return the branches of an ICU choice by their names; None for an open brace."""
     ends = _ends(branches)
     found: dict[str, str] = {}
     at = 0
@@ -124,6 +176,11 @@ def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:
             return None
         found[match[1]] = branches[match.end() : end]
         at = end + 1
+    return found
+
+
+def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:
+    found = _icu_branches(branches)
     if not found:
         return None
     value = values.get(name)
@@ -133,12 +190,23 @@ def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:
     return branch.replace("#", f"{{{name}}}" if value is None else value)
 
 
-def _of_fluent(variants: str, value: str | None) -> str | None:
-    found = list(FLUENT_VARIANT.finditer(variants))
-    if not found:
-        return None
+def _fluent_variants(variants: str) -> tuple[dict[str, str], str]:
+    """Return the variants of a Fluent selector by their names, and the name of the general one."""
+    ends = _ends(variants)
+    inner = [range(start, end) for start, end in ends.items()]
+    found = [
+        one for one in FLUENT_VARIANT.finditer(variants)
+        if not any(one.start() in span for span in inner)
+    ]  # fmt: skip
     stops = [one.start() for one in found[1:]] + [len(variants)]
-    ends = zip(found, stops, strict=True)
-    texts = {one[2]: variants[one.end() : stop].strip() for one, stop in ends}
-    general = next((one[2] for one in found if one[1]), found[-1][2])
+    texts = {
+        one[2]: variants[one.end() : stop].strip() for one, stop in zip(found, stops, strict=False)
+    }
+    return texts, next((one[2] for one in found if one[1]), found[-1][2] if found else "")
+
+
+def _of_fluent(variants: str, value: str | None) -> str | None:
+    texts, general = _fluent_variants(variants)
+    if not texts:
+        return None
     return texts.get(value or "", texts.get("one" if value == "1" else general, texts[general]))

@@ -68,7 +68,7 @@ def read(source: LineFile) -> Iterator[Line]:
 
 
 def _entries(source: LineFile) -> Iterator[Entry]:
-    entry, key, speaks = Entry(), "", _speaker_pattern(source.speaker)
+    entry, key, speaks = Entry(), "", speaker_pattern(source.speaker)
     for number, text in source.numbered():
         if text.lstrip().startswith("#") or not text.strip():
             if entry.texts.keys() - {"msgctxt"}:
@@ -96,7 +96,7 @@ def _entries(source: LineFile) -> Iterator[Entry]:
         yield entry
 
 
-def _speaker_pattern(asked: str | None) -> re.Pattern[str]:
+def speaker_pattern(asked: str | None) -> re.Pattern[str]:
     """Return the pattern of a speaker in comments, from the stated word or text around the name."""
     if asked and "{speaker}" in asked:
         around = [r"\s+".join(map(re.escape, part.split())) for part in asked.split("{speaker}", 1)]

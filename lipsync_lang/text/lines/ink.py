@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 from lipsync_lang.text.lines.yarn import YARN_SPEAKER
 
-INK_COMMENT = re.compile(r"(?<![\\:])//.*|/\*.*?\*/")
+INK_COMMENT = re.compile(r"(?<![\\:])//.*|/\*(?:.*?(?P<closed>\*/)|.*)")
 INK_LOGIC = re.compile(r"=|~|VAR\b|CONST\b|LIST\b|EXTERNAL\b|INCLUDE\b|TODO:|->|<-")
 INK_MARKS = re.compile(r"(?:[*+-](?!>)\s*)+(?:\((\w+)\)\s*)?(?:\{[^{}|:]*\}\s*)*")
 """Bullets of choices and gathers, with their label and their conditions."""
@@ -42,10 +42,9 @@ def read(source: LineFile) -> Iterator[Line]:
     commented = False
     for number, row in source.numbered():
         text = f"/*{row}" if commented else row
-        text = INK_COMMENT.sub("", text)
-        text, opened, _ = text.partition("/*")
-        commented = bool(opened)
-        text = text.strip()
+        remarks = list(INK_COMMENT.finditer(text))
+        commented = any(one[0].startswith("/*") and not one["closed"] for one in remarks)
+        text = INK_COMMENT.sub("", text).strip()
         if text.startswith("=="):  # a knot, before which every block is closed
             blocks.clear()
         if not INK_LOGIC.match(text):

@@ -25,6 +25,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import unescape
+from itertools import islice
 from typing import NamedTuple
 from unicodedata import normalize
 
@@ -152,6 +153,7 @@ UNSURE_FORMS = {
     "|n": ("escape", r"\|n", r"\|[cr]"),
 }
 """Examples of markup that may be text: its kind, its pattern, and its proof elsewhere in a line."""
+PROOFS = {kind: re.compile(proof) for kind, (_, _, proof) in UNSURE_FORMS.items()}
 SILENT_KINDS = frozenset({"code", "tag", "sign", "wave", "face"})
 ADDRESS = (
     rf"(?i:https?://|www\.)[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}]*[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}.,;:!?)]"
@@ -327,9 +329,7 @@ class TextCleaner:
 
     def spoken(self) -> SpokenText:
         """Return the spoken text."""
-        proven = (
-            kind for kind, (_, _, proof) in UNSURE_FORMS.items() if re.search(proof, self.text)
-        )
+        proven = (kind for kind, proof in PROOFS.items() if proof.search(self.text))
         pattern, done, at = _markup(self.cleaning.unspoken, tuple(proven)), 0, 0
         while found := pattern.search(self.text, at):
             start = found.start()
@@ -352,7 +352,7 @@ class TextCleaner:
         said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)
         # Gaps are counted without spaces, because dropping markup changes the spaces around it.
         solid = (at for at, one in enumerate(said, 1) if not one.isspace() and one != PAUSE_MARK)
-        ends = [0, *solid] if self._gaps else []
+        ends = [0, *islice(solid, max(self._gaps, default=0))]
         gaps = tuple(ends[count] for count in self._gaps)
         said = said.replace(PAUSE_MARK, ",")
         return SpokenText(said, tuple(self._dropped), gaps, tuple(self._remarks))

@@ -23,8 +23,9 @@ def read(source: LineFile) -> Iterator[Line]:
             continue
         found, begun = PROPERTY.fullmatch(begun), ""
         if found and found[2].strip():
-            yield source.line(first, PROPERTY_ESCAPE.sub(_escaped, found[2]), name=found[1])
+            yield source.line(first, PROPERTY_ESCAPE.sub(unescaped, found[2]), name=found[1])
 
 
-def _escaped(found: re.Match[str]) -> str:
+def unescaped(found: re.Match[str]) -> str:
+    """Return the character that an escape stands for."""
     return chr(int(found[1], 16)) if found[1] else found[2]

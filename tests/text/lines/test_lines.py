@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import full
+from script_samples import FILES
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
@@ -274,10 +275,11 @@ Anna: Hello there. #happy
         "# Greetings\ngreeting = Hello, {0}!\nlong: One \\\n   two\nüm=\\u00fcber\n",
         [(2, "greeting", "", "Hello, !"), (3, "long", "", "One two"), (5, "üm", "", "über")],
     ),
+    **FILES,
 }
 """Example files by suffix, with their lines: place, name, speaker, text."""
 
-REMARKED = {".po"}
+REMARKED = {".po", ".xlf", ".archive"}
 """Example files with a part that is left out with a remark."""
 
 

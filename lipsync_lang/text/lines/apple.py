@@ -1,0 +1,95 @@
+"""Apple's .strings and .stringsdict: a text for each key, and its plural forms."""
+
+import plistlib
+import re
+from collections.abc import Iterator
+from itertools import product
+from typing import Any
+from xml.parsers.expat import ExpatError
+
+from lipsync_lang.text.lines.entries import ScriptEntry, entry_lines, whole_file
+from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
+from lipsync_lang.text.lines.properties import unescaped
+
+QUOTED_TEXT = r"\"((?:[^\"\\]|\\.)*)\""
+APPLE_PAIR = re.compile(
+    rf"\s*+(?:/\*(?P<note>.*?)\*/|//(?P<row>[^\n]*)"
+    rf"|(?:{QUOTED_TEXT}|(?P<bare>[\w.-]+))\s*+=\s*+{QUOTED_TEXT}\s*+;)",
+    re.DOTALL,
+)
+"""A comment, or a key and its text."""
+
+APPLE_ESCAPE = re.compile(r"\\(?:U([0-9A-Fa-f]{4})|(.))", re.DOTALL)
+PLURAL = re.compile(r"%(?:\d+\$)?#@(\w+)@")
+FORMAT_KEY, KIND_KEY = "NSStringLocalizedFormatKey", "NSStringFormatSpecTypeKey"
+CATEGORIES = ("zero", "one", "two", "few", "many", "other")
+
+
+@reader("strings", suffixes=[".strings"])
+def read_strings(source: LineFile) -> Iterator[Line]:
+    """Apple's .strings: a text for each key; comments may name the speaker."""
+    return entry_lines(source, _pairs(source, whole_file(source).text))
+
+
+def _pairs(source: LineFile, text: str) -> Iterator[ScriptEntry]:
+    at, line = 0, 1
+    notes: list[str] = []
+    while found := APPLE_PAIR.match(text, at):
+        begun = found.end() - len(found[0].lstrip())
+        line, at = line + text.count("\n", at, begun), begun
+        note = found["note"] if found["row"] is None else found["row"]
+        if note is not None:
+            notes.append(note.strip())
+        else:
+            key, said = found["bare"] or found[3] or "", found[5]
+            key, said = (APPLE_ESCAPE.sub(_apple_escape, one) for one in (key, said))
+            yield ScriptEntry(line, key, said, notes=tuple(notes))
+            notes = []
+        line, at = line + text.count("\n", at, found.end()), found.end()
+    if rest := text[at:].lstrip():
+        line += text.count("\n", at, len(text) - len(rest))
+        what = f'not a pair: {rest.splitlines()[0][:40]}; write "key" = "text";'
+        raise source.fault(line, what)
+
+
+def _apple_escape(found: re.Match[str]) -> str:
+    return found[0] if found[2] == "n" else unescaped(found)
+
+
+@reader("stringsdict", suffixes=[".stringsdict"])
+def read_stringsdict(source: LineFile) -> Iterator[Line]:
+    """Apple's .stringsdict: each plural form of a text."""
+    file = whole_file(source)
+    try:
+        # The reader of the standard library refuses entities.
+        whole = plistlib.loads(file.text.encode(), fmt=plistlib.FMT_XML)
+    except (ExpatError, ValueError, plistlib.InvalidFileException, AttributeError) as error:
+        raise source.fault(1, f"not a property list: {error}; export it again") from None
+    if not isinstance(whole, dict):
+        raise source.fault(1, "has no keys; check that it is a .stringsdict")
+    found = (
+        ScriptEntry(file.line_of(f"<key>{key}</key>") or 1, f"{key}-{form}" if form else key, text)
+        for key, fields in whole.items()
+        if isinstance(fields, dict)
+        for form, text in _forms(fields)
+    )
+    return entry_lines(source, found)
+
+
+def _forms(fields: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield (name, text) of each combination of plural forms."""
+    text = str(fields.get(FORMAT_KEY, ""))
+    names = list(dict.fromkeys(PLURAL.findall(text)))[:2]
+    given = [fields[name] for name in names if isinstance(fields.get(name), dict)]
+    ways = [[one for one in CATEGORIES if one in each] for each in given]
+    for forms in product(*ways):
+        said = dict(zip(names, zip(given, forms, strict=True), strict=False))
+        yield (
+            "-".join(forms),
+            PLURAL.sub(
+                lambda found, said=said: (
+                    str(said[found[1]][0][said[found[1]][1]]) if found[1] in said else found[0]
+                ),
+                text,
+            ),
+        )

@@ -1,0 +1,58 @@
+"""Entries of files for translation: each form of an entry is a line.
+
+If any entry of a file has a translation, the lines are the translations, and a remark counts the
+entries left out; else they are the originals. A note may name the speaker, as in ``Speaker: Bob``.
+"""
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
+from lipsync_lang.text.lines.choices import every_form
+from lipsync_lang.text.lines.gettext import MAX_COMMENT_CHARS, speaker_pattern
+from lipsync_lang.text.lines.line_readers import Line, LineFile
+
+MAX_ENTRY_DEPTH = 64
+"""Maximum depth of lists, objects and elements in a file."""
+
+
+class ScriptEntry(NamedTuple):
+    """An entry: its place, its name, and its texts as they are written."""
+
+    number: int
+    name: str
+    text: str
+    original: str = ""
+    speaker: str = ""
+    notes: tuple[str, ...] = ()
+    ready: bool = True
+    """False if the translation is not done."""
+
+
+def entry_lines(source: LineFile, entries: Iterable[ScriptEntry]) -> Iterator[Line]:
+    """Yield the lines of the entries of a file."""
+    given = list(entries)
+    translated = any(one.ready and one.text.strip() for one in given)
+    speaks = speaker_pattern(source.speaker)
+    left = 0
+    for one in given:
+        text = one.text if translated else one.original or one.text
+        if not text.strip() or (translated and not one.ready):
+            left += 1
+            continue
+        notes = (row[:MAX_COMMENT_CHARS] for note in one.notes for row in note.split("\n"))
+        named = next(filter(None, map(speaks.search, notes)), None) if one.notes else None
+        speaker = one.speaker or (named["speaker"].strip() if named else "")
+        for form, said in every_form(text, source.cleaning.values):
+            name = f"{one.name}-{form}" if one.name and form else one.name
+            yield source.line(one.number, said, name=name, speaker=speaker, original=one.original)
+    if left:
+        source.remark(f"{source.path}: left out {left} entries that are empty or not translated")
+
+
+def whole_file(source: LineFile) -> TimingFile:
+    """Return a file that is read as a whole, up to the size limit of timings."""
+    content = timing_bytes(source.path) if source.content is None else source.content
+    if not content.strip():
+        raise source.fault(1, "has no content; export it again")
+    return TimingFile(source.path, content, encoding=source.encoding)
