@@ -850,6 +850,65 @@ DOCUMENTED_FORMS = (
 """Formats that were read by their documents alone, the part read, and its source."""
 
 
+DOCUMENTED_SCRIPTS = (
+    (
+        "android-strings",
+        "strings, plurals and arrays",
+        "[String resources](https://developer.android.com/guide/topics/resources/string-resource)",
+    ),
+    (
+        "arb",
+        "texts in ICU's form",
+        "[Application Resource Bundle](https://github.com/google/app-resource-bundle)",
+    ),
+    (
+        "fluent",
+        "messages, attributes, terms and selectors",
+        "[Fluent, syntax guide](https://projectfluent.org/fluent/guide/)",
+    ),
+    (
+        "renpy",
+        "say statements, and the identifiers of Ren'Py 8.0.3",
+        "the parser of Debian's package `renpy`, run on a thousand statements",
+    ),
+    (
+        "rpg-maker",
+        "commands 101, 102, 105, 401 and 405 of events",
+        "files of MV and MZ as projects on GitHub have them",
+    ),
+    (
+        "strings, stringsdict, xcstrings",
+        "keys, comments and plurals",
+        "[Xcode, localization](https://developer.apple.com/documentation/xcode/localization)",
+    ),
+    (
+        "twee",
+        "passages and links",
+        (
+            "[Twee 3 specification](https://github.com/iftechfoundation/twine-specs/blob/master/"
+            "twee-3-specification.md)"
+        ),
+    ),
+    (
+        "unreal-archive, unreal-manifest",
+        "namespaces, keys and texts",
+        (
+            "[Unreal, localization tools](https://dev.epicgames.com/documentation/unreal-engine/"
+            "localization-tools-in-unreal-engine)"
+        ),
+    ),
+    (
+        "xliff",
+        "units, segments, states, notes and inline codes",
+        (
+            "[XLIFF 1.2](https://docs.oasis-open.org/xliff/v1.2/os/xliff-core.html), "
+            "[XLIFF 2.1](https://docs.oasis-open.org/xliff/xliff-core/v2.1/xliff-core-v2.1.html)"
+        ),
+    ),
+)
+"""Formats of scripts that were read by their documents, the part read, and its source."""
+
+
 def formats() -> str:
     """List what can be read and written."""
     read = [
@@ -881,6 +940,8 @@ def formats() -> str:
                 ),
             ),
             "See [plan the work](../how-to/plan-the-work.md).",
+            "These are read by their documents or the programs that write them:",
+            table(("name", "read", "from"), DOCUMENTED_SCRIPTS),
             "## Read: animations, to be judged",
             table(("name", "suffix", "content"), judged),
             "See [check an animation](../how-to/check-an-animation.md).",

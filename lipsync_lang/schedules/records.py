@@ -222,7 +222,9 @@ def _rows(source: TimingFile, given: RecordList, form: str | None) -> Iterator[L
     names = [given.text, *given.times]
     for number, (line, record) in enumerate(_records(source, given, form), 1):
         if given.columns:
-            lists = map(record.get, names) if given.text in record else ([], [], [])
+            lists: list[object] = [
+                record.get(name) if given.text in record else [] for name in names
+            ]
             example = form or f"lists of {', '.join(names)}"
             yield from listed_rows(
                 source, *lists, form=example, line=line, durations=given.end is None

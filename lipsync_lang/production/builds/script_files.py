@@ -92,21 +92,26 @@ def read_rows(
             source = settings.at(file.path)
             yield from _table_rows(file, source, opened(source), columns, faults)
             return
-        if len(file.languages) > 1:
+        rows: dict[str, ScriptRow] = {}
+        met: set[tuple[str, ...]] = set()
+        for index, language in file.languages.items():
+            lines = list(read_lines(
+                file.path, encoding=file.encoding, remark=remark, cleaning=file.cleaning,
+                names=language.answers, speaker=columns.speaker,
+            ))  # fmt: skip
+            met.add(tuple(line.text for line in lines))
+            for line, name in zip(lines, _identifiers(lines), strict=True):
+                number = line.place.rpartition(":")[2]
+                timings = file.path if line.schedule is not None else None
+                row = rows.get(name) or ScriptRow(number, name, line.speaker, (), timings)
+                rows[name] = row._replace(texts=(*row.texts, (index, line.text)))
+        if len(met) < len(file.languages):  # a file of several languages has other texts in each
             faults.add_error(
                 f"{file.path}: has one language, but the build has {len(file.languages)}; add "
                 "{language} to its path"
             )
             return
-        index = next(iter(file.languages))
-        lines = list(read_lines(
-            file.path, encoding=file.encoding, remark=remark, cleaning=file.cleaning,
-            speaker=columns.speaker,
-        ))  # fmt: skip
-        for line, name in zip(lines, _identifiers(lines), strict=True):
-            number = line.place.rpartition(":")[2]
-            timings = file.path if line.schedule is not None else None
-            yield ScriptRow(number, name, line.speaker, ((index, line.text),), timings)
+        yield from rows.values()
     except ScheduleError as error:
         if not file.among_others:
             faults.add_error(error)

@@ -83,13 +83,8 @@ def _forms(fields: dict[str, Any]) -> Iterator[tuple[str, str]]:
     given = [fields[name] for name in names if isinstance(fields.get(name), dict)]
     ways = [[one for one in CATEGORIES if one in each] for each in given]
     for forms in product(*ways):
-        said = dict(zip(names, zip(given, forms, strict=True), strict=False))
-        yield (
-            "-".join(forms),
-            PLURAL.sub(
-                lambda found, said=said: (
-                    str(said[found[1]][0][said[found[1]][1]]) if found[1] in said else found[0]
-                ),
-                text,
-            ),
-        )
+        said = text
+        for name, fields_of, form in zip(names, given, forms, strict=False):
+            instead = str(fields_of[form]).replace("\\", r"\\")
+            said = re.sub(rf"%(?:\d+\$)?#@{name}@", instead, said)
+        yield "-".join(forms), said

@@ -60,10 +60,12 @@ class JsonScript:
         """Return True if all outermost objects are entries, or all values of a tree are texts."""
         if not self.text:
             return isinstance(document, dict) and document != {} and _is_tree(document)
-        values = document.values() if isinstance(document, dict) else document
-        if not values or not isinstance(document, (dict, list)):
-            return False
-        return all(isinstance(one, dict) and _text(one, self.text) is not None for one in values)
+        values = [*document.values()] if isinstance(document, dict) else document
+        return (
+            bool(values)
+            and isinstance(values, list)
+            and all(isinstance(one, dict) and _text(one, self.text) is not None for one in values)
+        )
 
     def entries(self, source: LineFile, file: TimingFile) -> Iterator[ScriptEntry]:
         """Yield the entries of a file."""
@@ -202,8 +204,8 @@ def _is_tree(value: object, depth: int = 0) -> bool:
     """Return True if a value holds texts alone."""
     if depth > MAX_ENTRY_DEPTH or isinstance(value, str) or value is None:
         return True
-    inner = value.values() if isinstance(value, Mapping) else value
-    return isinstance(value, (dict, list)) and all(_is_tree(one, depth + 1) for one in inner)
+    inner = [*value.values()] if isinstance(value, dict) else value
+    return isinstance(inner, list) and all(_is_tree(one, depth + 1) for one in inner)
 
 
 def json_script(name: str, fields: Mapping[str, Any]) -> JsonScript:

@@ -1,14 +1,11 @@
 """Rails' YAML: a tree of texts below the tag of each language."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Any
 
 from lipsync_lang.text.lines.columns import language_column
 from lipsync_lang.text.lines.entries import MAX_ENTRY_DEPTH, ScriptEntry, entry_lines, whole_file
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
-
-if TYPE_CHECKING:
-    from ruamel.yaml.nodes import Node
 
 MAX_TREE_TEXTS = 200_000
 """Maximum number of texts; aliases within aliases would make more of a small file."""
@@ -17,7 +14,8 @@ MAX_TREE_TEXTS = 200_000
 @reader("rails", suffixes=[".yml"])
 def read(source: LineFile) -> Iterator[Line]:
     """Rails' .yml: the texts below the tag of the language; the keys name a line."""
-    from ruamel.yaml import YAML, YAMLError
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
     from ruamel.yaml.nodes import MappingNode
 
     try:
@@ -40,7 +38,7 @@ def read(source: LineFile) -> Iterator[Line]:
     return entry_lines(source, _counted(source, found))
 
 
-def _texts(source: LineFile, node: "Node", keys: tuple[str, ...]) -> Iterator[ScriptEntry]:
+def _texts(source: LineFile, node: Any, keys: tuple[str, ...]) -> Iterator[ScriptEntry]:
     """Yield the texts at and below a node."""
     line = node.start_mark.line + 1
     if len(keys) > MAX_ENTRY_DEPTH:

@@ -209,12 +209,12 @@ class _Parsing:
         elif attributes:
             _, *before = self.languages[-1]
             names = self.script.source_language, self.script.target_language
-            now = [
+            source, target = (
                 next(filter(None, map(attributes.get, name.split("|"))), old)
                 for name, old in zip(names, before, strict=True)
-            ]
-            if now != before:
-                self.languages.append((self.depth, *now))
+            )
+            if [source, target] != before:
+                self.languages.append((self.depth, source, target))
 
     def end(self, _: str) -> None:
         """Leave an element."""

@@ -127,6 +127,22 @@ def test_a_file_for_each_language_holds_the_lines_of_that_language(game):
     assert "has one language" in refusal(game, lines="loc/de.po")
 
 
+def test_a_file_of_several_languages_holds_the_lines_of_each(game):
+    unit = '<trans-unit id="{0}"><source>{1}</source><target>{2}</target></trans-unit>'
+    units = unit.format("a", "Hello.", "Hallo.") + unit.format("b", "Go.", "Geh.")
+    head = '<xliff><file source-language="en" target-language="de">'
+    put(game, "game.xlf", text=f"{head}{units}</file></xliff>")
+    stated = {"lines": "game.xlf", "cast": "{'*': crab}"}
+    lines = planned(game, **stated)
+    assert [(one.language, one.name, one.text) for one in lines] == [
+        ("english", "a", "Hello."),
+        ("german", "a", "Hallo."),
+        ("english", "b", "Go."),
+        ("german", "b", "Geh."),
+    ]
+    assert "has one language" in refusal(game, **stated, languages="[german, french]")
+
+
 def test_comments_of_gettext_name_the_speaker_in_the_form_that_a_project_states(game):
     put(game, "de.po", text='#. [bob] sadly\nmsgctxt "a"\nmsgid "Hello."\nmsgstr "Hallo."\n')
     stated = {"lines": "de.po", "languages": "[german]"}
