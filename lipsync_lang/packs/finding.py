@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple
 
 from lipsync_lang.base.errors import PackError, did_you_mean
 from lipsync_lang.base.extensions import PACKS, EntryPoint, installed
-from lipsync_lang.base.files.reach import PATH_VARIABLE, is_reached, refuse_outside
+from lipsync_lang.base.files.reach import PATH_VARIABLE, is_contained, is_reached, refuse_outside
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.text.phonology.language_names import folded_language
 
@@ -339,6 +339,25 @@ def beside(pack: Path, name: str, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) 
     path = pack.parent / name
     reached = is_reached(path, pack.parent.parent)
     return path if reached and _is_there(path, unsaved) else None
+
+
+def model_beside(pack: Path, engine: str) -> str:
+    """Return `NAME:FOLDER` of a pack with the folder that it means; a name stays as it is.
+
+    A folder outside the one above the pack's is a PackError, and so is a file in it that is a link
+    out of there: the pack may not read them, unless their folder was named by the user.
+    """
+    name, _, model = engine.partition(":")
+    if not set(model) & set("/\\~"):
+        return engine
+    # an unknown user after "~" is no error here
+    home, folder = pack.parent.parent, pack.parent / os.path.expanduser(model)  # noqa: PTH111
+    if not is_contained(folder, home):
+        raise PackError(
+            f"{pack}: the model '{model}' leads outside {home}; copy it into {home}, or allow its "
+            "folder once: --path FOLDER"
+        )
+    return f"{name}:{folder}"
 
 
 def built_in() -> Path:

@@ -3,12 +3,11 @@
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import chain, islice
-from pathlib import Path
 from string import ascii_uppercase
 from typing import TYPE_CHECKING
 from unicodedata import normalize
 
-from lipsync_lang.packs.finding import IPA, beside
+from lipsync_lang.packs.finding import IPA, beside, model_beside
 from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, Rule, Settings
 from lipsync_lang.text.phonology.g2p.own_words import by_spelling, ipa_labels, stands_alone
 from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
@@ -64,7 +63,7 @@ def _hearing(language: "Pack[models.Language]") -> Hearing:
     return Hearing(
         tuple(_beside(language, "align", one) for one in stated.align) or Hearing.align,
         stated.recognise and _beside(language, "recognise", stated.recognise),
-        stated.model and _beside(language, "model", f":{stated.model}")[1:],
+        stated.model and _beside(language, "model", f":{stated.model}").removeprefix(":"),
         stated.notation or "",
         dict(stated.phones),
         stated.code or model.tag,
@@ -73,10 +72,7 @@ def _hearing(language: "Pack[models.Language]") -> Hearing:
 
 def _beside(language: "Pack[models.Language]", field: str, engine: str) -> str:
     """Return `NAME:FOLDER` with a folder that is relative to the pack that names it."""
-    name, _, folder = engine.partition(":")
-    if "/" not in folder or folder.startswith("~") or Path(folder).is_absolute():
-        return engine
-    return f"{name}:{language.where(('audio', field)).file.parent / folder}"
+    return model_beside(language.where(("audio", field)).file, engine)
 
 
 def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> Settings:

@@ -13,10 +13,11 @@ from lanes import full, needs_plug_ins, swept
 from places import TESTS
 
 import lipsync_lang as ll
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError, SpeechError
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 from lipsync_lang.schedules.timing_file import ROOT_TAG
+from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models, project_models
 from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.phonology.labels import looser
 
@@ -71,6 +72,62 @@ def test_a_pack_reaches_no_file_outside_its_folder(project, cli, way):
     ended = cli("validate", "characters/mine.yaml")
     assert ended.code == 1
     assert "mine.yaml:5:8: P213" in ended.out
+
+
+SPEECH = """kind: language
+format: 1
+name: kin
+tag: en-x-kin
+extends: english
+audio: {{{audio}}}
+"""
+
+MODELS = {
+    "above": "model: ../../outside",
+    "absolute": "model: {outside}",
+    "home": "model: ~/outside",
+    "linked folder": "model: ../models/linked",
+    "linked file": "model: ../models/holey",
+    "aligner": "align: ['pocketsphinx:../../outside', warp]",
+    "recogniser": "recognise: 'pocketsphinx:../../outside'",
+}
+
+
+@pytest.mark.parametrize("stated", MODELS.values(), ids=MODELS)
+def test_a_pack_names_no_model_outside_its_folder(project, cli, stated):
+    outside = project.parent / "outside"
+    outside.mkdir()
+    (outside / "means").write_bytes(b"s3\n")
+    (project / "models" / "holey").mkdir(parents=True)
+    (project / "models" / "linked").symlink_to(outside)
+    (project / "models" / "holey" / "means").symlink_to(outside / "means")
+    (project / "languages").mkdir(exist_ok=True)
+    pack = project / "languages" / "kin.yaml"
+    pack.write_text(SPEECH.format(audio=stated.format(outside=outside)))
+    ended = cli("validate", "languages/kin.yaml")
+    assert ended.code == 1
+    assert "kin.yaml:6:" in ended.out
+    assert "P213 the model" in ended.out
+    assert "leads outside" in ended.out
+    ended = cli("transcribe", "hello", "-l", "kin")
+    assert ended.code == 2
+    assert "leads outside" in ended.err
+    if "~" not in stated:
+        assert cli("validate", "languages/kin.yaml", "--path", str(outside)).code == 0
+
+
+@pytest.mark.parametrize("name", ["linked", "holey", ".", ".."])
+def test_a_model_of_a_project_leads_nowhere_else(project, name):
+    outside = project.parent / "outside"
+    outside.mkdir()
+    (outside / "means").write_bytes(b"s3\n")
+    (project / "models" / "holey").mkdir(parents=True)
+    (project / "models" / "linked").symlink_to(outside)
+    (project / "models" / "holey" / "means").symlink_to(outside / "means")
+    (project / "models" / "own").mkdir()
+    with pytest.raises(SpeechError, match=r"leads outside the project|has no model"):
+        find_models(name)
+    assert [path.name for path in project_models()] == ["own"]
 
 
 PRIVATE = "my own words"

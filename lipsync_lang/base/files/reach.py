@@ -31,6 +31,11 @@ def is_reached(path: Path, folder: Path, others: Sequence[Path] = ()) -> bool:
     return _is_inside(path, homes) or _is_inside(path, [*homes, *_named(folder)])
 
 
+def is_contained(path: Path, folder: Path) -> bool:
+    """Return True if a folder and all that is in it are in a project's folder, as `is_reached`."""
+    return is_reached(path, folder) and all(is_reached(one, folder) for one in path.rglob("*"))
+
+
 def name_folders(folder: Path, named: Iterable[Path]) -> None:
     """Remember the folders that a user named for a project."""
     new = [path for path in named if path.is_dir() and not is_reached(path, folder)]

@@ -9,10 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from lipsync_lang.base.errors import did_you_mean
+from lipsync_lang.base.errors import PackError, did_you_mean
 from lipsync_lang.packs.checking.conflicts import conflicts, unprepared
 from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
-from lipsync_lang.packs.finding import NONE_UNSAVED, beside
+from lipsync_lang.packs.finding import NONE_UNSAVED, beside, model_beside
 from lipsync_lang.packs.models import (
     BankPack,
     BigramCurves,
@@ -29,6 +29,7 @@ from lipsync_lang.packs.models import (
     Threshold,
     TrigramCurves,
 )
+from lipsync_lang.packs.models.language_models import AudioFields
 from lipsync_lang.packs.models.rig_models import expanded
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
@@ -121,6 +122,8 @@ def _engines(language: Pack[Language]) -> Iterator[Fault]:
             yield language.unknown((field, "notation"), "P217", "notation", name, model.notations)
     if g2p is not None:
         yield from _file(language, ("g2p", "file"), g2p.file)
+    if audio is not None:
+        yield from _acoustic_models(language, audio)
     if audio is None or audio.notation not in model.notations:
         return
     notation = notation_of(model, audio.notation)
@@ -130,6 +133,17 @@ def _engines(language: Pack[Language]) -> Iterator[Fault]:
                 what = f"'{phone}' is not in the notation '{audio.notation}'"
                 hint = notation.suggest(phone)
                 yield language.fault(("audio", "phones", label), "P218", what, hint)
+
+
+def _acoustic_models(language: Pack[Language], audio: AudioFields) -> Iterator[Fault]:
+    """Check that the models of `audio` lie in the folder of packs, or have a name alone."""
+    engines = [("align", one) for one in audio.align] + [("recognise", audio.recognise or "")]
+    for field, engine in (*engines, ("model", f":{audio.model or ''}")):
+        try:
+            model_beside(language.where(("audio", field)).file, engine)
+        except PackError as error:
+            what, _, hint = str(error).partition(": ")[2].partition("; ")
+            yield language.fault(("audio", field), "P213", what, hint)
 
 
 def check_poseset(

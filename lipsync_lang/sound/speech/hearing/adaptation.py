@@ -23,6 +23,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Ints, Singles
 from lipsync_lang.base.errors import OutputError, SpeechError
+from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.sound.speech.hearing import progress
 from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import WordReader, unfit
@@ -297,6 +298,9 @@ def write_adapted(models: Models, adapted: AcousticModel, folder: Path) -> None:
     """
     if not (models.acoustic / "means").is_file():
         raise SpeechError(f"{models.acoustic}: only models of CMU Sphinx are written")
+    here = Path.cwd()
+    if folder.absolute().is_relative_to(here):
+        refuse_outside(folder, here)
     if folder.exists():
         raise OutputError(f"{folder}: exists; name another folder, or delete it")
     _, means = means_of(adapted)

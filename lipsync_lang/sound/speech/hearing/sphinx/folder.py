@@ -15,6 +15,7 @@ from lipsync_lang.base.arrays import Floats, Ints, Singles
 from lipsync_lang.base.errors import SpeechError, did_you_mean
 from lipsync_lang.base.extensions import Extensions
 from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.files.reach import is_contained
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     OUTSIDE,
     STATES,
@@ -431,7 +432,14 @@ def own_folder(name: str) -> Path | None:
     if any(sign in name for sign in "/\\~"):
         return Path(name).expanduser().absolute()
     path = _model_folder() / name
-    return path if name and path.is_dir() else None
+    if not name or name in {".", ".."} or not path.is_dir():
+        return None
+    if not is_contained(path, path.parent.parent):
+        raise SpeechError(
+            f"{path}: leads outside the project by a link; copy the model, or name its folder "
+            "once: --path FOLDER"
+        )
+    return path
 
 
 def find_models(name: str | None) -> Models:
@@ -475,7 +483,8 @@ def installed_models() -> Iterator[Models]:
 
 def project_models() -> list[Path]:
     """Return the folders of all models of the project, or in the current folder without one."""
-    return _folders(_model_folder())
+    place = _model_folder()
+    return [path for path in _folders(place) if is_contained(path, place.parent)]
 
 
 def is_whisper(folder: Path) -> bool:
