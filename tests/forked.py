@@ -8,7 +8,7 @@ import warnings
 from tempfile import TemporaryFile
 
 FORKS = hasattr(os, "fork")
-"""False where a process can only be started anew."""
+"""False where a process is never a copy of another."""
 
 
 def forked(function, *arguments, folder):
