@@ -189,6 +189,48 @@ class TimingFormat(Strict):
         return self
 
 
+class ScriptFormat(Strict):
+    """A format of scripts in JSON, or in XML if it states `entries`.
+
+    Paths have dots in JSON and slashes in XML, where `@id` is an attribute at the end. Several have
+    `|` between them, and the first that leads to a text counts.
+    """
+
+    suffix: Annotated[str, Field(pattern=r"^\.[a-z0-9._-]+$")]
+    """Suffix of its files, in small letters."""
+    title: Text | None = None
+    """Title in `formats`, of one line."""
+    entries: Text | None = None
+    """Names of the elements that are entries. In JSON, every object with a `text` is one."""
+    root: Text | None = None
+    """Name of the outermost element, if the suffix alone does not tell."""
+    each: Text | None = None
+    """Path from an element to its parts, each of which has a text."""
+    text: Text
+    """Path of the text in an entry; `.` is the text of the element itself."""
+    id: Text | None = None
+    """Path of the identifier. In JSON, the keys on the way to the entry by default."""
+    original: Text | None = None
+    """Path of the text that `text` translates."""
+    speaker: Text | None = None
+    """Path of the speaker."""
+    note: Text | None = None
+    """Path of a note, which may name the speaker, as in `Speaker: Bob`."""
+    state: Text | None = None
+    """Path of the state of the translation."""
+    unready: tuple[Text, ...] = ()
+    """States of entries that are left out, because their translation is not done."""
+
+    @model_validator(mode="after")
+    def _elements(self) -> Self:
+        if self.entries is None and (self.root or self.each):
+            what = "`root` and `each` are fields of XML, which states `entries`"
+            raise PydanticCustomError("P115", what, {"field": "text"})
+        if self.entries is not None and self.id is None:
+            raise PydanticCustomError("P115", "`entries` of XML need an `id`", {"field": "entries"})
+        return self
+
+
 class Project(PackModel):
     """Defaults for the commands of a folder; an option of the command line wins."""
 
@@ -251,6 +293,8 @@ class Project(PackModel):
     """The timed phonemes of a line. By default the file beside the recording."""
     timing_formats: dict[Name, TimingFormat] = Field(default_factory=dict)
     """Formats of timings in JSON, by name, which other services write."""
+    script_formats: dict[Name, ScriptFormat] = Field(default_factory=dict)
+    """Formats of scripts in JSON and XML, by name, which other tools write."""
     cast: dict[Text, Annotated[tuple[Name, ...], OrOne, Field(min_length=1)]] = Field(
         default_factory=dict
     )

@@ -1,28 +1,37 @@
-"""Formats of timings that a project states: known until another project is opened."""
+"""Formats of timings and scripts that a project states: known until another is opened."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 
+if TYPE_CHECKING:
+    from lipsync_lang.base.extensions import Formats
+
 TimingFormats = Mapping[str, Mapping[str, Any]]
 """Plain fields of formats, by name."""
 
+_script_names: list[str] = []
+"""Formats of scripts of the project that is open."""
+
 
 def open_project(path: Path) -> Pack[Project]:
-    """Load a project, and let files be read in its formats of timings.
+    """Load a project, and let files be read in its formats of timings and scripts.
 
     Raises an error if it is unsound, or a link out of its folder.
     """
     use_timing_formats({})
+    use_script_formats({})
     pack = load_project(path)
     if faults := [*check_timing_formats(pack)]:
         raise PackFaults(faults)
     use_timing_formats(timing_formats(pack.model))
+    stated = pack.model.script_formats.items()
+    use_script_formats({name: one.model_dump(exclude_none=True) for name, one in stated})
     return pack
 
 
@@ -42,12 +51,41 @@ def use_timing_formats(formats: TimingFormats) -> None:
         TIMING_READERS.add(name, record_format(name, fields).reader(), FILE)
 
 
+def use_script_formats(formats: TimingFormats) -> None:
+    """Let scripts be read in these formats, and no longer in those of an earlier project."""
+    if not formats and not _script_names:
+        return
+    from lipsync_lang.text.lines.json_scripts import JSON_SCRIPTS, JsonScript, add_json_script
+    from lipsync_lang.text.lines.line_readers import LINE_READERS, by_suffix
+    from lipsync_lang.text.lines.xml_scripts import XML_SCRIPTS, XmlScript, add_xml_script
+
+    for name in _script_names:
+        JSON_SCRIPTS.pop(name, None)
+        XML_SCRIPTS.pop(name, None)
+    LINE_READERS.drop(FILE)
+    _script_names[:] = formats
+    for name, fields in formats.items():
+        facts = {"title": f"Scripts of {name}.", **fields, "suffixes": (fields["suffix"],)}
+        del facts["suffix"]
+        if "entries" in facts:
+            add_xml_script(XmlScript(name, **facts), FILE)
+        else:
+            add_json_script(JsonScript(name, **facts, anywhere=True), FILE)
+    by_suffix.cache_clear()
+
+
 def check_timing_formats(pack: Pack[Project]) -> Iterator[Fault]:
     """Yield a fault for each format with the name of one that the program or a plug-in has."""
-    if not pack.model.timing_formats:
+    if not pack.model.timing_formats and not pack.model.script_formats:
         return
     from lipsync_lang.schedules.timing_readers import TIMING_READERS
+    from lipsync_lang.text.lines.line_readers import LINE_READERS
 
-    for name in sorted(pack.model.timing_formats.keys() & TIMING_READERS.beside(FILE)):
-        what = f"there is a format '{name}' already"
-        yield pack.fault(("timing_formats", name), "P106", what, "choose another name", key=True)
+    kinds: tuple[tuple[str, Formats[Any]], ...] = (
+        ("timing_formats", TIMING_READERS),
+        ("script_formats", LINE_READERS),
+    )
+    for kind, known in kinds:
+        for name in sorted(getattr(pack.model, kind).keys() & known.beside(FILE)):
+            what = f"there is a format '{name}' already"
+            yield pack.fault((kind, name), "P106", what, "choose another name", key=True)

@@ -6,9 +6,8 @@ tree, each text is one. The keys on the way to it name it, with dots between the
 does. Objects whose keys are languages lead to the language that is read.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules.records import field_at
@@ -55,9 +54,13 @@ class JsonScript:
     """Keys that are no part of an identifier."""
     skipped: str = ""
     """First character of keys that are no texts."""
+    anywhere: bool = False
+    """True if a plain `.json` with one entry anywhere is of this format."""
 
     def fits(self, document: object) -> bool:
         """Return True if all outermost objects are entries, or all values of a tree are texts."""
+        if self.anywhere:
+            return _holds(document, self.text)
         if not self.text:
             return isinstance(document, dict) and document != {} and _is_tree(document)
         values = [*document.values()] if isinstance(document, dict) else document
@@ -85,8 +88,8 @@ class JsonScript:
             return entry_lines(source, self.entries(source, file))
         document = file.document
         fitting = (one for one in JSON_SCRIPTS.values() if JSON_SUFFIX in one.suffixes)
-        # Trees fit more than others.
-        for one in sorted(fitting, key=lambda one: not one.text):
+        # Those of a project come first, and trees last, because they fit more than others.
+        for one in sorted(fitting, key=lambda one: (not one.anywhere, not one.text)):
             if document is not None and one.fits(document):
                 return entry_lines(source, one.entries(source, file))
         return iter(LINE_READERS[SCHEDULE_FORMAT].read(source))
@@ -208,6 +211,13 @@ def _is_tree(value: object, depth: int = 0) -> bool:
     return isinstance(inner, list) and all(_is_tree(one, depth + 1) for one in inner)
 
 
-def json_script(name: str, fields: Mapping[str, Any]) -> JsonScript:
-    """Make a format of the fields that a project states, which may leave the title out."""
-    return JsonScript(name, **{"title": f"Scripts of {name}.", **fields})
+def _holds(value: object, paths: str, depth: int = 0) -> bool:
+    """Return True if an entry is at or below a value."""
+    if isinstance(value, dict) and _text(value, paths) is not None:
+        return True
+    inner = [*value.values()] if isinstance(value, dict) else value
+    return (
+        depth <= MAX_ENTRY_DEPTH
+        and isinstance(inner, list)
+        and any(_holds(one, paths, depth + 1) for one in inner)
+    )

@@ -5,6 +5,7 @@ whose fifth parameter is the speaker in MZ, and its rows are commands 401; rows 
 are 405 after 105. Command 102 has the choices. A line is named by the numbers on its way.
 """
 
+import re
 from collections.abc import Iterator
 from itertools import groupby
 
@@ -17,6 +18,8 @@ from lipsync_lang.text.lines.line_readers import LineFile
 MESSAGE, MESSAGE_ROW, CHOICES, SCROLLING, SCROLLING_ROW = 101, 401, 102, 105, 405
 ROW_CODES = {MESSAGE: MESSAGE_ROW, SCROLLING: SCROLLING_ROW}
 SPEAKER_PARAMETER = 4
+SMALL_CODE = re.compile(r"\\[a-z]+(?=\[)")
+"""A code in small letters, such as `\\v[2]`; the engine reads both alike."""
 
 
 class RpgMaker(JsonScript):
@@ -51,12 +54,16 @@ def _texts(commands: list[Json], at: int, command: Json) -> Iterator[tuple[str, 
         kind, found = next(
             ((kind, list(rows)) for kind, rows in groupby(commands[at + 1 :], _code)), (0, [])
         )
-        rows = [str(one["parameters"][0]) for one in found if one["parameters"]]
+        rows = [_capital(one["parameters"][0]) for one in found if one["parameters"]]
         speaker = given[SPEAKER_PARAMETER] if len(given) > SPEAKER_PARAMETER else ""
         if kind == ROW_CODES[command["code"]]:
             yield "\n".join(rows), speaker if isinstance(speaker, str) else ""
     elif command["code"] == CHOICES and given and isinstance(given[0], list):
-        yield from ((str(text), "") for text in given[0])
+        yield from ((_capital(text), "") for text in given[0])
+
+
+def _capital(text: object) -> str:
+    return SMALL_CODE.sub(lambda found: found[0].upper(), str(text))
 
 
 def _code(command: Json) -> int:

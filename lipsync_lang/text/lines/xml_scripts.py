@@ -9,7 +9,7 @@ The parser is the standard one: it gives the line of each element, and its handl
 definitions of entities before any is expanded. Files of others are never opened.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import Any
@@ -87,11 +87,6 @@ def add_xml_script(one: XmlScript, module: str) -> None:
     """Register a format of scripts in XML."""
     XML_SCRIPTS[one.name] = one
     LINE_READERS.add(one.name, one.reader(), module)
-
-
-def xml_script(name: str, fields: Mapping[str, Any]) -> XmlScript:
-    """Make a format of the fields that a project states, which may leave the title out."""
-    return XmlScript(name, **{"title": f"Scripts of {name}.", **fields})
 
 
 @dataclass

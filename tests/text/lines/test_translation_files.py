@@ -106,7 +106,10 @@ def test_placeholders_have_the_values_of_the_project(read, name, text):
 
 def test_names_of_rpg_maker_have_values(read):
     page = [{"code": 101, "parameters": ["", 0, 0, 2, "Harold"]}]
-    page += [{"code": 401, "parameters": ["Hello, \\N[1]."]}, {"code": 0, "parameters": []}]
+    page += [
+        {"code": 401, "parameters": ["\\c[5]Hello\\c[0], \\n[1]."]},
+        {"code": 0, "parameters": []},
+    ]
     whole = {"events": [None, {"id": 1, "pages": [{"list": page}]}]}
     values = Cleaning({"\\N[1]": "Bo"})
     assert read("Map001.json", whole, cleaning=values) == [("Map001.1.0.0", "Hello, Bo.")]
