@@ -26,6 +26,7 @@ def the_paper():
         sys.modules.pop(name, None)
 
 
+@full
 def test_the_pages_are_what_the_packs_make(the_paper):
     for path in the_paper.PAGES:
         assert the_paper.page(path) == path.read_text("utf-8"), "run python docs/the_paper.py"
@@ -44,11 +45,20 @@ def test_table_2_is_printed_in_its_order_and_adds_up(the_paper):
     assert sum(printed) == pytest.approx(36.79)
 
 
+def nearer_to_table_2(the_paper, corpus):
+    """Tell whether the paper's mapping is nearer to Table 2 than the default one."""
+    likeness = {name: one.likeness() for name, one in the_paper.counted(corpus).items()}
+    paper, default = likeness["paper-english"], likeness["english"]
+    return paper[1] < default[1] and paper[2] > default[2]
+
+
+def test_the_papers_mapping_is_nearer_to_table_2(the_paper):
+    assert nearer_to_table_2(the_paper, "dialogue")
+
+
+@full
 def test_the_papers_mapping_is_nearer_to_table_2_in_every_corpus(the_paper):
-    for corpus in the_paper.corpora():
-        likeness = {name: one.likeness() for name, one in the_paper.counted(corpus).items()}
-        assert likeness["paper-english"][1] < likeness["english"][1]
-        assert likeness["paper-english"][2] > likeness["english"][2]
+    assert all(nearer_to_table_2(the_paper, corpus) for corpus in the_paper.corpora())
 
 
 def test_counts_are_those_of_the_text(the_paper):
@@ -79,6 +89,7 @@ def test_every_item_can_be_seen(the_paper):
         assert {"see", "file"} & {*item}, item
 
 
+@full
 def test_every_figure_and_table_of_the_paper_is_an_item(the_paper):
     page = the_paper.items()
     for number in range(1, 14):
@@ -112,6 +123,7 @@ def test_every_file_of_an_item_is_made(the_paper):
         assert f'"{name}"' in made or (number and f'("{number[1]}", ' in made), name
 
 
+@full
 def test_measured_figures_are_those_that_are_kept(the_paper):
     kept = json.loads((the_paper.DOCS / "measured.json").read_text("utf-8"))
     shut = kept["motion-paper"]["figures"]["posesets"]["facefx"]["shut %"]
