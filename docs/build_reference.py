@@ -32,6 +32,7 @@ from lipsync_lang.cli import parser
 from lipsync_lang.commands.registry import leaves
 from lipsync_lang.faces.rigs.recognise import losses
 from lipsync_lang.packs.describe import schema
+from lipsync_lang.packs.extending import JOINED_FIELDS
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Language, PoseSet
@@ -200,6 +201,9 @@ def packs() -> str:
         parts += [f"## {kind}", f"{whole['description']} In {WHERE[kind]}."]
         parts += [f"```yaml\n# {path}\n{EXAMPLES[path]}```" for path in own]
         parts.append(_fields(whole, kind))
+        if kind == "language":
+            rows = [(f"`{name}`", JOINED_FIELDS[name]) for name in whole["properties"]]
+            parts += ["### How `extends` joins each field", table(("field", "joined"), rows)]
         for name, part in sorted(whole.get("$defs", {}).items()):
             parts += [f"### {name}, in {kind}", part.get("description", ""), _fields(part, kind)]
     return "\n\n".join(parts)

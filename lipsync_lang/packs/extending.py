@@ -11,9 +11,34 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from lipsync_lang.packs.models import Language, Phonemes
+    from lipsync_lang.packs.models.language_models import G2P
 
-REPLACED_FIELDS = ("g2p", "tts", "audio", "motion", "automatic", "gesture_words")
+REPLACED_FIELDS = (
+    "tts", "audio", "motion", "automatic", "gesture_words", "stress_digits", "asides", "weak",
+)  # fmt: skip
 """Fields that a child replaces as a whole, or inherits."""
+
+JOINED_FIELDS = {
+    "notations": "by label: a label of the child replaces that of the parent",
+    **dict.fromkeys(
+        ("adds", "durations", "examples", "reasons"),
+        "by entry: an entry of the child replaces that of the parent",
+    ),
+    "words": "by word; `null` leaves an inherited word to the engine",
+    "text": "by field; mappings in it by entry, and its lists as a whole",
+    "g2p": (
+        "lists by item, the child's first; other fields as stated by the child, else the parent. A "
+        "child with another engine, voice, code or file, or with `replace`, has its own alone"
+    ),
+    "silence": "both",
+    **dict.fromkeys(REPLACED_FIELDS, "the child's if stated, else the parent's"),
+    "tests": "the child's alone; a child of its parent's name keeps the others, too",
+    **dict.fromkeys(
+        ("format", "name", "title", "kind", "tag", "aliases", "extends", "inventory", "caveats"),
+        "the child's alone",
+    ),
+}
+"""Ways in which `extends` joins each field."""
 
 MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")
 """Mappings that are merged; a child's entry replaces its parent's."""
@@ -72,6 +97,23 @@ def with_alike(pack: "Pack[Language]", common: "Callable[[], Pack[Phonemes]]") -
     return Pack(pack.model.model_copy(update={"text": text}), pack.sources)
 
 
+ADDED_FIELDS = ("rules", "readings", "foreign", "corrections", "letters")
+"""Lists of `g2p` to which a child adds; its own are tried first."""
+
+
+def _joined_g2p(parent: "G2P | None", child: "G2P | None") -> "G2P | None":
+    """Join the settings of two engines; those of another engine or voice replace the parent's."""
+    if parent is None or child is None:
+        return child or parent
+    stated = {name: getattr(child, name) for name in child.model_fields_set}
+    other = ("engine", "voice", "code", "file")
+    if child.replace or any(stated.get(n, getattr(parent, n)) != getattr(parent, n) for n in other):
+        return child
+    for name in ADDED_FIELDS:
+        stated[name] = tuple(dict.fromkeys((*stated.get(name, ()), *getattr(parent, name))))
+    return parent.model_copy(update=stated)
+
+
 def merge(parent: "Language", child: "Language") -> "Language":
     """Merge a child into its parent; a child that takes its parent's name keeps its tests."""
     stated = child.model_fields_set
@@ -91,6 +133,7 @@ def merge(parent: "Language", child: "Language") -> "Language":
                 {**getattr(parent.text, name), **value} if isinstance(value, dict) else value
             )
         taken["text"] = parent.text.model_copy(update=forms)
+    taken["g2p"] = _joined_g2p(parent.g2p, child.g2p)
     taken["silence"] = tuple(dict.fromkeys((*parent.silence, *child.silence)))
     notations = {name: dict(labels) for name, labels in parent.notations.items()}
     for name, labels in child.notations.items():

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from unicodedata import normalize
 
 from lipsync_lang.packs.finding import IPA, beside, model_beside
-from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, Rule, Settings
+from lipsync_lang.text.phonology.g2p.g2p_engines import TONED, Correction, Rule, Settings
 from lipsync_lang.text.phonology.g2p.own_words import by_spelling, ipa_labels, stands_alone
 from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import plain
@@ -99,6 +99,11 @@ def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> S
         foreign_voice=common.text.foreign_voice if common.text else "",
         foreign=tuple(_foreign(model, common)),
         native=g2p.native,
+        whole=tuple(
+            (word, one.say)
+            for word, one in model.words.items()
+            if not (one.dropped or stands_alone(word))
+        ),
     )
 
 
@@ -243,7 +248,8 @@ def _own_words(
     known = by_spelling(labels)
     for word, reading in language.words.items():
         if reading.say and not reading.ipa and not stands_alone(word):
-            phrases[word] = reading.say
+            if not (language.g2p and language.g2p.readings and TONED.fullmatch(reading.say)):
+                phrases[word] = reading.say
         elif reading.ipa or reading.say:
             own = OwnWord(ipa_labels(reading.ipa, known), reading.say)
             words |= {plain(word): own, word: own}

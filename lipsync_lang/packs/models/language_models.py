@@ -238,6 +238,9 @@ class G2P(Strict):
 
     engine: G2PEngineName
     """The engine that converts text to labels."""
+    replace: bool = False
+    """True to leave out what the parent states. Otherwise a child with the engine and the voice of
+    its parent adds to it."""
     otherwise: G2PEngineName | None = None
     """The engine that reads where the library of the first is not installed."""
     voice: Text | None = None

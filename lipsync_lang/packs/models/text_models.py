@@ -62,9 +62,13 @@ class WordReading(Strict):
     """Labels of the notation that `g2p` writes, such as `ʂ ɛ p a r t`."""
     say: str = ""
     """A spelling that is read in place of the word; beside another field, for the voice alone."""
+    dropped: bool = False
+    """True for an inherited word that the engine reads after all; `null` is short for it."""
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
+        if self.dropped and not (self.phonemes or self.ipa or self.say):
+            return self
         if bool(self.phonemes) == bool(self.ipa) and (self.phonemes or not self.say):
             what = "a word needs `phonemes`, `ipa` or `say`, and not both of the first two"
             raise PydanticCustomError("P115", what)
@@ -72,6 +76,8 @@ class WordReading(Strict):
 
 
 def _word(value: Data) -> Data:
+    if value is None:
+        return {"dropped": True}
     if isinstance(value, str):
         return {"say": value}
     if not isinstance(value, (dict, Strict)):
@@ -79,7 +85,7 @@ def _word(value: Data) -> Data:
     return value
 
 
-ShortWord = Short(_word, forms=sound_forms)
+ShortWord = Short(_word, forms=lambda full: [*sound_forms(full), {"type": "null"}])
 
 WordTable = dict[Text, Annotated[WordReading, ShortWord]]
 """Readings of words: a list of common phonemes, another spelling, or a mapping."""

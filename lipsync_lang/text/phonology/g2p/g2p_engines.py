@@ -1,5 +1,6 @@
 """Engines that convert text to phonemes, and their common interface."""
 
+import re
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -73,7 +74,8 @@ class Settings:
     `respell` names one of `RESPELLERS`, and `otherwise` the engine that reads where the library of
     the first is not installed. `foreign_voice` says words in Latin letters that the engine does not
     read, and `foreign` turns its sounds into labels. Words like the expression `native` are read.
-    `backend` is phonemizer's, and `column` that of a profile with the sounds.
+    `backend` is phonemizer's, and `column` that of a profile with the sounds. `whole` are the
+    pack's words in a script without spaces, which are not cut, each with its spelling, if any.
     """
 
     language: str
@@ -91,6 +93,11 @@ class Settings:
     foreign_voice: str = ""
     foreign: tuple[Rule, ...] = ()
     native: str = ""
+    whole: tuple[tuple[str, str], ...] = ()
+
+
+TONED = re.compile(r"[a-zêü:]+[0-5](?: [a-zêü:]+[0-5])*")
+"""Syllables with tone digits, such as ``han4``: a reading, and no text with numbers."""
 
 
 G2PEngine = Callable[[Sequence[str]], Iterable[Sequence[SpokenWord]]]

@@ -25,7 +25,14 @@ from unicodedata import category, normalize
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
+from lipsync_lang.text.phonology.g2p.g2p_engines import (
+    G2P_ENGINES,
+    TONED,
+    G2PEngine,
+    Rule,
+    Settings,
+    SpokenWord,
+)
 from lipsync_lang.text.phonology.g2p.rules import (
     ForeignReader,
     StatedReading,
@@ -76,13 +83,15 @@ def engine(settings: Settings) -> G2PEngine:
             f"get them with: {install_line('mandarin')}"
         )
 
-    readings = compiled_readings(settings.readings)
-    foreign = foreign_reader(settings)
+    stated = [(_converter().convert(word), say) for word, say in settings.whole]
+    own = (Rule(word, tuple(say.split())) for word, say in stated if TONED.fullmatch(say))
+    readings = compiled_readings((*own, *settings.readings))
+    foreign, whole = foreign_reader(settings), frozenset(word for word, _ in stated)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         for text in texts:
             parts = _text_parts(text)
-            yield tuple(said for piece in parts for said in _read(piece, foreign, readings))
+            yield tuple(said for piece in parts for said in _read(piece, foreign, readings, whole))
 
     return read
 
@@ -116,11 +125,14 @@ def _bare(word: str) -> str:
 
 
 def _read(
-    piece: _TextChunk, foreign: ForeignReader, readings: Sequence[StatedReading]
+    piece: _TextChunk,
+    foreign: ForeignReader,
+    readings: Sequence[StatedReading],
+    whole: frozenset[str],
 ) -> Iterator[SpokenWord]:
     match piece.kind:
         case "hanzi":
-            yield from (said(*word) for word in words_of(piece.text, readings))
+            yield from (said(*word) for word in words_of(piece.text, readings, whole))
         case "number":
             digits = "".join(_NUMERALS[int(digit)] for digit in piece.plain)
             yield said(piece.text, [s for _, word in words_of(digits) for s in word])
@@ -174,20 +186,21 @@ ERHUA = re.compile(
 """儿 that is only an r after the syllable before: not in 女儿, 婴儿, 儿子."""
 
 
-def words_of(hanzi: str, readings: Sequence[StatedReading] = ()) -> Iterator[tuple[str, list[str]]]:
+def words_of(
+    hanzi: str, readings: Sequence[StatedReading] = (), whole: frozenset[str] = frozenset()
+) -> Iterator[tuple[str, list[str]]]:
     """Yield words with their syllables and tone digits; unreadable words have no syllables.
 
     An r after a syllable is the syllable ``r5``. A stated reading counts where its letters are
-    whole words of the text.
+    words of the text. Words of `whole` are cut out first.
     """
     from pypinyin import Style, lazy_pinyin
-    from pypinyin.seg.mmseg import seg
 
     simple = _converter().convert(hanzi)
     if len(simple) != len(hanzi):
         simple = hanzi  # places in it are places in the text
     erhua = {found.start() for found in ERHUA.finditer(simple)}
-    phrases = list(seg.cut(simple))
+    phrases = list(_phrases(simple, whole))
     stated = stated_syllables(simple, phrases, readings)
     word: tuple[str, list[str]] = ("", [])
     start = 0
@@ -206,6 +219,21 @@ def words_of(hanzi: str, readings: Sequence[StatedReading] = ()) -> Iterator[tup
             word = (hanzi[start:stop], syllables)
         start = stop
     yield word
+
+
+def _phrases(simple: str, whole: frozenset[str]) -> Iterator[str]:
+    """Cut hanzi into the words of `whole`, the longest first, and those that pypinyin knows."""
+    from pypinyin.seg.mmseg import seg
+
+    if not whole:
+        return seg.cut(simple)
+    parts = _whole_words(whole).split(simple)
+    return (one for part in parts for one in ((part,) if part in whole else seg.cut(part)) if one)
+
+
+@lru_cache(8)
+def _whole_words(whole: frozenset[str]) -> re.Pattern[str]:
+    return re.compile(f"({'|'.join(map(re.escape, sorted(whole, key=len, reverse=True)))})")
 
 
 @cache
