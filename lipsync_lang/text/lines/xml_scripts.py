@@ -89,7 +89,7 @@ def add_xml_script(one: XmlScript, module: str) -> None:
     LINE_READERS.add(one.name, one.reader(), module)
 
 
-@dataclass
+@dataclass(slots=True)
 class _Element:
     """An element within an entry, with its texts and elements in order."""
 
@@ -101,25 +101,34 @@ class _Element:
         """Return the elements at a path."""
         found = [self]
         for name in names:
-            inner = (one for node in found for one in node.parts)
-            found = [one for one in inner if isinstance(one, _Element) and one.tag == name]
+            found = [
+                one
+                for node in found
+                for one in node.parts
+                if isinstance(one, _Element) and one.tag == name
+            ]
         return found
 
     def first(self, paths: str) -> list["_Element"]:
         """Return the elements at the first path that leads to some."""
-        return next(filter(None, (self.at(names) for names, _ in _ways(paths))), [])
+        for names, _ in _ways(paths):
+            if found := self.at(names):
+                return found
+        return []
 
     def value(self, paths: str) -> str:
         """Return the first text or attribute at one of the paths that is not empty."""
-        return next(self.values(paths), "")
-
-    def values(self, paths: str) -> Iterator[str]:
-        """Yield all texts and attributes at the paths that are not empty."""
         for names, attribute in _ways(paths):
             for node in self.at(names):
                 found = node.attributes.get(attribute, "") if attribute else node.text()
                 if found and not found.isspace():
-                    yield found
+                    return found
+        return ""
+
+    def values(self, path: str) -> Iterator[str]:
+        """Yield the texts at the paths."""
+        for names, _ in _ways(path):
+            yield from (node.text() for node in self.at(names))
 
     def text(self) -> str:
         """Return the text, with placeholders for the elements that have none."""
