@@ -130,17 +130,18 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
     stated, copies = place_model(wanted.model, path)
     # A known rig serves only a model with all of its shapes.
     rig = match.rig if match.complete else wanted.name
-    dials = {} if match.rig else _fitted(model, match, library.poseset(match.poseset).model)
+    face = library.poseset(match.poseset).model
+    # solved targets open each mouth as far as they should
+    dials = {} if match.rig or face.mouth == "solved" else _fitted(model, match, face)
     text = pack_bytes(_lines(wanted, match, rig, stated, dials))
     outputs: dict[Path, bytes | Path] = {path: text}
     summaries = {path: f"the poses of {match.poseset}" + (f", rig {rig}" if rig else "")}
     if not match.complete:
         rig_path = _new_rig_path(library, match, wanted.name, folder)
-        poseset = library.poseset(match.poseset).model
         own = [one for one in library.rigs_of(match.poseset) if one.stem == match.rig]
         base: Any = library.load(own[-1], "rig", own[-1].stem).model if own else None
-        made = drafted(wanted.name, wanted.heading, match, poseset, base)
-        outputs[rig_path] = pack_bytes(rig_lines(made, model, match, poseset))
+        made = drafted(wanted.name, wanted.heading, match, face, base)
+        outputs[rig_path] = pack_bytes(rig_lines(made, model, match, face))
         count = sum(len(places) for places in match.found.places.values())
         summaries[rig_path] = f"{count} channel{'s' * (count != 1)} for the model"
     summaries |= dict.fromkeys(copies, f"a copy of {wanted.model}")

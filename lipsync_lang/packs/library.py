@@ -36,6 +36,19 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
+
+def model_state(path: Path) -> list[int] | None:
+    """Return the size and times of a model by which a change is noticed; None without the file.
+
+    Models are large, so their bytes are not read for this.
+    """
+    try:
+        there = path.stat()
+    except (OSError, ValueError):
+        return None
+    return [there.st_size, there.st_mtime_ns, there.st_ctime_ns]
+
+
 FileRequest = tuple[Path, str | None, str | None]
 """A file with the kind and the name that it must have; None for any."""
 
@@ -49,6 +62,7 @@ class Library(Finder):
     ----------
     lookups : (kind, name) -> files found, in order; a `Finder` can repeat a look-up
     files : path -> SHA-256 of the bytes read
+    model_states : path -> `model_state` of each model whose shapes decided targets
     faults : every fault found so far, in order
     """
 
@@ -63,6 +77,7 @@ class Library(Finder):
         super().__init__(paths, project, unsaved)
         self.lookups: dict[tuple[str, str], tuple[str, ...]] = {}
         self.files: dict[str, str] = {}
+        self.model_states: dict[str, list[int] | None] = {}
         self.faults: list[Fault] = []
         for entry in self.missing:
             what = f"'{entry.dist}' offers packs in '{entry.value}', which is gone"
@@ -75,6 +90,10 @@ class Library(Finder):
         """Return the files found for a name as `Finder.lookup` does, and record the look-up."""
         found = self.lookups[kind, name] = super().lookup(kind, name)
         return found
+
+    def note_model(self, path: Path) -> None:
+        """Record a model whose shapes decide targets."""
+        self.model_states[str(path)] = model_state(path)
 
     def common(self) -> "Pack[models.Phonemes]":
         """Load the common phonemes."""

@@ -7,6 +7,7 @@ request it is at rest there.
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import refuse_other
 from lipsync_lang.packs.finding import Paths, is_model, located
@@ -16,6 +17,9 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.played_pair import Gaps
 from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.settings import motion_with
+
+if TYPE_CHECKING:
+    from lipsync_lang.resolver.rigging import OtherModel
 
 
 def resolve(  # noqa: PLR0913 two names, and options by keyword
@@ -61,13 +65,14 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     refuse_other("gaps", gaps, Gaps)
     refuse_other("unknown", unknown, Unknown)
     if is_model(character):
-        from lipsync_lang.resolver.rigging import best_match, on_model
+        from lipsync_lang.resolver.rigging import OtherModel, best_match, on_model
 
         model = Path(character)
         (language,), folders = located(paths, language=language)
         library = Library(folders)
         match = best_match(library, model)
-        pair = _pair(language, match.poseset, folders, match.optional, cache=cache)
+        on = OtherModel(model.absolute(), match.rig)
+        pair = _pair(language, match.poseset, folders, match.optional, on, cache=cache)
         compiled = on_model(library, pair, match, model)
     else:
         (language, character), folders = located(paths, language=language, character=character)
@@ -76,18 +81,24 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     return Performer(compiled, moved, unknown, folders, shades, gaps=gaps)
 
 
-def _pair(
-    language: str, character: str, folders: Sequence[Path], has: Sequence[str] = (), *, cache: bool
+def _pair(  # noqa: PLR0913 the names, and what a model adds
+    language: str,
+    character: str,
+    folders: Sequence[Path],
+    has: Sequence[str] = (),
+    on: "OtherModel | None" = None,
+    *,
+    cache: bool,
 ) -> CompiledPair:
     from lipsync_lang.resolver import cache as store
 
-    key = " + ".join((character, *has))
+    key = " + ".join((character, *has, *(map(str, on) if on else ())))
     compiled = store.load(language, key, folders) if cache else None
     if compiled is None:
         from lipsync_lang.resolver.compile import compile_pair
 
         library = Library(folders)
-        compiled = compile_pair(library, language, character, has)
+        compiled = compile_pair(library, language, character, has, on)
         if cache:
             store.save(compiled, language, key, library)
     return compiled

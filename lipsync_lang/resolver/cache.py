@@ -192,6 +192,7 @@ def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[byte
         "compiler": compiler(),
         "lookups": [[*asked, list(found)] for asked, found in library.lookups.items()],
         "files": library.files,
+        "models": library.model_states,
         "plain": plain,
         "motion": asdict(compiled.motion),
         "report": asdict(compiled.report),
@@ -208,17 +209,22 @@ def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[byte
 def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
     """Return True if all lookups and files are unchanged since the compilation."""
     from lipsync_lang.packs.finding import Finder
+    from lipsync_lang.packs.library import model_state
     from lipsync_lang.packs.yaml.source import read_bytes
 
     finder = Finder(paths)
-    return all(
-        # a pack that appeared earlier on the search path would win now
-        finder.lookup(kind, name) == tuple(found)
-        for kind, name, found in head["lookups"]
-    ) and all(
-        # `is_file` first: reading an endless device or a pipe would never return
-        Path(path).is_file() and sha256(read_bytes(Path(path))).hexdigest() == digest
-        for path, digest in head["files"].items()
+    return (
+        all(
+            # a pack that appeared earlier on the search path would win now
+            finder.lookup(kind, name) == tuple(found)
+            for kind, name, found in head["lookups"]
+        )
+        and all(
+            # `is_file` first: reading an endless device or a pipe would never return
+            Path(path).is_file() and sha256(read_bytes(Path(path))).hexdigest() == digest
+            for path, digest in head["files"].items()
+        )
+        and all(model_state(Path(path)) == state for path, state in head["models"].items())
     )
 
 

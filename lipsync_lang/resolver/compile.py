@@ -26,15 +26,19 @@ from lipsync_lang.resolver.compiled import LAYERS, CompiledPair, Origin, Pair, R
 from lipsync_lang.resolver.language_tables import manner_of, tables_of, visemes_of
 from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, Halves, PairPacks
 from lipsync_lang.resolver.nearest_phonemes import plain_among, spelling
-from lipsync_lang.resolver.rigging import model_file, plain_rig
+from lipsync_lang.resolver.rigging import OtherModel, model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
 
 
 def compile_pair(
-    library: Library, language: str, character: str, has: Iterable[str] = ()
+    library: Library,
+    language: str,
+    character: str,
+    has: Iterable[str] = (),
+    on: OtherModel | None = None,
 ) -> CompiledPair:
     """Read the packs of a pair and compile them; the package's docstring lists the layers."""
-    packs = PairPacks.open(library, language, character, has)
+    packs = PairPacks.open(library, language, character, has, on)
     return compile_packs(packs, PairRows.of(packs))
 
 

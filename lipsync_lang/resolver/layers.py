@@ -1,5 +1,6 @@
 """The packs of one pair, and the bigrams of each of their layers."""
 
+import logging
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -10,6 +11,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats
+from lipsync_lang.base.errors import ModelError
 from lipsync_lang.packs import models
 from lipsync_lang.packs.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs.checking import pack_checks as checks
@@ -22,6 +24,10 @@ from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
 from lipsync_lang.resolver.pose_arrays import thresholds
+from lipsync_lang.resolver.rigging import OtherModel, model_file, plain_rig
+from lipsync_lang.resolver.solving import SolvedFace, solved_face
+
+_log = logging.getLogger(__name__)
 
 NEUTRAL = "neutral"
 """The style of a bank that names none."""
@@ -86,12 +92,24 @@ class PairPacks:
     own_banks: tuple[Pack[models.BankPack], ...]
     """Banks that the character names."""
     library: Library
+    solved: SolvedFace | None = None
+    """Targets that were solved on the model; None for a face whose targets are declared."""
 
     @classmethod
-    def open(cls, library: Library, language: str, character: str, has: Iterable[str] = ()) -> Self:
+    def open(
+        cls,
+        library: Library,
+        language: str,
+        character: str,
+        has: Iterable[str] = (),
+        on: OtherModel | None = None,
+    ) -> Self:
         """Load and check every pack of a pair; raise `PackError` for one that is unsound.
 
-        The model `has` some optional poses of the pose set, besides those that the character names.
+        Parameters
+        ----------
+        has : optional poses of the pose set that the model has, besides those of the character
+        on : another model than that of the character; raise `ModelError` if it opens no mouth
         """
         try:
             who = library.character(character)
@@ -113,7 +131,29 @@ class PairPacks:
             raise PackFaults(sorted(f for f in faults if f.severity == "fault")) from None
         shelf.refuse_faults()
         poseset = shelf.poseset.model.having((*who.model.has, *has))
-        return replace(shelf, poseset=replace(shelf.poseset, model=poseset))
+        shelf = replace(shelf, poseset=replace(shelf.poseset, model=poseset))
+        return replace(shelf, solved=shelf.solve(on))
+
+    def solve(self, on: OtherModel | None = None) -> SolvedFace | None:
+        """Solve the targets on the character's model, or on another; None if they are declared.
+
+        The targets of a pose set were made for its own model.
+        """
+        who, face = self.character.model, self.poseset.model
+        named = on.path if on else model_file(self.character, self.poseset)
+        own = None if on else model_file(self.poseset)
+        if named in {None, own} or (who.mouth or face.mouth) == "declared":
+            return None
+        path, rig = Path(str(named)), on.rig if on else who.rig
+        self.library.note_model(path)
+        plain = plain_rig(self.library, rig, self.poseset) if rig is not None else None
+        try:
+            return solved_face(face, self.common.model, path, plain, who.reach or face.reach)
+        except ModelError as error:
+            if on:
+                raise
+            _log.info("%s keeps the targets of its pose set: %s", who.name, error)
+            return None
 
     def refuse_faults(self) -> None:
         """Raise an error with every fault that prevents a performance of these packs.
@@ -155,8 +195,12 @@ class PairPacks:
 
     @cached_property
     def face(self) -> models.PoseSet:
-        """The pose set, with the character's own targets and seconds in place of its."""
-        return self.character.model.own_face(self.poseset.model)
+        """The pose set, with solved targets, and the character's own, in place of its."""
+        poseset = self.poseset.model
+        if self.solved is not None:
+            targets = {**poseset.targets, **self.solved.targets}
+            poseset = poseset.model_copy(update={"targets": targets})
+        return self.character.model.own_face(poseset)
 
     @property
     def poses(self) -> tuple[str, ...]:
@@ -428,20 +472,27 @@ class PairPacks:
     @cached_property
     def targets(self) -> dict[str, tuple[Target, str]]:
         """Target of each phoneme with its location; silence rests by default."""
-        model, own = self.face, self.character
+        model = self.face
         bound = thresholds(model) < FREE
         found = {}
         for phoneme in self.numbered:
             name = self.target_phoneme(phoneme)
             if name in model.targets:
-                pack = own if name in own.model.targets else self.poseset
-                place = str(pack.where(("targets", name)))
-                found[phoneme] = (self._target(model.targets[name], bound), place)
+                found[phoneme] = (self._target(model.targets[name], bound), self._place(name))
         silence = self.common.model.silence
         if found and silence not in found:
             still = np.zeros((1, len(self.poses)))
             found[silence] = (Target(still, np.ones(len(self.poses))), "")
         return found
+
+    def _place(self, phoneme: str) -> str:
+        """Return where the target of a phoneme stands, or what it was solved from."""
+        own = phoneme in self.character.model.targets
+        if not own and self.solved is not None and phoneme in self.solved.targets:
+            kind = "shades" if phoneme in self.common.model.shades else "phonemes"
+            place = self.common.where((kind, phoneme, "mouth"))
+            return f"{place}, solved on {self.solved.model.name}"
+        return str((self.character if own else self.poseset).where(("targets", phoneme)))
 
     def target_phoneme(self, phoneme: str) -> str:
         """Return the phoneme whose target a phoneme uses: itself, its parent or its substitute."""

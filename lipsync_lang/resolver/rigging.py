@@ -5,7 +5,7 @@ The cache keeps the rig beside the tables.
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.packs.checking.rig_checks import check_rig
@@ -18,6 +18,13 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
     from lipsync_lang.packs.pack import Pack
     from lipsync_lang.resolver.compiled import CompiledPair
+
+
+class OtherModel(NamedTuple):
+    """A model in place of a character's, and the rig of its pose set that drives it, if any."""
+
+    path: Path
+    rig: str | None
 
 
 def plain_rig(library: "Library", rig: str, poseset: "Pack[models.PoseSet]") -> dict[str, Any]:
@@ -44,9 +51,9 @@ def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[
     return rig
 
 
-def model_file(character: "Pack[models.Character]", poseset: "Pack[models.PoseSet]") -> str | None:
-    """Return the model file of a character, or else of its pose set."""
-    for pack in (character, poseset):
+def model_file(*packs: "Pack[Any]") -> str | None:
+    """Return the model file that the first of some packs names: of a character, or its pose set."""
+    for pack in packs:
         named = pack.model.model
         path = beside(pack.path, named) if named is not None else None
         if path is not None:

@@ -64,20 +64,42 @@ PARTED_WIDTH = 0.8
 
 
 @pytest.mark.parametrize(("widths", "level"), [(0.55, None), (0.7, 0.79), (0.4, 1.38), (0.1, 1.6)])
-def test_a_mouth_opens_as_far_as_the_pose_set_expects(cli, folder, monkeypatch, widths, level):
+def test_a_mouth_opens_as_far_as_a_set_of_declared_targets_expects(
+    cli, folder, monkeypatch, widths, level
+):
     monkeypatch.setitem(face_models.OPENINGS, "jawOpen", widths * PARTED_WIDTH)
     face_models.face(folder / "head.glb", *face_models.ARKIT)
-    told, character = new(cli, "hero", "--model", folder / "head.glb")
+    text = LIBRARY.find("poseset", "arkit").read_text("utf-8")
+    plain = folder / "posesets" / "plain" / "poseset.yaml"
+    plain.parent.mkdir(parents=True)
+    plain.write_text(
+        text.replace("name: arkit", "name: plain").replace("mouth: solved", ""), "utf-8"
+    )
+    told, character = new(cli, "hero", "--model", folder / "head.glb", "--poseset", "plain")
     found = character.dials.get("jaw")
     assert (found and found[0][1]) == level
     assert ("measured: the mouth opens" in told) == (level is not None)
     Path("line.json").write_text(json.dumps(LINE), "utf-8")
     hero, usual = (
         resolve("english", name).perform(read_schedule(Path("line.json")))["jawOpen"].max()
-        for name in ("hero", "arkit")
+        for name in ("hero", "plain")
     )
     if widths > 0.3:  # a mouth that hardly opens is not forced
         assert hero * widths == pytest.approx(usual * 0.55, rel=0.06)
+
+
+def test_a_mouth_of_solved_targets_needs_no_dial(cli, folder, monkeypatch):
+    Path("line.json").write_text(json.dumps(LINE), "utf-8")
+    opened = []
+    for number, widths in enumerate((0.4, 0.55, 0.7)):
+        monkeypatch.setitem(face_models.OPENINGS, "jawOpen", widths * PARTED_WIDTH)
+        face_models.face(folder / f"head{number}.glb", *face_models.ARKIT)
+        _, character = new(cli, f"hero{number}", "--model", folder / f"head{number}.glb")
+        assert not character.dials
+        schedule = read_schedule(Path("line.json"))
+        made = resolve("english", f"hero{number}").perform(schedule)
+        opened.append(made["jawOpen"].max() * widths)
+    assert opened == pytest.approx([opened[0]] * 3, rel=0.15)
 
 
 @pytest.mark.parametrize("name", SETS)

@@ -233,13 +233,18 @@ def _moves(arrays: Accessors, primitive: Mapping[str, Any], offsets: object) -> 
 
 
 @lru_cache(maxsize=8)
-def apertures(model: Model) -> Mapping[str, float]:
-    """Return how far each shape parts the lips; empty without a mouth, and for a large model."""
+def measured(model: Model) -> Mapping[str, ShapeReadOut]:
+    """Measure each shape; empty without a mouth, for a damaged model, and for a large one."""
     try:
         meshes = [model.document["meshes"][mesh.number]["primitives"] for mesh in model.meshes]
         rows = {one["attributes"]["POSITION"] for own in meshes for one in own}
         if sum(model.document["accessors"][row]["count"] for row in rows) > MAX_MEASURED_POINTS:
             return {}
-        return {name: found.aperture for name, found in read_outs(model).items()}
+        return read_outs(model)
     except (ModelError, LookupError, TypeError, ValueError):
         return {}
+
+
+def apertures(model: Model) -> Mapping[str, float]:
+    """Return how far each shape parts the lips; empty where `measured` is."""
+    return {name: found.aperture for name, found in measured(model).items()}

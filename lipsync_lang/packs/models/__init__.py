@@ -15,6 +15,7 @@ from lipsync_lang.packs.models.language_models import Language as Language
 from lipsync_lang.packs.models.language_models import Phonemes as Phonemes
 from lipsync_lang.packs.models.language_models import Shade as Shade
 from lipsync_lang.packs.models.language_models import SoundFields as SoundFields
+from lipsync_lang.packs.models.language_models import SoundMouth as SoundMouth
 from lipsync_lang.packs.models.language_models import Sounds as Sounds
 from lipsync_lang.packs.models.motion_models import MotionFields as MotionFields
 from lipsync_lang.packs.models.pose_models import AtMost as AtMost

@@ -50,6 +50,19 @@ SHARES_SLACK = 1e-3
 """Largest difference between the sum of shares and 1; 0.333 three times is accepted."""
 
 
+class SoundMouth(Strict):
+    """The mouth of a sound, as it is seen, in widths of the closed mouth."""
+
+    aperture: Annotated[float, Field(ge=0, le=1)]
+    """Gap between the lips in the middle."""
+    width: Annotated[float, Field(ge=-1, le=1)]
+    """Distance between the corners, less that at rest."""
+    protrusion: Annotated[float, Field(ge=-1, le=1)] | None = None
+    """Way of the lips to the front; unless stated, the sound leaves it to the jaw."""
+    jaw: Annotated[float, Field(ge=0, le=1)] | None = None
+    """Way of the chin downwards, where the teeth must be near each other; else it is free."""
+
+
 class SoundFields(Strict):
     """Fields of a common phoneme and of a shade."""
 
@@ -61,6 +74,8 @@ class SoundFields(Strict):
     """A word with the sound in it."""
     sound: SoundClass | None = Field(default=None, alias="class")
     """The manner of the sound, which gives its estimated duration."""
+    mouth: Annotated[tuple[SoundMouth, ...], OrOne] = ()
+    """The mouth in running speech, or several in a row for a sound that moves."""
 
 
 class Phoneme(SoundFields):

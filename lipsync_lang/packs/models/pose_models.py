@@ -58,6 +58,13 @@ AnticipateSeconds = Annotated[float, Field(ge=0, le=1)]
 """Seconds by which a pose begins before its sound."""
 
 
+MouthOrigin = Literal["declared", "solved"]
+"""Origin of the targets of a face with a model."""
+
+MouthReach = Annotated[float, Field(gt=0, le=3)]
+"""Factor of the measures of all mouths."""
+
+
 class Pose(Strict):
     """A shape of the face or tongue."""
 
@@ -283,6 +290,13 @@ class PoseSet(PackModel):
     """Limits for the quality of finished animations."""
     model: Text | None = None
     """A model file that shows the poses."""
+    mouth: MouthOrigin = "declared"
+    """`solved`: on a model, the targets are those weights of its shapes that give the mouth of each
+    sound best. The targets of this file serve without one, and on the model of this file."""
+    reach: MouthReach = 1.0
+    """Factor of solved mouths: 1 for natural speech, more for a cartoon."""
+    look: Annotated[float, Field(ge=0, le=10)] = 0.1
+    """Firmness with which solved targets hold to those of this file, the look of a sound."""
 
     def having(self, optional: Iterable[str]) -> Self:
         """Return the pose set with some of its optional poses among those of speech."""
@@ -539,6 +553,11 @@ class Character(PackModel, Delivery):
     """The model file."""
     has: tuple[PoseName, ...] = ()
     """Optional poses of the pose set that the model has."""
+    mouth: MouthOrigin | None = None
+    """`declared` keeps the targets of the pose set; `solved` solves them on the model. A target of
+    the character's own always stays. Unless stated, as the pose set says."""
+    reach: MouthReach | None = None
+    """Factor of solved mouths, in place of the pose set's."""
 
     def scalar(self, item: str) -> float | None:
         """Return the character's own value of ``softness.REGION`` and the like, or None."""

@@ -146,7 +146,8 @@ def new_project(  # noqa: PLR0913 the parts of a draft
         usual = starter().language
         pattern, words = [], _headed(cells, taken, finder) or {usual: usual}
     languages = _languages(cells, taken, words, finder, language)
-    text, remarks = {"text": cells.head[stated]}, []
+    text: dict[str, str] = {"text": cells.head[stated]}
+    remarks: list[str] = []
     if stated < 0:
         text, remarks = _text(cells, taken, languages, finder, table)
     for name in characters:

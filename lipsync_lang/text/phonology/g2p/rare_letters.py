@@ -31,7 +31,7 @@ def plainer(letter: str) -> str:
     >>> plainer("ễ"), plainer("ộ"), plainer("ɓ"), plainer("ш")
     ('ê', 'ô', 'b', 'ш')
     """
-    base, *marks = normalize("NFD", letter)
+    base, *marks = [*normalize("NFD", letter)]
     for mark in marks:
         marked = normalize("NFC", base + mark)
         if len(marked) == 1 and marked <= COMMON_END:

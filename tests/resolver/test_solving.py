@@ -1,0 +1,193 @@
+"""Targets solved on a model: each sound has its mouth, and what an artist declared stays."""
+
+import face_models
+import numpy as np
+import pytest
+from face_models import ARKIT, OCULUS, face
+from hypothesis import given
+from hypothesis import strategies as st
+from shipped import LIBRARY
+
+import lipsync_lang as ll
+from lipsync_lang.packs.library import Library
+from lipsync_lang.resolver.layers import PairPacks
+from lipsync_lang.resolver.solving import MOUTH_MEASURES, _FaceToSolve, pose_gains, solved_face
+
+SOLVED = [
+    name.name
+    for name in LIBRARY.names("poseset")
+    if LIBRARY.poseset(name.name).model.mouth == "solved"
+]
+COMMON = LIBRARY.common().model
+SOUNDS = {**COMMON.phonemes, **COMMON.shades}
+
+
+def targets(poseset, gains, reach=1.0):
+    """Solve every target of a pose set for shapes with these effects."""
+    solver = _FaceToSolve.of(poseset, gains)
+    return {
+        name: solver.target(name, steps, SOUNDS[name].mouth, reach)
+        for name, steps in poseset.targets.items()
+        if SOUNDS[name].mouth
+    }
+
+
+def error(solver, name, steps):
+    """Return the distance of a target's first step from its mouth, in the measures stated."""
+    mouth = SOUNDS[name].mouth[0]
+    missed = solver.gains @ solver.weights(steps[0]) - [
+        getattr(mouth, m) or 0.0 for m in MOUTH_MEASURES
+    ]
+    stated = [getattr(mouth, m) is not None for m in MOUTH_MEASURES]
+    return np.linalg.norm(missed[stated])
+
+
+@pytest.mark.parametrize("name", SOLVED)
+@given(data=st.data())
+def test_a_solved_target_keeps_bounds_pairs_contacts_and_ceilings(name, data):
+    poseset = LIBRARY.poseset(name).model
+    count = len(poseset.poses)
+    draws = st.lists(st.floats(-0.6, 0.6), min_size=4 * count, max_size=4 * count)
+    solver = _FaceToSolve.of(poseset, np.array(data.draw(draws)).reshape(4, count))
+    touching = {pose for contact in poseset.contacts.values() for pose in contact.floor}
+    for phoneme, steps in targets(poseset, solver.gains).items():
+        for declared, step in zip(poseset.targets[phoneme], steps, strict=True):
+            weights = solver.weights(step)
+            assert ((weights >= 0) & (weights <= 1)).all()
+            for group in solver.groups:
+                free = solver.most[group].min() > 0
+                assert not free or np.ptp(weights[group]) == 0
+            for pose in touching:
+                assert step.weights.get(pose, 0) == declared.weights.get(pose, 0)
+            for contact in poseset.contacts.values():
+                if phoneme in contact.phonemes:
+                    for pose, most in contact.ceiling.items():
+                        assert step.weights.get(pose, 0) <= max(most, declared.weights.get(pose, 0))
+            assert step.dominance == declared.dominance
+            assert step.overall == declared.overall
+
+
+@pytest.mark.parametrize("jaw", [0.3, 0.5, 0.8])
+def test_vowels_open_as_far_on_every_head(tmp_path, monkeypatch, jaw):
+    monkeypatch.setitem(face_models.OPENINGS, "jawOpen", jaw)
+    poseset = LIBRARY.poseset("arkit").model
+    found = solved_face(poseset, COMMON, face(tmp_path / "head.glb", *ARKIT))
+    for name in ("aa", "eh", "ih", "kg"):
+        reached, wanted = found.reached[name][0, 0], SOUNDS[name].mouth[0].aperture
+        assert reached == pytest.approx(wanted, abs=0.03), name
+
+
+def test_consonants_do_not_flap_on_a_head_whose_consonants_open(tmp_path, monkeypatch):
+    for shape in ("viseme_DD", "viseme_kk", "viseme_nn", "viseme_CH"):
+        monkeypatch.setitem(face_models.OPENINGS, shape, 0.3)
+    poseset = LIBRARY.poseset("oculus").model
+    path = face(tmp_path / "head.glb", *OCULUS)
+    found = solved_face(poseset, COMMON, path)
+    solver = _FaceToSolve.of(poseset, pose_gains(poseset, ll_model(path)))
+    for name in ("d", "n", "kg", "ch"):
+        assert error(solver, name, found.targets[name]) < 0.6 * error(
+            solver, name, poseset.targets[name]
+        )
+        assert found.reached[name][0, 0] < found.reached["aa"][0, 0]
+
+
+def ll_model(path):
+    from lipsync_lang.faces.rigs.model import read_model
+
+    return read_model(path)
+
+
+def test_reach_moves_every_mouth_farther(tmp_path):
+    poseset = LIBRARY.poseset("arkit").model
+    path = face(tmp_path / "head.glb", *ARKIT)
+    near, far = (solved_face(poseset, COMMON, path, reach=reach) for reach in (1.0, 1.6))
+    for name in ("aa", "eh", "l", "d"):
+        ratio = far.reached[name][0, 0] / near.reached[name][0, 0]
+        assert 1.4 < ratio < 1.8, name
+
+
+def test_a_head_whose_mouth_the_pose_set_cannot_open_is_refused(tmp_path):
+    path = face(tmp_path / "head.glb", *ARKIT, "viseme_aa", dead={"jawOpen"})
+    with pytest.raises(ll.ModelError, match=r"head\.glb: no shape of it that is a pose of arkit"):
+        solved_face(LIBRARY.poseset("arkit").model, COMMON, path)
+
+
+def test_a_head_that_cannot_be_measured_keeps_the_declared_targets(tmp_path):
+    path = face(tmp_path / "head.glb", *ARKIT, dead={"jawOpen"})
+    assert solved_face(LIBRARY.poseset("arkit").model, COMMON, path) is None
+    plain, same = (ll.resolve("english", who) for who in ("arkit", path))
+    assert np.array_equal(plain.compiled.tables.neutral.curves, same.compiled.tables.neutral.curves)
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "characters").mkdir()
+    face(tmp_path / "characters" / "head.glb", *ARKIT)
+
+    def character(more=""):
+        path = tmp_path / "characters" / "anna.yaml"
+        path.write_text(
+            "kind: character\nformat: 1\nname: anna\nposeset: arkit\nmodel: head.glb\n" + more
+        )
+        return PairPacks.open(Library(), "english", "anna")
+
+    return character
+
+
+def test_a_character_with_a_model_is_solved_and_says_so(project):
+    packs = project()
+    _, place = packs.targets["aa"]
+    assert place.endswith(", solved on head.glb")
+    assert "common.yaml:" in place
+    told = str(
+        ll.resolve("english", "anna").perform(ll.Schedule(("AA", "D"), [0, 0.2, 0.4])).explain(0.2)
+    )
+    assert "solved on head.glb" in told
+
+
+def test_one_line_keeps_the_declared_targets(project):
+    declared = project("mouth: declared\n")
+    assert declared.solved is None
+    assert declared.face.targets == declared.poseset.model.targets
+
+
+def test_a_target_of_the_character_itself_stays(project):
+    packs = project("targets: {aa: {jawOpen: 0.9}}\n")
+    assert packs.face.targets["aa"][0].weights == {"jawOpen": 0.9}
+    assert packs.targets["aa"][1].endswith("anna.yaml:6:15")
+    assert packs.face.targets["eh"] == packs.solved.targets["eh"]
+
+
+def test_a_reach_of_the_character_replaces_that_of_the_set(project):
+    near, far = project(), project("reach: 1.5\n")
+    opened = [one.face.targets["aa"][0].weights["jawOpen"] for one in (near, far)]
+    assert opened[1] > 1.3 * opened[0]
+
+
+def test_the_model_of_a_pose_set_is_what_its_targets_were_made_for():
+    packs = PairPacks.open(LIBRARY, "english", "facefx")
+    assert packs.poseset.model.mouth == "solved"
+    assert packs.solved is None
+
+
+def test_a_changed_model_is_solved_again(project, tmp_path, monkeypatch):
+    monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path / "cache"))
+    project()
+    first, again = (ll.resolve("english", "anna").compiled for _ in range(2))
+    assert np.array_equal(first.tables.neutral.curves, again.tables.neutral.curves)
+    monkeypatch.setitem(face_models.OPENINGS, "jawOpen", 0.3)
+    face(tmp_path / "characters" / "head.glb", *ARKIT)
+    changed = ll.resolve("english", "anna").compiled
+    assert changed.tables.neutral.curves.max() > first.tables.neutral.curves.max()
+
+
+def test_every_sound_that_a_solved_set_targets_has_a_mouth_or_takes_its_neighbours():
+    without = {
+        name
+        for poseset in SOLVED
+        for name in LIBRARY.poseset(poseset).model.targets
+        if not SOUNDS[name].mouth
+    }
+    idle = {COMMON.silence, *(n for n, one in SOUNDS.items() if "neighbours" in one.title)}
+    assert without <= idle
