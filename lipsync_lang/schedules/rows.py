@@ -41,8 +41,8 @@ MAX_LABEL_CHARS = 40
 """Maximum characters of a label in a message."""
 
 PAUSE_LABEL = re.compile(
-    r"_:?|[#+]+|#h|h#|epi|\.?pau(se)?|(short|s)?sil([be]|ence)?|!sil|\.sil|sp|spn|nsn|oov|unk|&p:|sent-(start|end)"
-    r"|[be]_trans|\(sil\)|<[^>]*>|\[[^]]*]|\{[^}]+}",
+    r"_:?|[#+]+|#h|h#|epi|\.?pau(se)?|rest|(short|s)?sil([be]|ence)?|!sil|\.sil|sp|spn|nsn|oov|unk"
+    r"|&p:|sent-(start|end)|[be]_trans|\(sil\)|<[^>]*>|\[[^]]*]|\{[^}]+}",
     re.IGNORECASE,
 )
 """Usual labels of a pause. One without length is no sound that shares the time of a neighbour."""
