@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.base.errors import LipsyncError, PackError, did_you_mean
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
@@ -17,6 +17,7 @@ from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import among, fights
+from lipsync_lang.sound.speech import ENGINES
 from lipsync_lang.sound.speech.speaking.speaker import KnownReadings, Speaker
 from lipsync_lang.sound.speech.speaking.transcripts import Transcript
 from lipsync_lang.text.phonology.g2p.g2p_engines import Rule
@@ -39,6 +40,11 @@ class Trial:
 
     def faults(self, silence: str) -> Iterator[Fault]:
         """Yield a fault per failed test, with its location in the pack."""
+        tts = self.pack.model.tts
+        if tts is not None and tts.engine not in ENGINES:
+            hint = did_you_mean(tts.engine, ENGINES)
+            what = f"unknown speech engine '{tts.engine}'"
+            yield self.pack.fault(("tts", "engine"), "P115", what, hint)
         if self.refusal:
             what, hint = "its tests could not be run", self.refusal
             yield self.pack.warning(("tests",), "W310", what, hint, key=True)

@@ -23,6 +23,7 @@ def _add_validate(add: Add) -> None:
         made, "--no-tests",
         "skip the tests in language packs (built-in languages are tested only if named)",
     )  # fmt: skip
+    flag(made, "--strict", "fail with warnings, too")
     add_path(made)
     made.set_defaults(in_project=False)  # the project itself is validated
     add_json(made)
@@ -58,7 +59,7 @@ def validate(options: Namespace) -> int:
     real = sum(fault.severity == "fault" for fault in faults)
     warned = count(len(faults) - real, "warning")
     print(f"{count(real, 'fault')}, {warned}", file=sys.stderr)
-    return FAULTS if real else SOUND
+    return FAULTS if real or (options.strict and faults) else SOUND
 
 
 def _projects(paths: list[Path]) -> list[Path]:

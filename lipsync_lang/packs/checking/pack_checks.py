@@ -85,6 +85,11 @@ def check_language(language: Pack[Language], common: Phonemes) -> Iterator[Fault
         for label, sounds in labels.items():
             loc: Loc = ("notations", notation, label, "to")
             yield from _phonemes(language, loc, sounds.to, known, common)
+    for number, name in enumerate(model.stress_digits):
+        if name not in model.notations:
+            place = ("stress_digits", number)
+            yield language.unknown(place, "P217", "notation", name, model.notations)
+    yield from _similar_notations(language)
     for word, reading in model.words.items():
         loc = ("words", word, "phonemes")
         yield from _phonemes(language, loc, reading.phonemes, known, common)
@@ -135,6 +140,17 @@ def _engines(language: Pack[Language]) -> Iterator[Fault]:
                 yield language.fault(("audio", "phones", label), "P218", what, hint)
 
 
+def _similar_notations(language: Pack[Language]) -> Iterator[Fault]:
+    """Warn of notations that a child adds beside one of nearly the same name of its parent."""
+    own, *above = [source.data.get("notations") or {} for source in language.sources]
+    inherited = {name for one in above for name in one}
+    for name in own if isinstance(own, dict) else ():
+        near = did_you_mean(name, inherited) if name not in inherited else ""
+        if near.startswith("did"):
+            what = f"notation '{name}' is a new one beside those of the parent"
+            yield language.warning(("notations", name), "W321", what, near, key=True)
+
+
 def _acoustic_models(language: Pack[Language], audio: AudioFields) -> Iterator[Fault]:
     """Check that the models of `audio` lie in the folder of packs, or have a name alone."""
     engines = [("align", one) for one in audio.align] + [("recognise", audio.recognise or "")]
@@ -171,6 +187,7 @@ def check_poseset(
     for label in model.targets:
         yield from _phoneme(poseset, ("targets", label), label, phonemes, common, key=True)
     yield from _rules(poseset, model.checks, model, phonemes)
+    yield from _regions(poseset, ("softness",), model.softness, model)
     for number, region in enumerate(model.intensity.regions if model.intensity else ()):
         yield from _regions(poseset, ("intensity", "regions", number), [region], model, key=False)
     for name, style in model.styles.items():

@@ -400,7 +400,7 @@ class Language(PackModel):
     """The conversion of recordings to phonemes."""
     motion: Annotated[MotionFields, OrPreset] = MotionFields()
     """Differences from the pose set's motion; a preset's name alone is short for it."""
-    durations: dict[SoundClass, Positive] = Field(default={})
+    durations: dict[SoundClass, Annotated[float, Field(gt=0, le=5)]] = Field(default={})
     """Seconds by class, if no voice gives timings."""
     silence: tuple[str, ...] = ()
     """Labels of silence, beyond those of the common pack."""

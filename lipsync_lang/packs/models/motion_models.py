@@ -4,15 +4,18 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from lipsync_lang.packs.models.fields import NotNegative, Short, Strict, Text
+from lipsync_lang.packs.models.fields import Short, Strict
 from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.pipeline.motion import LEAST_SPEED
+
+UpToTen = Annotated[float, Field(ge=0, le=10)]
+"""Seconds; more are milliseconds by mistake."""
 
 
 class MotionFields(Strict):
     """Settings for joining, smoothing and limiting curves; unstated ones have their defaults."""
 
-    preset: Text | None = None
+    preset: Literal["default", "paper"] | None = None
     """A named set of values; the other fields override it."""
     stitch: Literal["max", "crossfade"] | None = None
     """The method of joining overlapping bigrams."""
@@ -20,13 +23,13 @@ class MotionFields(Strict):
     """The method of fitting a bigram to the times of its two phonemes."""
     smooth: Literal["closing", "chord", "none"] | None = None
     """The method of filling valleys between peaks."""
-    window: NotNegative | None = None
+    window: UpToTen | None = None
     """Width of a valley in seconds; narrower valleys are filled."""
     anticipate: Annotated[float, Field(ge=0, le=4)] | None = None
     """Factor for the `anticipate` of poses."""
     speed_limit: Annotated[float, Field(ge=LEAST_SPEED)] | None = None
     """Highest speed of a pose, in weight per second."""
-    silence_reach: NotNegative | None = None
+    silence_reach: UpToTen | None = None
     """Seconds at either end of a pause in which the mouth still moves."""
     ends: Literal["rest", "cut"] | None = None
     """`rest` puts silence before the first sound and after the last; `cut` does not."""
@@ -46,7 +49,7 @@ class MotionFields(Strict):
     """Factor for the effect of loudness, where there is sound."""
     reference_level: Annotated[float, Field(ge=-90, le=0)] | None = None
     """Level of ordinary speech in recordings, in dBFS."""
-    hold: NotNegative | None = None
+    hold: UpToTen | None = None
     """Least seconds of each pose, with one pose shown at a time; at 0 poses blend."""
 
 

@@ -1,0 +1,69 @@
+"""What a command refuses when it performs, `validate` refuses before."""
+
+import pytest
+
+from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.packs.models.motion_models import MotionFields
+from lipsync_lang.pipeline.motion import PRESETS, Motion
+from lipsync_lang.resolver.settings import RANGES, motion_with
+
+PACK = "kind: language\nformat: 1\nname: x\ntag: en-x-x\nextends: english\n"
+
+MISTAKES = {
+    "tts: {engine: espek}": ("6:15: P115", "did you mean 'espeak'?"),
+    "durations: {vowel: 110}": ("6:20: P104", "at most 5"),
+    "stress_digits: [arpa]": ("6:17: P217", "did you mean 'arpabet'?"),
+    "motion: {window: 80}": ("6:18: P104", "at most 10"),
+    "motion: {hold: 80}": ("6:16: P104", "at most 10"),
+    "motion: {preset: papr}": ("6:18: P107", "did you mean 'paper'?"),
+    "motion: papr": ("6:9: P107", "did you mean 'paper'?"),
+}
+
+
+@pytest.fixture
+def validate(cli, folder):
+    (folder / "languages").mkdir()
+
+    def checked(text, *more):
+        (folder / "languages" / "x.yaml").write_text(f"{PACK}{text}\n")
+        return cli("validate", "languages/x.yaml", *more)
+
+    return checked
+
+
+@pytest.mark.parametrize("text", MISTAKES)
+def test_a_mistake_that_a_run_would_refuse_or_ignore_is_a_fault(validate, text):
+    place, hint = MISTAKES[text]
+    ended = validate(text)
+    assert ended.code == 1
+    assert f"languages/x.yaml:{place} " in ended.out
+    assert hint in ended.out
+
+
+@pytest.mark.parametrize("name", ["IPA", "ipaa", "arpabett"])
+def test_a_notation_that_is_nearly_inherited_is_doubted(validate, name):
+    ended = validate(f"notations: {{{name}: {{a: aa}}}}")
+    assert (ended.code, "6:13: W321" in ended.out) == (0, True)
+    assert validate(f"notations: {{{name}: {{a: aa}}}}", "--strict").code == 1
+    assert validate("notations: {mine: {a: aa}}", "--strict").code == 0
+
+
+def test_a_region_of_softness_must_be_one_of_the_poses(cli, folder):
+    (folder / "posesets" / "q").mkdir(parents=True)
+    (folder / "posesets" / "q" / "poseset.yaml").write_text(
+        "kind: poseset\nformat: 1\nname: q\nposes: {a: {region: jaw}}\ntargets: {aa: {a: 1}}\n"
+        "softness: {jaw: 0.1, eyes: 0.1}\n"
+    )
+    assert "poseset.yaml:6:22: P230 unknown region 'eyes'" in cli("validate").out
+
+
+def test_the_ranges_of_packs_are_those_of_calls():
+    for name, (least, most) in RANGES.items():
+        beyond = [least - 1] + [most + 1] * (most < 1e5)
+        for value in beyond:
+            with pytest.raises(ValueError, match=name):
+                MotionFields(**{name: value})
+            with pytest.raises(LipsyncError, match=name):
+                motion_with(Motion(), {name: value})
+    for preset in PRESETS:
+        assert MotionFields(preset=preset).preset == preset
