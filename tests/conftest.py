@@ -1,11 +1,9 @@
 """Fixtures of all tests: folders, a separate cache, and the command line."""
 
 import gc
-import importlib
 import os
 import signal
 import sys
-from contextlib import suppress
 from pathlib import Path
 from random import randrange
 from tempfile import TemporaryDirectory
@@ -42,20 +40,6 @@ def pytest_configure(config):
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     seed = 0 if os.environ.get("CI") else randrange(10**6)  # noqa: S311 no secret
     os.environ.setdefault("LIPSYNC_LANG_FUZZ_SEED", str(seed))
-
-
-def pytest_collection(session):
-    """Let the second worker import the later half of all modules first.
-
-    In a fresh clone, it compiles them while the first worker compiles the earlier half.
-    """
-    config = session.config
-    second = getattr(config, "workerinput", {}).get("workerid") == "gw1"
-    if second and [Path(one).resolve() for one in config.args] == [TESTS]:
-        modules = sorted(TESTS.rglob("test_*.py"))
-        for path in modules[len(modules) // 2 :]:
-            with suppress(Exception, pytest.skip.Exception):  # the collection tells of them
-                importlib.import_module(path.stem)
 
 
 def pytest_collection_finish():
