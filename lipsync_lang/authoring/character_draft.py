@@ -238,7 +238,8 @@ def _lines(
     title = wanted.heading
     yield f"# {title}: the poses of {match.poseset} on {wanted.model.name}. See it speak:"
     yield f"#   {_running(wanted.name, wanted.model)}"
-    fields = {"title": as_scalar(title), "poseset": match.poseset, "rig": rig}
+    fields = {"title": as_scalar(title), "poseset": as_scalar(match.poseset)}
+    fields |= {} if rig is None else {"rig": as_scalar(rig)}
     has = f"[{', '.join(map(as_scalar, match.optional))}]" if match.optional else None
     yield from head("character", wanted.name, **fields, model=as_scalar(model), has=has)
     yield ""
@@ -313,7 +314,7 @@ def rig_lines(rig: RigPack, model: Model, match: Match, poseset: PoseSet) -> Ite
     yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
     yield "# A gain is shape weight per pose weight; a shape may have several, also negative ones."
     title, poses_of = as_scalar(rig.title), as_scalar(rig.poseset)
-    yield from head("rig", as_scalar(rig.name), title=title, poseset=poses_of)
+    yield from head("rig", rig.name, title=title, poseset=poses_of)
     yield "channels:"
     yield from (f"  {as_scalar(name)}: {_channel(one)}" for name, one in rig.channels.items())
     if rig.lost:

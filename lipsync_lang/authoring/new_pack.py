@@ -19,6 +19,7 @@ from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.base.files import write_all
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.finding import WHOLE_MODELS
+from lipsync_lang.packs.yaml.value_text import as_scalar
 
 WRAP_CHARS = 100
 """Maximum line width in characters for wrapped lists."""
@@ -39,7 +40,9 @@ class PackWish:
     @property
     def heading(self) -> str:
         """The title on one line; by default, the name in words."""
-        return " ".join((self.title or "").split()) or re.sub("[-_]", " ", self.name).title()
+        stated, name = " ".join((self.title or "").split()), re.sub("[-_]", " ", self.name).title()
+        # a title such as No or 007 may be read as something else
+        return stated or (name if as_scalar(name) == name else f"Pack {name}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +83,8 @@ def check_name(name: str, existing: Path | None = None) -> None:
 
 def head(kind: str, name: str, **fields: str | None) -> Iterator[str]:
     """Yield the first lines of a pack; fields are YAML, and None leaves one out."""
-    stated = {"kind": kind, "format": "1", "name": name, **fields}
+    # YAML would take a name such as 007 for a number, and "no" for false
+    stated = {"kind": kind, "format": "1", "name": as_scalar(name), **fields}
     yield from (f"{field}: {value}" for field, value in stated.items() if value is not None)
 
 

@@ -136,6 +136,17 @@ def test_heads_of_well_known_makers_get_their_sets(kind, tmp_path):
     assert not best.found.doubts
 
 
+@pytest.mark.parametrize("name", ["007", "no", "1e5"])
+def test_names_that_yaml_would_misread_are_quoted(cli, folder, name):
+    glb(folder / "x.glb", "MouthOpen", "LowerLipIn", "UpperLipIn", "TongueUp", "LowerLipOut")
+    assert cli("posesets", "new", name, "a", "b").code == 0
+    assert cli("characters", "new", name, "--model", "x.glb", "--poseset", "facefx").code == 0
+    (folder / "sounds.txt").write_text("p a t i k u\n")
+    assert cli("languages", "new", name, "--inventory", "sounds.txt", "--tag", "art-x-a").code == 0
+    ended = cli("validate", "--no-tests")
+    assert (ended.code, ended.out.count(" P")) == (0, 0), ended.out
+
+
 def test_a_set_that_suits_a_head_badly_is_doubted(cli, folder):
     glb(folder / "x.glb", "MouthOpen", "Smile", "Frown")
     err, _ = new(cli, "x", "--model", "x.glb", "--poseset", "crab")
