@@ -141,6 +141,8 @@ def timed_words_of(
 
 def _without_tags(words: list[LabelRow]) -> list[LabelRow]:
     """Return words without markup, which may be split at its spaces over several of them."""
+    if not words:
+        return []
     text = SPEECH_TAG.sub(
         lambda tag: "\n" * tag[0].count("\n") or " ", "\n".join(row.label for row in words)
     )

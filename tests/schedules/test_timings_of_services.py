@@ -84,6 +84,11 @@ def test_columns_of_unequal_length_are_refused(read):
         read(lists)
 
 
+def test_punctuation_alone_is_no_word(read):
+    with pytest.raises(ScheduleError, match="has no words"):
+        read({"words": [{"word": ".", "start_time": 0.1, "end_time": 0.2}]})
+
+
 JULIUS = """STAT: jconf successfully finalized
 {words}=== begin forced alignment ===
 -- phoneme alignment --

@@ -63,7 +63,7 @@ def read_stringsdict(source: LineFile) -> Iterator[Line]:
     try:
         # The reader of the standard library refuses entities.
         whole = plistlib.loads(file.text.encode(), fmt=plistlib.FMT_XML)
-    except (ExpatError, ValueError, plistlib.InvalidFileException, AttributeError) as error:
+    except (ExpatError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise source.fault(1, f"not a property list: {error}; export it again") from None
     if not isinstance(whole, dict):
         raise source.fault(1, "has no keys; check that it is a .stringsdict")

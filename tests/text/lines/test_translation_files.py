@@ -142,6 +142,8 @@ DEEP = MAX_ENTRY_DEPTH * 4
         ("a.ftl", "a = b\n\n= c\n", ":3: not Fluent: = c"),
         ("a.strings", '"a" = "b";\n\n"c" "d";\n', ':3: not a pair: "c" "d";'),
         ("a.stringsdict", "<plist><array/></plist>", ":1: has no keys"),
+        ("a.stringsdict", "<plist></dict></plist>", ":1: not a property list"),
+        ("a.stringsdict", "<plist><key>a</key></plist>", ":1: not a property list"),
     ],
 )
 def test_attacks_and_damage_are_refused_by_a_limit_or_at_a_place(read, name, text, message):
