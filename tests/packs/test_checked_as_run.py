@@ -1,5 +1,7 @@
 """What a command refuses when it performs, `validate` refuses before."""
 
+import re
+
 import pytest
 
 from lipsync_lang.base.errors import LipsyncError
@@ -38,6 +40,20 @@ def test_a_mistake_that_a_run_would_refuse_or_ignore_is_a_fault(validate, text):
     assert ended.code == 1
     assert f"languages/x.yaml:{place} " in ended.out
     assert hint in ended.out
+
+
+@pytest.mark.parametrize("label", ["{", "}", "[", "]", ",", "!", '"', "'", "{~", "!\\"])
+def test_a_label_that_begins_with_a_sign_of_yaml_is_to_be_quoted(validate, label):
+    ended = validate(f"notations:\n  sampa:\n    a: aa\n    {label}: ae\n    b: bmp")
+    assert "languages/x.yaml:9:5: P008" in ended.out
+    quoted = re.search(r"write it in quotes: `(.+): \.\.\.`", ended.out)[1]
+    assert validate(f"notations:\n  sampa:\n    a: aa\n    {quoted}: ae\n    b: bmp").code == 0
+
+
+def test_a_full_width_colon_is_named(validate):
+    ended = validate("notations:\n  sampa:\n    a：aa\n    b: bmp")
+    assert "8:6: P008 a full-width colon" in ended.out
+    assert "write `a: aa`" in ended.out
 
 
 @pytest.mark.parametrize("name", ["IPA", "ipaa", "arpabett"])

@@ -7,6 +7,7 @@ count from 0.
 
 import gc
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -139,6 +140,9 @@ def _scalar(text: str) -> Data:
 _WHOLE_QUOTES = re.compile(r"\"(?:\\.|[^\"\\])*\"|'(?:[^']|'')*'|(?<!\S)#.*")
 _OPEN_QUOTE = re.compile(r"(?:^|[\s:,\[{-])([\"'])")
 _KEY_LINE = re.compile(r"\s*(?:- )?[^\s#\"'\[{][^:#]*:(?:\s|$)")
+_SIGN_KEY = re.compile(r"(\s*)([{\[\]},!][^\w\s:,\"']{0,2}|[\"']):(?:\s|$)")
+"""A label of X-SAMPA as a key, such as ``{`` and ``!``, that begins with a sign of YAML."""
+
 _CURLY = re.compile("[“”„‘’‚]")
 _COLON = re.compile(r":(?=\s|$)")
 _CLOSING_BRACKETS = {"[": "]", "{": "}"}
@@ -168,7 +172,7 @@ def cause(  # noqa: PLR0911 one return for each cause
     line, column = place
     first = min(error.started or line, line)
     shown = lines[line - 1]
-    if found := _open_quote(lines, line):
+    if found := _sign_key(lines, (line, first)) or _open_quote(lines, line):
         return found
     for number in dict.fromkeys((line, first)):
         if curly := _CURLY.search(lines[number - 1]):
@@ -190,6 +194,17 @@ def cause(  # noqa: PLR0911 one return for each cause
     return _block(lines, line, column)
 
 
+def _sign_key(lines: list[str], numbers: Iterable[int]) -> Cause | None:
+    """Find a key that begins with a sign of YAML, in some lines."""
+    for number in numbers:
+        if found := _SIGN_KEY.match(lines[number - 1]):
+            label = found[2]
+            quoted = f'"{label}"' if "'" in label else f"'{label}'"
+            what = f"a key may not begin with '{label[0]}', a sign of YAML"
+            return Cause(number, found.end(1) + 1, what, f"write it in quotes: `{quoted}: ...`")
+    return None
+
+
 def _open_quote(lines: list[str], last: int) -> Cause | None:
     """Find a quote without an end in its line, before lines that look like keys."""
     for number, line in enumerate(lines[:last], 1):
@@ -208,6 +223,10 @@ def _colon(lines: list[str], number: int) -> Cause:
     if tight := re.match(r"\s*(?:- )?[^\s:]+:(?=\S)", line):
         what = "a space is missing after the colon"
         return Cause(number, tight.end(), what, f"write `{line[: tight.end()].strip()} ...`")
+    if "：" in key:
+        what = "a full-width colon is no colon in YAML"
+        mended = key.replace("：", ": ", 1)
+        return Cause(number, line.index("：") + 1, what, f"write `{mended}`")
     first, _, rest = key.partition(" ")
     mended = f"{first}: {rest}".rstrip()
     return Cause(number, column, f"'{first}' has no colon after it", f"write `{mended}`")
