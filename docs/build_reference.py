@@ -868,7 +868,10 @@ DOCUMENTED_SCRIPTS = (
     (
         "fluent",
         "messages, attributes, terms and selectors",
-        "[Fluent, syntax guide](https://projectfluent.org/fluent/guide/)",
+        (
+            "[Fluent, syntax guide](https://projectfluent.org/fluent/guide/); names of messages as "
+            "fluent.syntax 0.19 reads them"
+        ),
     ),
     (
         "renpy",
@@ -878,7 +881,7 @@ DOCUMENTED_SCRIPTS = (
     (
         "rpg-maker",
         "commands 101, 102, 105, 401 and 405 of events",
-        "files of MV and MZ as projects on GitHub have them",
+        "events of published games of MV",
     ),
     (
         "strings, stringsdict, xcstrings",

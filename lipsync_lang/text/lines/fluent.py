@@ -7,13 +7,15 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from lipsync_lang.text.lines.choices import chosen
 from lipsync_lang.text.lines.entries import ScriptEntry, entry_lines
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 
 FLUENT_START = re.compile(r"(-?[A-Za-z][\w-]*)\s*=\s*(.*)")
 FLUENT_ATTRIBUTE = re.compile(r"\s+\.([A-Za-z][\w-]*)\s*=\s*(.*)")
 FLUENT_COMMENT = re.compile(r"#{1,3}(?:\s(.*))?")
-FLUENT_TERM = re.compile(r"\{\s*(-[A-Za-z][\w-]*)\s*(?:\([^(){}]*\))?\s*\}")
+FLUENT_TERM = re.compile(r"\{\s*(-[A-Za-z][\w-]*)\s*(\([^(){}]*\))?\s*\}")
+FLUENT_ARGUMENT = re.compile(r"([\w-]+)\s*:\s*\"?([^\",()]*)\"?")
 CONTINUED = re.compile(r"[ \t]+\S|[ \t]*\}")
 MAX_TERM_DEPTH = 4
 """Maximum depth of terms within terms."""
@@ -70,9 +72,14 @@ def _messages(source: LineFile) -> Iterator[_Message]:
 
 
 def _with_terms(text: str, terms: dict[str, str]) -> str:
-    """Return a text with the terms that it names, without their selectors."""
+    """Return a text with the terms that it names, each in the form that its arguments select."""
+
+    def term(found: re.Match[str]) -> str:
+        arguments = dict(FLUENT_ARGUMENT.findall(found[2] or ""))
+        return chosen(terms.get(found[1], found[0]), arguments)
+
     for _ in range(MAX_TERM_DEPTH):
-        text, count = FLUENT_TERM.subn(lambda found: terms.get(found[1], found[0]), text)
+        text, count = FLUENT_TERM.subn(term, text)
         if not count:
             break
     return text

@@ -88,6 +88,35 @@ def test_each_form_of_a_message_is_a_line(read):
     assert read("a.arb", {"many": many}) == [("many", " ".join("Y" * 12))]
 
 
+TERMS = """-map = { $case ->
+   *[nominative] the map
+    [genitive] of the map
+}
+    .gender = neuter
+a = See { -map }, the end { -map(case: "genitive") }.
+    { -none }
+b =
+    { $n ->
+        [one] { -map }
+       *[other] { $n ->
+            [two] two maps
+           *[other] maps
+        }
+    }
+"""
+
+
+def test_terms_and_selectors_of_fluent(read):
+    assert read("a.ftl", TERMS) == [
+        ("a", "See the map, the end of the map."),
+        ("b-one", "the map"),
+        ("b-other-two", "two maps"),
+        ("b-other-other", "maps"),
+    ]
+    known = Cleaning({"n": "1"})
+    assert read("a.ftl", TERMS, cleaning=known)[1:] == [("b", "the map")]
+
+
 @pytest.mark.parametrize(
     ("name", "text"),
     [
