@@ -132,8 +132,9 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
     rig = match.rig if match.complete else wanted.name
     face = library.poseset(match.poseset).model
     # solved targets open each mouth as far as they should
-    dials = {} if match.rig or face.mouth == "solved" else _fitted(model, match, face)
-    text = pack_bytes(_lines(wanted, match, rig, stated, dials))
+    solved = face.mouth == "solved"
+    dials = {} if match.rig or solved else _fitted(model, match, face)
+    text = pack_bytes(_lines(wanted, match, rig, stated, dials, solved=solved))
     outputs: dict[Path, bytes | Path] = {path: text}
     summaries = {path: f"the poses of {match.poseset}" + (f", rig {rig}" if rig else "")}
     if not match.complete:
@@ -233,7 +234,13 @@ def _new_rig_path(library: Library, match: Match, name: str, folder: Path) -> Pa
 
 
 def _lines(
-    wanted: CharacterWish, match: Match, rig: str | None, model: str, dials: Mapping[str, float]
+    wanted: CharacterWish,
+    match: Match,
+    rig: str | None,
+    model: str,
+    dials: Mapping[str, float],
+    *,
+    solved: bool,
 ) -> Iterator[str]:
     title = wanted.heading
     yield f"# {title}: the poses of {match.poseset} on {wanted.model.name}. See it speak:"
@@ -245,6 +252,9 @@ def _lines(
     yield ""
     yield "# Optional settings of this character; it can also have bigrams, words and lines"
     yield "# motion: {speed_limit: 8}      # weight per second"
+    if solved:
+        yield "# reach: 1.4                   # how far its mouth moves: 1 is natural speech"
+        yield "# mouth: declared              # keep the targets of the pose set, whatever its shapes do"
     if dials:
         levels = ", ".join(f"{as_scalar(region)}: {level:g}" for region, level in dials.items())
         yield f"dials: {{{levels}}}          # measured: the mouth opens as {match.poseset} expects"

@@ -29,6 +29,7 @@ from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
     placed,
     recogniser,
 )
+from lipsync_lang.sound.speech.hearing.recognition import recognised
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import parts
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import listed
 from lipsync_lang.sound.speech.sound import INT16_FULL_SCALE, SPEECH_RATE, resampled
@@ -75,6 +76,7 @@ SETTINGS = {
     "beam_size": 5,
     "temperature": 0.0,  # the same words each time
     "condition_on_previous_text": False,  # so that a mistake does not spread
+    "no_repeat_ngram_size": 3,  # a word that is said many times would be said without end
     "word_timestamps": True,
     "vad_filter": True,
     "vad_parameters": {"threshold": VOICE_THRESHOLD},
@@ -255,18 +257,23 @@ class WhisperRecogniser:
         loaded = whisper_model(model)
         code = language_code(loaded, speaker.manner.audio.code, speaker.manner.language)
         heard = stretches(_words(loaded, audio, code), audio)
-        if not heard:
-            return Schedule(
-                (SILENCE,),
-                np.array([0.0, audio.seconds]),
-                language=speaker.manner.language,
-                audio=audio,
-                source="recording",
-                remarks=(heard_remark(""),),
-                recognised=True,
-                confidence=0.0,
-            )
-        return _laid(heard, audio, speaker)
+        return _laid(heard, audio, speaker) if heard else _wordless(audio, speaker)
+
+
+def _wordless(audio: Audio, speaker: "Speaker") -> Schedule:
+    """Follow the sound of a recording without words, or rest if that cannot be heard."""
+    try:
+        found = recognised(speaker, audio, recogniser="sound")
+    except SpeechError:
+        found = Schedule(
+            (SILENCE,),
+            np.array([0.0, audio.seconds]),
+            language=speaker.manner.language,
+            audio=audio,
+            source="recording",
+            recognised=True,
+        )
+    return replace(found, confidence=0.0, remarks=(heard_remark(""), *found.remarks))
 
 
 def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
