@@ -233,7 +233,7 @@ def _new_rig_path(library: Library, match: Match, name: str, folder: Path) -> Pa
     return path
 
 
-def _lines(
+def _lines(  # noqa: PLR0913 parts of the file
     wanted: CharacterWish,
     match: Match,
     rig: str | None,
@@ -254,7 +254,7 @@ def _lines(
     yield "# motion: {speed_limit: 8}      # weight per second"
     if solved:
         yield "# reach: 1.4                   # how far its mouth moves: 1 is natural speech"
-        yield "# mouth: declared              # keep the targets of the pose set, whatever its shapes do"
+        yield "# mouth: declared              # the targets of the pose set, whatever its shapes do"
     if dials:
         levels = ", ".join(f"{as_scalar(region)}: {level:g}" for region, level in dials.items())
         yield f"dials: {{{levels}}}          # measured: the mouth opens as {match.poseset} expects"
