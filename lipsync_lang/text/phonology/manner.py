@@ -81,6 +81,7 @@ class Manner:
         )
         settings["file"] = Path(settings["file"]) if settings["file"] else None
         settings["labels"] = tuple(settings["labels"])
+        settings["whole"] = tuple((word, say) for word, say in settings["whole"])
         audio = data["audio"]
         phones = {label: tuple(names) for label, names in audio["phones"].items()}
         return cls(
