@@ -6,6 +6,7 @@ NO_TARGET = {
     "plugins/capture/accept_fit.py": "packs, which are a target; opens a pair by its name",
     "plugins/capture/capture_reading.py": "plain text; timings are targets",
     "plugins/capture/fit_command.py": "writes",
+    "plugins/festival/festival_engine.py": "what a program of the user's has written",
     "plugins/heads/face_model.py": "a licence in a mesh, whose lines have tests of their own",
     "plugins/heads/obj_files.py": "numbers by lines; damaged ones have tests of their own",
     "plugins/htk/htk_files.py": "an acoustic model, which the user names",
@@ -18,6 +19,7 @@ NO_TARGET = {
     "plugins/study/study_clips.py": "clips of our own, and models, which are a target",
     "plugins/study/study_maker.py": "clips of our own",
     "plugins/study/study_page.py": "scripts of our own",
+    "plugins/whisper/whisper_recogniser.py": "a model, which the user names",
 }
 """Modules that open files without a target, with the reason."""
 
