@@ -246,7 +246,7 @@ def test_a_lexicon_reads_compounds_falls_back_on_rules_and_names_the_rest(tmp_pa
 
 def test_every_engine_and_respeller_is_where_it_is_said_to_be():
     for known in (G2P_ENGINES, RESPELLERS):
-        assert set(known.modules) == set(known.built_in())
+        assert set(known.modules) <= set(known.built_in())
 
 
 def test_unknown_engines_are_messages():
