@@ -38,7 +38,7 @@ DIGEST = 32
 ALIGNMENT = 64
 """Alignment of arrays in the file, in bytes."""
 
-COMPILERS = ("packs", "pipeline", "resolver", "text/phonology")
+COMPILERS = ("faces/rigs", "packs", "pipeline", "resolver", "text/phonology")
 """Folders of the compiling code. A change below them invalidates every file."""
 
 BANK_ARRAYS = {
