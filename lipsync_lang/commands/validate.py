@@ -3,12 +3,16 @@
 import sys
 from argparse import Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import count
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path, flag
 from lipsync_lang.packs.project import FILE, find_project
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.yaml.faults import Fault
 
 
 @command("validate")
@@ -18,7 +22,8 @@ def _add_validate(add: Add) -> None:
         "list every fault of every pack found, or of the files given",
         "validate languages/finnish.yaml",
     )
-    made.add_argument("paths", metavar="PATH", type=Path, nargs="*", help="a file or a folder")
+    told = "a pack or a folder; timings or a script, on which the project's formats are tried"
+    made.add_argument("paths", metavar="PATH", type=Path, nargs="*", help=told)
     flag(
         made, "--no-tests",
         "skip the tests in language packs (built-in languages are tested only if named)",
@@ -31,26 +36,14 @@ def _add_validate(add: Add) -> None:
 
 def validate(options: Namespace) -> int:
     """Print every fault; warnings alone leave the packs sound."""
-    from lipsync_lang.authoring.trial import doubts, languages_in, try_out
-    from lipsync_lang.packs.checking.validate import validate as find_faults
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.yaml.faults import shown
-    from lipsync_lang.production.builds.project_build import planning_faults
+    from lipsync_lang.packs.finding import PACK_SUFFIXES
+    from lipsync_lang.production.builds.project_build import file_faults
 
-    library = Library(options.path)
-    faults = find_faults(library, options.paths or None)
-    if not options.no_tests:
-        silence, found = library.common().model.silence, set(faults)
-        for pack in languages_in(library, options.paths):
-            with working(f"trying {pack.model.name}"):
-                found.update(try_out(library, pack).faults(silence), doubts(library, pack))
-        faults = sorted(found)
-    for project in _projects(options.paths):
-        # A faulty project cannot be planned, and would report the same faults again.
-        if not any(fault.file == shown(project) and fault.severity == "fault" for fault in faults):
-            with working("reading the script"):
-                # A set, because planning finds some faults of the project's file again.
-                faults = sorted({*faults, *planning_faults(project, options.path)})
+    files = [one for one in options.paths if one.is_file() and one.suffix not in PACK_SUFFIXES]
+    packs = [one for one in options.paths if one not in files]
+    faults = file_faults(files) if files else []
+    if packs or not files:
+        faults = sorted({*faults, *_pack_faults(options, packs)})
     if options.json:
         print(as_json([fault.to_dict() for fault in faults]))
     else:
@@ -60,6 +53,31 @@ def validate(options: Namespace) -> int:
     warned = count(len(faults) - real, "warning")
     print(f"{count(real, 'fault')}, {warned}", file=sys.stderr)
     return FAULTS if real or (options.strict and faults) else SOUND
+
+
+def _pack_faults(options: Namespace, paths: list[Path]) -> "list[Fault]":
+    """Return the faults of packs, of the tests in them, and of projects."""
+    from lipsync_lang.authoring.trial import doubts, languages_in, try_out
+    from lipsync_lang.packs.checking.validate import validate as find_faults
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.yaml.faults import shown
+    from lipsync_lang.production.builds.project_build import planning_faults
+
+    library = Library(options.path)
+    faults = find_faults(library, paths or None)
+    if not options.no_tests:
+        silence, found = library.common().model.silence, set(faults)
+        for pack in languages_in(library, paths):
+            with working(f"trying {pack.model.name}"):
+                found.update(try_out(library, pack).faults(silence), doubts(library, pack))
+        faults = sorted(found)
+    for project in _projects(paths):
+        # A faulty project cannot be planned, and would report the same faults again.
+        if not any(fault.file == shown(project) and fault.severity == "fault" for fault in faults):
+            with working("reading the script"):
+                # A set, because planning finds some faults of the project's file again.
+                faults = sorted({*faults, *planning_faults(project, options.path)})
+    return faults
 
 
 def _projects(paths: list[Path]) -> list[Path]:

@@ -15,7 +15,7 @@ from itertools import islice
 from typing import Any
 from unicodedata import category
 
-from lipsync_lang.base.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError, shortlist
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules.rows import (
     LabelRow,
@@ -111,8 +111,9 @@ class RecordFormat:
             for one in (self.phonemes, self.words)
         )
         if not phones and not words:
-            paths = " or ".join(f"`{one.records}`" for one in self.lists() if one.records)
-            where = f" at {paths}" if paths else ""
+            stated = [one.records for one in self.lists() if one.records]
+            paths = " or ".join(f"`{one}`" for one in stated)
+            where = f" at {paths}{_path_end(source, stated)}" if paths else ""
             raise source.fault(f"has no records of {self.name}{where}; {_mend(self.form)}")
         words = [row for row in words if any(map(str.isalnum, row.label))]
         if not phones:
@@ -172,6 +173,20 @@ def records_at(
 
 def _mend(form: str | None) -> str:
     return f"the form is {form}" if form else "check the file, and the path of its format"
+
+
+def _path_end(source: TimingFile, stated: list[str]) -> str:
+    """Return which field of the first path is missing in the first object, in words."""
+    found = first_item([value for _, value in source.events[:1]])
+    for name in stated[0].split("|")[0].strip().split("."):
+        if not isinstance(found, dict):
+            break
+        own = name.removesuffix(FIRST_ONLY)
+        if own not in found:
+            return f": there is no `{own}` among {shortlist(found, SNIFFED_RECORDS) or 'nothing'}"
+        found = found[own]
+        found = first_item(found) if isinstance(found, list) else found
+    return ""
 
 
 def _records(

@@ -159,3 +159,39 @@ def test_workers_know_the_formats_of_the_project(tmp_path):
     sent = pickle.loads(pickle.dumps(maker))  # noqa: S301 our own
     sent(LineBatch("none", (), ()), {})
     assert "our-service" in TIMING_READERS
+
+
+def test_validate_tries_the_formats_on_a_file_and_says_where_they_end(cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lipsync.yaml").write_text(PROJECT)
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps({"result": [{**PHONES, **WORDS}]}))
+    assert cli("validate", "a.json").code == 0
+    path.write_text(json.dumps({"result": [{"said": [], "sounds": []}]}))
+    ended = cli("validate", "a.json")
+    assert ended.code == 1
+    assert "lipsync.yaml:4:3: P409 does not fit a.json: has no records of our-service" in ended.out
+    assert "there is no `phones` among said, sounds" in ended.out
+    path.write_text(json.dumps({"result": {"phones": [phone("M", 0, 90), {"symbol": "P"}]}}))
+    assert "does not fit a.json: record 2 has no 'from'" in cli("validate", "a.json").out
+
+
+def test_validate_tries_the_formats_on_the_timings_of_lines(cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rows = "lines: script.csv\nlanguages: [english]\ncharacter: facefx\noutputs: 'out/{id}.csv'\n"
+    (tmp_path / "lipsync.yaml").write_text(f"{PROJECT}{rows}timings: '{{id}}.json'\n")
+    (tmp_path / "script.csv").write_text("id,text\na,Ma.\nb,Pa.\n")
+    (tmp_path / "a.json").write_text(json.dumps({"result": [{**PHONES, **WORDS}]}))
+    (tmp_path / "b.json").write_text(json.dumps({"result": [{"phones": [phone("M", "x", 90)]}]}))
+    (fault,) = cli("validate", "--no-tests").out.strip().splitlines()
+    assert fault.startswith("lipsync.yaml:4:3: P409 does not fit ")
+    assert "b.json: 'x' is not a time" in fault
+
+
+def test_a_file_needs_formats_to_be_tried(cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.json").write_text("{}")
+    assert "a.json: no pack, and the project here has no" in cli("validate", "a.json").err
+    (tmp_path / "a.bin").write_text("x")
+    (tmp_path / "lipsync.yaml").write_text(PROJECT)
+    assert "a.bin: no pack, and the project here has no" in cli("validate", "a.bin").err

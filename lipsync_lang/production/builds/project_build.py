@@ -46,7 +46,9 @@ from lipsync_lang.production.builds.script_faults import PlanningError, ScriptFa
 from lipsync_lang.production.builds.script_files import PlanRemark
 from lipsync_lang.production.builds.timing import TIMERS
 from lipsync_lang.production.builds.timing_formats import (
+    check_files,
     check_timing_formats,
+    formats_for,
     open_project,
     timing_formats,
 )
@@ -325,14 +327,16 @@ def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
         found.extend([remark] if isinstance(remark, Fault) else [])
 
     try:
-        unsound = ProjectBuild.open(file, paths=paths, remark=keep).unsound
+        build = ProjectBuild.open(file, paths=paths, remark=keep)
     except PlanningError as error:
         told = [pack.fault(("lines",), "P407", one) for one in error.told]
         found += [*error.stated, *told]
         # A project without a script serves commands of single lines.
         return found if pack.model.lines else [one for one in found if one.code == "P404"]
     reasons: dict[str, list[str]] = {}
-    for (language, character), why in unsound.items():
+    timed = sorted({line.timings for line in build.lines if line.timings})
+    found += check_files(pack, timed)
+    for (language, character), why in build.unsound.items():
         if isinstance(why, PackFaults):
             found += why.faults
         else:
@@ -341,6 +345,19 @@ def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
         what = f"cannot perform {shortlist(pairs, SHOWN_CHARACTERS)}: {reason}"
         found.append(pack.fault(("languages",), "P408", what))
     return found
+
+
+def file_faults(files: Iterable[Path]) -> list[Fault]:
+    """Return where formats of this folder's project do not fit files; LipsyncError without any."""
+    project = find_project()
+    pack = None if project is None else open_project(project)
+    for path in files:
+        if pack is None or not formats_for(pack.model, path):
+            raise LipsyncError(
+                f"{path}: no pack, and the project here has no `timing_formats` or "
+                "`script_formats` for it; check the path, or state a format"
+            )
+    return [] if pack is None else [*check_files(pack, files)]
 
 
 def adapted_pair(

@@ -1,9 +1,10 @@
 """Formats of timings and scripts that a project states: known until another is opened."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE, load_project
@@ -89,3 +90,47 @@ def check_timing_formats(pack: Pack[Project]) -> Iterator[Fault]:
         for name in sorted(getattr(pack.model, kind).keys() & known.beside(FILE)):
             what = f"there is a format '{name}' already"
             yield pack.fault((kind, name), "P106", what, "choose another name", key=True)
+
+
+def formats_for(project: Project, path: Path) -> list[tuple[str, str]]:
+    """Return (field, name) of the formats of a project with the suffix of a file."""
+    scripts = project.script_formats.items()
+    suffixes = {("script_formats", name): (one.suffix,) for name, one in scripts}
+    for name in project.timing_formats:
+        suffixes["timing_formats", name] = (".json", ".jsonl")
+    return [one for one, ends in suffixes.items() if path.name.lower().endswith(ends)]
+
+
+def check_files(pack: Pack[Project], files: Iterable[Path]) -> Iterator[Fault]:
+    """Yield where a file with a suffix of the open project's formats fits none of them."""
+    for path in files:
+        told: list[Fault] = []
+        for kind, name in formats_for(pack.model, path):
+            try:
+                _try(kind, name, path)
+                break
+            except LipsyncError as error:
+                what = f"does not fit {error}"
+                told.append(pack.fault((kind, name), "P409", what, key=True))
+        else:
+            yield from told
+
+
+def _try(kind: str, name: str, path: Path) -> None:
+    """Read a file in a format of the project; timings may be in any other, too."""
+    from lipsync_lang.schedules.timing_file import TimingFile
+    from lipsync_lang.schedules.timing_readers import read_timings
+    from lipsync_lang.text.lines import read_lines
+    from lipsync_lang.text.lines.json_scripts import JSON_SCRIPTS
+
+    if kind == "script_formats":
+        _ = [*read_lines(path, remark=lambda _: None)]
+        own, file = JSON_SCRIPTS.get(name), TimingFile.of(path)
+        if own is not None and not own.fits(file.document):  # another format has read it
+            raise own.misfit(file)
+        return
+    try:
+        read_timings(path)
+    except LipsyncError:
+        read_timings(path, read_as=name)
+        raise

@@ -7,6 +7,7 @@ entries left out; else they are the originals. A note may name the speaker, as i
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from lipsync_lang.base.errors import count
 from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
 from lipsync_lang.text.lines.choices import every_form
 from lipsync_lang.text.lines.gettext import MAX_COMMENT_CHARS, speaker_pattern
@@ -47,7 +48,8 @@ def entry_lines(source: LineFile, entries: Iterable[ScriptEntry]) -> Iterator[Li
             name = f"{one.name}-{form}" if one.name and form else one.name
             yield source.line(one.number, said, name=name, speaker=speaker, original=one.original)
     if left:
-        source.remark(f"{source.path}: left out {left} entries that are empty or not translated")
+        what = count(left, "empty or untranslated entry", "empty or untranslated entries")
+        source.remark(f"{source.path}: left out {what}")
 
 
 def whole_file(source: LineFile) -> TimingFile:

@@ -9,6 +9,7 @@ does. Objects whose keys are languages lead to the language that is read.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules.records import field_at
 from lipsync_lang.schedules.timing_file import TimingFile
@@ -85,6 +86,8 @@ class JsonScript:
         """Yield the lines of a file, in the format that its content tells for plain `.json`."""
         file = whole_file(source)
         if source.path.suffix.lower() != JSON_SUFFIX:
+            if self.anywhere and not self.fits(file.json):
+                raise self.misfit(file)
             return entry_lines(source, self.entries(source, file))
         document = file.document
         fitting = (one for one in JSON_SCRIPTS.values() if JSON_SUFFIX in one.suffixes)
@@ -92,7 +95,15 @@ class JsonScript:
         for one in sorted(fitting, key=lambda one: (not one.anywhere, not one.text)):
             if document is not None and one.fits(document):
                 return entry_lines(source, one.entries(source, file))
+        own = next((one for one in JSON_SCRIPTS.values() if one.anywhere), None)
+        if own is not None and document is not None and JSON_SUFFIX in own.suffixes:
+            raise own.misfit(file)
         return iter(LINE_READERS[SCHEDULE_FORMAT].read(source))
+
+    def misfit(self, file: TimingFile) -> ScheduleError:
+        """Return an error that a file has no entry."""
+        what = f"has no object with a text at `{self.text}`, so it is not {self.name}"
+        return file.fault(f"{what}; check the file, and the paths of its format")
 
 
 JSON_SCRIPTS: dict[str, JsonScript] = {}

@@ -15,7 +15,7 @@ from functools import cache, partial
 from typing import Any
 from xml.parsers import expat
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError, ScheduleError
 from lipsync_lang.text.lines.columns import language_column
 from lipsync_lang.text.lines.entries import MAX_ENTRY_DEPTH, ScriptEntry, entry_lines, whole_file
 from lipsync_lang.text.lines.line_readers import LINE_READERS, Line, LineFile, LineReader
@@ -187,6 +187,12 @@ class _Parsing:
         except expat.ExpatError as error:
             what = f"not XML: {expat.ErrorString(error.code)}; correct the file, or export it again"
             raise self.source.fault(error.lineno, what) from None
+        if not self.found:
+            names = " or ".join(f"<{name}>" for name in self.script.entries.split("|"))
+            raise ScheduleError(
+                f"{self.source.path}: has no {names}, so it is not {self.script.name}; check the "
+                "file, or the names of its format"
+            )
         own = [one for language, one in self.found if self.is_asked(language)]
         yield from own or (one for _, one in self.found)
 

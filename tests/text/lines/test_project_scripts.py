@@ -83,3 +83,21 @@ def test_formats_lists_them_and_faults_have_their_places(state, cli, tmp_path, m
     assert "lipsync.yaml:19:3: P106 there is a format 'xliff' already" in cli("validate").out
     (tmp_path / "lipsync.yaml").write_text(PROJECT + "  b: {suffix: .y, entries: a, text: b}\n")
     assert "lipsync.yaml:19:28: P115 `entries` of XML need an `id`" in cli("validate").out
+
+
+def test_validate_says_which_path_finds_nothing_in_a_file(state, cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    state()
+    (tmp_path / "a.json").write_text(JSON)
+    (tmp_path / "a.scene").write_text(XML)
+    assert cli("validate", "a.json", "a.scene").code == 0
+    (tmp_path / "a.json").write_text(JSON.replace('"say"', '"said"'))
+    (tmp_path / "a.scene").write_text("<scene><line/></scene>")
+    told = cli("validate", "a.json", "a.scene").out.splitlines()
+    assert [one.partition("; ")[0].partition(": P409 does not fit ")[::2] for one in told] == [
+        (
+            "lipsync.yaml:4:3",
+            "a.json: has no object with a text at `line.say`, so it is not talk",
+        ),
+        ("lipsync.yaml:12:3", "a.scene: has no <say> or <shout>, so it is not scene"),
+    ]

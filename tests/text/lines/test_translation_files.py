@@ -47,7 +47,7 @@ def test_a_file_without_translations_gives_its_originals(read):
     remarks = []
     whole = xliff("<target>Geh.</target>", "", '<target state="new">Go 2.</target>')
     assert read("a.xlf", whole, remark=remarks.append) == [("0", "Geh.")]
-    assert "left out 2 entries that are empty or not translated" in remarks[0]
+    assert "left out 2 empty or untranslated entries" in remarks[0]
     assert read("a.xlf", xliff("", "")) == [("0", "Go 0."), ("1", "Go 1.")]
 
 
