@@ -3,14 +3,15 @@
 A path such as ``NBest[0].Words`` names fields from the outermost object on. A list on the way
 stands for all its objects, with ``[0]`` for its first alone. Without a path, the outermost objects
 are the records. Several paths have a bar between them, and the first that leads to records counts.
-A field of a record may be a path, too.
+A field of a record may be a path, or several, too.
 
 A format that differs from others by path and names alone is a `RecordFormat`: a row of
 `readers/record_formats.py`, or of a project.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 from unicodedata import category
@@ -25,6 +26,7 @@ from lipsync_lang.schedules.rows import (
     shapes_of,
     until_next,
 )
+from lipsync_lang.schedules.tiers import read_speakers
 from lipsync_lang.schedules.timed_words import timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile, first_item
 from lipsync_lang.schedules.timing_readers import ScheduleReader, Timings
@@ -58,6 +60,8 @@ class RecordList:
     """True if records without times, such as punctuation, are left out."""
     from_zero: bool = False
     """True if a record without a start begins at 0."""
+    speaker: str | None = None
+    """Field with the speaker of words, in a record or in an object around it."""
     columns: bool = False
     """True if the fields are lists of one length, with an item for each record."""
 
@@ -116,6 +120,10 @@ class RecordFormat:
             where = f" at {paths}{_path_end(source, stated)}" if paths else ""
             raise source.fault(f"has no records of {self.name}{where}; {_mend(self.form)}")
         words = [row for row in words if any(map(str.isalnum, row.label))]
+        if self.words is not None and self.words.speaker and not phones:
+            speakers = _speakers(_rows(source, self.words, self.form))
+            if any(speakers) or source.tier is not None:
+                return read_speakers(replace(source, rate=source.rate or rate), speakers, remarks)
         if not phones:
             return timed_words_of(source, words, rate=rate, remarks=remarks)
         if self.characters:
@@ -130,13 +138,14 @@ class RecordFormat:
 
     def reader(self) -> ScheduleReader:
         """Return the reader of the format."""
-        return ScheduleReader(self.name, self.suffixes, self.title, self.sniff, self.read)
+        tiers = any(one.speaker for one in self.lists())
+        return ScheduleReader(self.name, self.suffixes, self.title, self.sniff, self.read, tiers)
 
     def _rows(
         self, source: TimingFile, given: RecordList, rate: float, remarks: list[str]
     ) -> list[LabelRow]:
         """Return the rows of records, in the file's unit; services repeat some as they are."""
-        rows = list(dict.fromkeys(_rows(source, given, self.form)))
+        rows = list(dict.fromkeys(row for _, row in _rows(source, given, self.form)))
         if given.end or given.duration:
             return rows
         starts: list[Start] = [(row.label, row.start, row.line) for row in rows]
@@ -154,10 +163,19 @@ def record_format(name: str, row: Mapping[str, Any]) -> RecordFormat:
     return RecordFormat(name, **facts)
 
 
-def records_at(
-    source: TimingFile, whole: object, path: str, form: str | None, line: int | None = None
+def records_at(  # noqa: PLR0913 a path and its place
+    source: TimingFile,
+    whole: object,
+    path: str,
+    form: str | None,
+    line: int | None = None,
+    *,
+    inherited: str | None = None,
 ) -> Iterator[Json]:
-    """Yield the objects at a path; none where a field is missing."""
+    """Yield the objects at a path; none where a field is missing.
+
+    A field that is `inherited` comes from an object around those that lack it.
+    """
     name, _, rest = path.partition(".")
     first = name.endswith(FIRST_ONLY)
     name = name.removesuffix(FIRST_ONLY)
@@ -165,10 +183,11 @@ def records_at(
     found = [] if found is None else [found] if isinstance(found, dict) else found
     parts = source.object_list(found, f"`{name}` must be a list of objects; {_mend(form)}", line)
     for part in parts[:1] if first else parts:
+        inner = {inherited: whole[inherited], **part} if inherited in whole else part
         if rest:
-            yield from records_at(source, part, rest, form, line)
+            yield from records_at(source, inner, rest, form, line, inherited=inherited)
         else:
-            yield part
+            yield inner
 
 
 def _mend(form: str | None) -> str:
@@ -194,7 +213,7 @@ def _records(
 ) -> Iterator[tuple[int | None, Json]]:
     """Yield (line, record) of the first path that has records, in the first `events`."""
     for path in given.records.split("|"):
-        found = _at_path(source, path.strip(), form, events)
+        found = _at_path(source, path.strip(), form, events, given.speaker)
         if first := next(found, None):
             yield first
             yield from found
@@ -202,12 +221,12 @@ def _records(
 
 
 def _at_path(
-    source: TimingFile, given: str, form: str | None, events: int | None
+    source: TimingFile, given: str, form: str | None, events: int | None, inherited: str | None
 ) -> Iterator[tuple[int | None, Json]]:
     for line, value in source.events[:events]:
         # A list of one field lets the outermost objects pass the same check as all others.
         whole, path = (value, given) if given else ({"records": value}, "records")
-        for record in records_at(source, whole, path, form, line):
+        for record in records_at(source, whole, path, form, line, inherited=inherited):
             yield line, record
 
 
@@ -222,17 +241,20 @@ def _fits(source: TimingFile, given: RecordList) -> bool:
     return any(all(field_at(one, name) is not None for name in needed) for _, one in first)
 
 
-def field_at(record: Json, path: str) -> object:
-    """Return what a record has at a path; None where something is missing."""
+def field_at(record: Json, paths: str) -> object:
+    """Return what a record has at the first of the paths; None where something is missing."""
+    path, _, others = paths.partition("|")
     found: object = record
     for name in path.split("."):
         found = found.get(name.removesuffix(FIRST_ONLY)) if isinstance(found, dict) else None
         found = first_item(found) if name.endswith(FIRST_ONLY) else found
-    return found
+    return field_at(record, others) if found is None and others else found
 
 
-def _rows(source: TimingFile, given: RecordList, form: str | None) -> Iterator[LabelRow]:
-    """Yield the rows of records, in the file's unit; faults count the records from 1."""
+def _rows(
+    source: TimingFile, given: RecordList, form: str | None
+) -> Iterator[tuple[str, LabelRow]]:
+    """Yield (speaker, row) of records, in the file's unit; faults count the records from 1."""
     end = 0.0
     names = [given.text, *given.times]
     for number, (line, record) in enumerate(_records(source, given, form), 1):
@@ -241,9 +263,8 @@ def _rows(source: TimingFile, given: RecordList, form: str | None) -> Iterator[L
                 record.get(name) if given.text in record else [] for name in names
             ]
             example = form or f"lists of {', '.join(names)}"
-            yield from listed_rows(
-                source, *lists, form=example, line=line, durations=given.end is None
-            )
+            rows = listed_rows(source, *lists, form=example, line=line, durations=given.end is None)
+            yield from (("", row) for row in rows)
             continue
         found = {name: field_at(record, name) for name in names}
         if given.from_zero and given.start and found[given.start] is None:
@@ -252,16 +273,35 @@ def _rows(source: TimingFile, given: RecordList, form: str | None) -> Iterator[L
             continue
         for name, value in found.items():
             if value is None and not (given.unnamed and name == given.text):
-                raise source.fault(f"record {number} has no '{name}'", line)
+                what = name.replace("|", "' or '")
+                raise source.fault(f"record {number} has no '{what}'", line)
         start = end if given.start is None else _time(source, found[given.start], line)
         stop = found.get(str(given.end or given.duration), start)
         end = _time(source, stop, line) + (start if given.duration else 0.0)
         text = found[given.text]
-        yield LabelRow("" if text is None else str(text), start, end, line)
+        speaker = None if given.speaker is None else field_at(record, given.speaker)
+        row = LabelRow("" if text is None else str(text), start, end, line)
+        yield "" if speaker is None else str(speaker), row
+
+
+def _speakers(rows: Iterable[tuple[str, LabelRow]]) -> dict[str, list[LabelRow]]:
+    """Return the words of each speaker; those that are repeated with a speaker count once."""
+    said: dict[str, list[LabelRow]] = defaultdict(list)
+    for speaker, row in dict.fromkeys(rows):
+        if any(map(str.isalnum, row.label)):
+            said[speaker].append(row)
+    named = {row for speaker, own in said.items() if speaker for row in own}
+    nobody = [row for row in said.pop("", []) if row not in named]
+    return {**said, **({"": nobody} if nobody else {})}
 
 
 def _time(source: TimingFile, value: object, line: int | None) -> float:
-    """Return a time; some services write the unit after seconds: `"1.300s"`."""
+    """Return a time: a number, seconds with their unit (`"1.300s"`), or with nanoseconds apart."""
+    if isinstance(value, dict) and value.keys() <= {"seconds", "nanos"}:
+        seconds, nanos = (
+            source.number(value.get(name) or 0, line) for name in ("seconds", "nanos")
+        )
+        return seconds + nanos / 1e9
     return source.number(value.removesuffix("s") if isinstance(value, str) else value, line)
 
 

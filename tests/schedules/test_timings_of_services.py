@@ -38,6 +38,54 @@ def test_words_that_google_repeats_with_their_speakers_are_read_once(read):
     assert words_of(read({"response": {"results": results}})) == expected
 
 
+@pytest.mark.parametrize("names", [("start_time", "end_time"), ("start_offset", "end_offset")])
+def test_names_and_durations_of_googles_libraries(read, names):
+    times = [({"seconds": 0, "nanos": 100_000_000}, "0.300s"), ("0.300s", {"seconds": "1"})]
+    words = [{"word": "ma", **dict(zip(names, one, strict=True))} for one in times]
+    del words[0][names[0]]
+    timed = read({"results": [{"alternatives": [{"words": words}]}]})
+    assert words_of(timed) == [("ma", 0, 0.3), ("ma", 0.3, 1)]
+    words[1][names[1]] = {"minutes": 1}
+    with pytest.raises(ScheduleError, match="dict is not a time"):
+        read({"results": [{"alternatives": [{"words": words}]}]})
+
+
+def spoken_by(**fields):
+    return {"text": "ma", "word": "ma", "content": "ma", "value": "ma", **fields}
+
+
+SPEAKERS = {
+    "deepgram": lambda one, two: {
+        "results": {"channels": [{"alternatives": [{"words": [
+            spoken_by(start=0.1, end=0.2, speaker=one), spoken_by(start=0.3, end=0.4, speaker=two),
+        ]}]}]}
+    },
+    "rev": lambda one, two: {
+        "monologues": [
+            {"speaker": who, "elements": [spoken_by(ts=at, end_ts=at + 0.1)]}
+            for who, at in ((one, 0.1), (two, 0.3))
+        ]
+    },
+    "speechmatics": lambda one, two: {
+        "results": [
+            {"start_time": at, "end_time": at + 0.1, "alternatives": [spoken_by(speaker=who)]}
+            for who, at in ((one, 0.1), (two, 0.3))
+        ]
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("service", SPEAKERS)
+def test_a_file_with_several_speakers_needs_one_named(read, service):
+    one, two = ("S1", "S2") if service == "speechmatics" else (0, 1)
+    with pytest.raises(ScheduleError, match=rf"2 tiers hold words: '{one} - words', '{two} - "):
+        read(SPEAKERS[service](one, two))
+    assert words_of(read(SPEAKERS[service](one, two), tier=str(two)))[0][1] == 0.3
+    assert len(words_of(read(SPEAKERS[service](one, one)))) == 2
+    with pytest.raises(ScheduleError, match="no tier is named"):
+        read(SPEAKERS[service](one, two), tier="Bo")
+
+
 def test_boundaries_of_edge_tts_stand_on_a_line_each(read):
     rows = [
         {"type": "WordBoundary", "offset": 1_000_000.0, "duration": 3_750_000.0, "text": "Old"},

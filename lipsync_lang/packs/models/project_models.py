@@ -136,7 +136,7 @@ class TimingRecords(Strict):
     counts. By default the outermost objects."""
     text: Text
     """Field with the label of a phoneme, or with a word; or its path, as in
-    `alternatives[0].content`."""
+    `alternatives[0].content`. Several have `|` between them, here and below."""
     start: Text
     """Field with the start."""
     end: Text | None = None
@@ -147,6 +147,8 @@ class TimingRecords(Strict):
     """True if a record without a text is silence."""
     untimed: bool = False
     """True if records without times, such as punctuation, are left out."""
+    speaker: Text | None = None
+    """Field with the speaker of words, in a record or in an object around it; `tier` names one."""
     columns: bool = False
     """True if the path leads to objects whose fields are lists of one length, with an item for each
     record."""

@@ -9,7 +9,12 @@ RECORD_FORMATS = (
         "Words that Amazon Transcribe has recognised.",
         # Punctuation stands among the words, without times.
         words=RecordList(
-            "alternatives[0].content", "start_time", "results.items", end="end_time", untimed=True
+            "alternatives[0].content",
+            "start_time",
+            "results.items",
+            end="end_time",
+            untimed=True,
+            speaker="speaker_label",
         ),
         form='{"results": {"items": [{"type": "pronunciation", "start_time": "0.1", "end_time": '
         '"0.62", "alternatives": [{"content": "maps"}]}]}}',
@@ -39,7 +44,9 @@ RECORD_FORMATS = (
     RecordFormat(
         "deepgram",
         "Words that Deepgram has recognised.",
-        words=RecordList("word", "start", "results.channels.alternatives[0].words", end="end"),
+        words=RecordList(
+            "word", "start", "results.channels.alternatives[0].words", end="end", speaker="speaker"
+        ),
         form='{"results": {"channels": [{"alternatives": [{"words": [{"word": "maps", "start": '
         '0.1, "end": 0.62}]}]}]}}',
     ),
@@ -58,6 +65,7 @@ RECORD_FORMATS = (
             "start",
             "result.transcription.utterances.words | transcription.utterances.words",
             end="end",
+            speaker="speaker",
         ),
         form='{"result": {"transcription": {"utterances": [{"words": [{"word": "maps", "start": '
         '0.1, "end": 0.62}]}]}}}',
@@ -67,10 +75,11 @@ RECORD_FORMATS = (
         "Words that Google's speech-to-text has recognised, version 1.",
         words=RecordList(
             "word",
-            "startTime",
+            "startTime|start_time",
             "results.alternatives[0].words | response.results.alternatives[0].words",
-            end="endTime",
+            end="endTime|end_time",
             from_zero=True,
+            speaker="speakerTag|speaker_tag|speakerLabel|speaker_label",
         ),
         form='{"results": [{"alternatives": [{"words": [{"word": "maps", "startTime": "0.100s", '
         '"endTime": "0.620s"}]}]}]}',
@@ -80,10 +89,11 @@ RECORD_FORMATS = (
         "Words that Google's speech-to-text has recognised, version 2.",
         words=RecordList(
             "word",
-            "startOffset",
+            "startOffset|start_offset",
             "results.alternatives[0].words",
-            end="endOffset",
+            end="endOffset|end_offset",
             from_zero=True,
+            speaker="speakerLabel|speaker_label",
         ),
         form='{"results": [{"alternatives": [{"words": [{"word": "maps", "startOffset": "0.100s", '
         '"endOffset": "0.620s"}]}]}]}',
@@ -150,14 +160,22 @@ RECORD_FORMATS = (
     RecordFormat(
         "rev",
         "Words that Rev has recognised.",
-        words=RecordList("value", "ts", "monologues.elements", end="end_ts", untimed=True),
+        words=RecordList(
+            "value", "ts", "monologues.elements", end="end_ts", untimed=True, speaker="speaker"
+        ),
         form='{"monologues": [{"elements": [{"type": "text", "value": "maps", "ts": 0.1, '
         '"end_ts": 0.62}]}]}',
     ),
     RecordFormat(
         "speechmatics",
         "Words that Speechmatics has recognised.",
-        words=RecordList("alternatives[0].content", "start_time", "results", end="end_time"),
+        words=RecordList(
+            "alternatives[0].content",
+            "start_time",
+            "results",
+            end="end_time",
+            speaker="alternatives[0].speaker",
+        ),
         form='{"results": [{"type": "word", "start_time": 0.1, "end_time": 0.62, "alternatives": '
         '[{"content": "maps"}]}]}',
     ),
