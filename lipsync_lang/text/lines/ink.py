@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
-from lipsync_lang.text.lines.yarn import YARN_SPEAKER
+from lipsync_lang.text.lines.yarn import speaker_before
 
 INK_COMMENT = re.compile(r"(?<![\\:])//.*|/\*(?:.*?(?P<closed>\*/)|.*)")
 INK_LOGIC = re.compile(r"=|~|VAR\b|CONST\b|LIST\b|EXTERNAL\b|INCLUDE\b|TODO:|->|<-")
@@ -101,7 +101,7 @@ def _lines(source: LineFile, number: int, text: str) -> Iterator[Line]:
         texts = [before + shown, before + after]
     for at, whole in enumerate(texts):
         one = INK_TAIL.sub("", whole, count=1).strip()
-        who = YARN_SPEAKER.match(one)
+        who = speaker_before(one)
         said = re.sub(r"\\(.)", r"\1", one[who.end() :] if who else one)
         if said:
             yield source.line(

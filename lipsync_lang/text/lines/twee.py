@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
-from lipsync_lang.text.lines.yarn import YARN_SPEAKER
+from lipsync_lang.text.lines.yarn import speaker_before
 
 HEAD_END = re.compile(r"(?<!\\)[\[{]")
 PASSAGE_TAGS = re.compile(r"(?<!\\)\[([^\]]*)\]")
@@ -36,7 +36,7 @@ def read(source: LineFile) -> Iterator[Line]:
         text = HARLOWE.sub(" ", MACRO.sub(" ", row)) if within else ""
         links = [_shown(found[1]) for found in LINK.finditer(text)]
         for said in (LINK.sub(" ", text).strip().strip("[]"), *links):
-            who = YARN_SPEAKER.match(said)
+            who = speaker_before(said)
             spoken = said[who.end() :] if who else said
             if any(map(str.isalnum, spoken)):
                 count += 1

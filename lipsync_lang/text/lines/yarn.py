@@ -18,6 +18,9 @@ JUMP = re.compile(r"\[\[(?:(?P<text>[^\[\]|]*)\|)?[^\[\]|]*\]\]\s*$")
 """Pattern of an option of the first version: ``[[Text|Node]]``, or a jump without a text."""
 
 YARN_SPEAKER = re.compile(r"(?P<who>[^\s:.,;!?\"<{\[\\#][^:.,;!?\"<{\[\\#\n]{0,39}):(?:\s+|$)")
+MAX_NAME_WORDS = 2
+"""Maximum number of words before a colon at the end of a line that are a name, and not spoken."""
+
 YARN_ESCAPE = re.compile(r"\\([:#/<>])")
 CHARACTER = re.compile(
     r"\[character\s+name\s*=\s*\"?(?P<who>[^\"\[\]]*)\"?[^\[\]]*\]|\[/character\]"
@@ -59,8 +62,15 @@ def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
         text = jump["text"] or ""
     stated = CHARACTER.search(text)
     text = CHARACTER.sub("", text).strip() if stated else text
-    found = YARN_SPEAKER.match(text)
+    found = speaker_before(text)
     speaker = ((stated and stated["who"]) or (found["who"] if found else "")).strip()
     said = YARN_ESCAPE.sub(r"\1", text[found.end() if found else 0 :]).strip()
     if said:
         yield source.line(number, said, name=name, speaker=speaker)
+
+
+def speaker_before(text: str) -> re.Match[str] | None:
+    """Return the name and the colon that a text begins with; None for a sentence with a colon."""
+    found = YARN_SPEAKER.match(text)
+    alone = found is not None and found.end() == len(text)
+    return None if alone and text.count(" ") >= MAX_NAME_WORDS else found

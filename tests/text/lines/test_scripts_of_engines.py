@@ -137,6 +137,8 @@ of rows. */
 {x:
 === knot
 - Bye{x: now}.
+Then she read:
+Old Bo:
 """
 INK_LINES = """\
 2: One.
@@ -158,6 +160,7 @@ INK_LINES = """\
 24:all Or bee stay.
 29: Either.
 32: Byenow.
+33: Then she read:
 """
 
 
