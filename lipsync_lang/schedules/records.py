@@ -182,8 +182,13 @@ def records_at(  # noqa: PLR0913 a path and its place
     found = whole.get(name) if isinstance(whole, dict) else ()
     found = [] if found is None else [found] if isinstance(found, dict) else found
     parts = source.object_list(found, f"`{name}` must be a list of objects; {_mend(form)}", line)
+    around = (
+        {}
+        if not isinstance(whole, dict) or inherited not in whole
+        else {str(inherited): whole[inherited]}
+    )
     for part in parts[:1] if first else parts:
-        inner = {inherited: whole[inherited], **part} if inherited in whole else part
+        inner = {**around, **part} if around else part
         if rest:
             yield from records_at(source, inner, rest, form, line, inherited=inherited)
         else:
