@@ -182,11 +182,9 @@ def records_at(  # noqa: PLR0913 a path and its place
     found = whole.get(name) if isinstance(whole, dict) else ()
     found = [] if found is None else [found] if isinstance(found, dict) else found
     parts = source.object_list(found, f"`{name}` must be a list of objects; {_mend(form)}", line)
-    around = (
-        {}
-        if not isinstance(whole, dict) or inherited not in whole
-        else {str(inherited): whole[inherited]}
-    )
+    around: Json = {}
+    if isinstance(whole, dict) and inherited in whole:
+        around = {inherited: whole[inherited]}
     for part in parts[:1] if first else parts:
         inner = {**around, **part} if around else part
         if rest:

@@ -94,11 +94,11 @@ def check_timing_formats(pack: Pack[Project]) -> Iterator[Fault]:
 
 def formats_for(project: Project, path: Path) -> list[tuple[str, str]]:
     """Return (field, name) of the formats of a project with the suffix of a file."""
-    scripts = project.script_formats.items()
-    suffixes = {("script_formats", name): (one.suffix,) for name, one in scripts}
-    for name in project.timing_formats:
-        suffixes["timing_formats", name] = (".json", ".jsonl")
-    return [one for one, ends in suffixes.items() if path.name.lower().endswith(ends)]
+    file, scripts = path.name.lower(), project.script_formats.items()
+    found = [("script_formats", name) for name, one in scripts if file.endswith(one.suffix)]
+    if file.endswith((".json", ".jsonl")):
+        found += [("timing_formats", name) for name in project.timing_formats]
+    return found
 
 
 def check_files(pack: Pack[Project], files: Iterable[Path]) -> Iterator[Fault]:
